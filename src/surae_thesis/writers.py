@@ -1,6 +1,7 @@
 """The folder of a reproduction: the page, its PDF, and the verdicts as Markdown."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from itertools import starmap
 from pathlib import Path
 
@@ -140,7 +141,7 @@ def pdf(context: Context, there: Chapters) -> bytes | None:
 
     if not has_typst():
         return None
-    return paper_of(document(context, there), _figures(context, there, "svg"))
+    return paper_of(asdict(document(context, there)), _figures(context, there, "svg"))
 
 
 def _figures(context: Context, there: Chapters, ending: str) -> dict[str, bytes]:

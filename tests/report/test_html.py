@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from surae.report import write_report
-from surae.report.explore import explorer
+from surae.report.explore import signals_of
 from surae.report.rendering import render
 from surae.report.traces import traces_of
 from surae.report.wording import adequacy_words
@@ -87,7 +87,7 @@ def test_all_parameters_verdicts_and_reasons_are_on_the_page(joint):
 def test_names_are_text(joint):
     parsed = Page(joint.page)
     assert HOSTILE not in joint.page
-    assert "</script>" not in explorer(traces_of(joint.result)).data
+    assert "</script>" not in signals_of(traces_of(joint.result))
     assert parsed.text.count(HOSTILE) >= 4  # title, heading, file, step
     assert len(parsed.all("script")) == 3  # the data, the library, its use
 
@@ -95,7 +95,7 @@ def test_names_are_text(joint):
 def test_the_plots_hold_the_signals_as_they_are(joint):
     """The first line of a page: measured torque, of which a step is a part in 65535."""
     for traces, shown in zip(
-        traces_of(joint.result), json.loads(explorer(traces_of(joint.result)).data), strict=True
+        traces_of(joint.result), json.loads(signals_of(traces_of(joint.result))), strict=True
     ):
         assert shown["name"] == traces.name
         index = np.frombuffer(base64.b64decode(shown["index"]), "<u4")
@@ -116,7 +116,7 @@ def test_what_is_not_finite_is_a_gap_and_emg_not_recorded_no_line(joint):
     broken = traces.modelled.copy()
     broken[5:] = np.nan
     (shown,) = json.loads(
-        explorer([replace(traces, modelled=broken, missing_emg=("ta", "gl", "sol"))]).data
+        signals_of([replace(traces, modelled=broken, missing_emg=("ta", "gl", "sol"))])
     )
     steps = np.frombuffer(base64.b64decode(shown["panels"][0][2][1][3]), "<u2")
     assert (steps[:5] < 65535).all()

@@ -53,7 +53,6 @@ OTHERS: dict[str, dict[str, Any]] = {
         "name": "x", "recordings": ["f" * 16], "fits": {"joint": "f" * 16},
         "content": {"adequacy": {"grade": "doubtful"}}, "settings": {},
     },
-    "comparison": {"conclusion": "x", "recordings": [], "models": [], "fit": None},
     "study": {"name": "x", "toml": 'name = "x"\nprotocol = "sine"\n', "rows": 1},
     "protocol": {"name": "x", "settings": {"profile": "multiple-holds"}},
     "upload": {"name": "x", "bytes": 1, "sha256": "", "session": "x"},

@@ -144,9 +144,11 @@ class SessionResult:
         InputError
             It cannot be written, or a PDF needs typst.
         """
-        from surae.report.rendering import write_session_report
+        from surae.report import check_report
+        from surae.report.rendering import session_blocks, write_blocks
 
-        write_session_report(path, **self._told(before))
+        check_report(path)
+        write_blocks(path, **session_blocks(**self._told(before)))
 
     def blocks(self) -> dict[str, Any]:
         """The leg's page as plain data: its blocks, its images as data URLs, and its signals."""

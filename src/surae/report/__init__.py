@@ -55,11 +55,17 @@ def style() -> str:
     return f".report {{\n{text.replace(':root', '&', 1)}{light}\n}}\n"
 
 
-def part_of(blocks: Sequence[Any], images: Mapping[str, str], signals: str = "") -> str:
+def part_of(
+    blocks: Sequence[Any],
+    images: Mapping[str, str],
+    signals: str = "",
+    **heading: Any,  # noqa: ARG001
+) -> str:
     """Blocks of a report as a part of another page, whose headings begin at the second level.
 
     All texts are escaped; blocks may be as they were or plain data, `images` are data URLs.
-    `signals` is what ``explore.js`` draws to be zoomed into, where the page has that script.
+    `signals` is what ``explore.js`` draws to be zoomed into, where the page has that script; a
+    `heading` is the other page's own.
     """
     macros: Any = template("blocks.html.j2", "surae.report").module
     data = f'<script type="application/json" id="signals">{signals}</script>' if signals else ""

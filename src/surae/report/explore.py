@@ -31,14 +31,21 @@ class Explorer:
     policy: str  #: The scripts' hashes: the page runs these and no others.
 
 
-def explorer(recordings: Sequence[Traces]) -> Explorer:
-    """The plots of every recording of a fit."""
-    points = max(_POINTS // max(len(recordings), 1), _FEWEST)
+def signals_of(recordings: Sequence[Traces]) -> str:
+    """The signals of every recording of a fit, as the plots read them; empty without any."""
+    if not recordings:
+        return ""
+    points = max(_POINTS // len(recordings), _FEWEST)
     data = json.dumps([_recording(traces, points) for traces in recordings], separators=(",", ":"))
+    return data.replace("<", "\\u003c")
+
+
+def explorer(signals: str) -> Explorer:
+    """The plots of signals."""
     scripts, style = _vendored()
     hashes = (hashlib.sha256(script.encode()).digest() for script in scripts)
     policy = " ".join(f"'sha256-{base64.b64encode(each).decode()}'" for each in hashes)
-    return Explorer(data.replace("<", "\\u003c"), scripts, style, policy)
+    return Explorer(signals, scripts, style, policy)
 
 
 @cache

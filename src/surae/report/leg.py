@@ -10,6 +10,7 @@ from surae.estimation import FitResult
 from surae.formatting import of_interval, percentage, significant
 from surae.measures import Measure, Measures, measures
 from surae.measures.change import ChangeVerdict, Difference, compare_sessions
+from surae.measures.compute import ANGLES
 from surae.measures.curve import TorqueCurve, torque_curve
 from surae.measures.leg import measured_range
 from surae.measures.measured import HeldPoint, MeasuredSlope, Stretch, measured_slope, stretch
@@ -64,10 +65,11 @@ _CALF = slice(1, 4)
 
 @dataclass(frozen=True, slots=True)
 class LegAnswers:
-    """The four answers as blocks, and their figures by name."""
+    """The four answers as blocks, their figures by name, and the measures they rest on."""
 
     blocks: tuple[Block, ...]
     figures: Mapping[str, Figure]
+    measures: Measures | None
 
 
 def leg_answers(
@@ -101,7 +103,7 @@ def leg_answers(
     holds, stretches = _measured(trials, fits)
     of_fit, at = None, _angle(joint, holds, stretches)
     if joint is not None:
-        angles = {at, *(_point(norm) for norm in read_norms())}
+        angles = {at, *ANGLES, *(_point(norm) for norm in read_norms())}
         of_fit = measures(*joint, sorted(angles))
     believed = of_fit is not None and not _PASSIVE & set(contradicted)
     m = None if of_fit is None else of_fit[f"passive_stiffness@{at:g}deg"]
@@ -127,7 +129,7 @@ def leg_answers(
         SectionBlock("Can I trust it?", _trust(joint, contradicted, holds, stretches), "trust",
                      "card"),
     )  # fmt: skip
-    return LegAnswers(cards, figures)
+    return LegAnswers(cards, figures, of_fit)
 
 
 def _measured(

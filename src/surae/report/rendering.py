@@ -1,6 +1,7 @@
 """Reports of fits and sessions: one HTML file that asks nothing of the outside, or a PDF."""
 
 import tempfile
+from base64 import b64decode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from importlib.resources import files
@@ -15,7 +16,7 @@ from surae.model import GeometryTable
 from surae.report.budget import BudgetSection, budget_section
 from surae.report.content import fit_document
 from surae.report.document import Document, SectionBlock
-from surae.report.explore import explorer
+from surae.report.explore import explorer, signals_of
 from surae.report.figures import (
     Figure,
     correlation_figure,
@@ -45,7 +46,7 @@ __all__ = [
     "render",
     "render_pdf",
     "session_blocks",
-    "write_session_report",
+    "write_blocks",
 ]
 
 #: Resolution of the others [dots per inch].
@@ -59,7 +60,7 @@ def render(
 ) -> str:
     """The page; the arguments are those of `surae.report.write_report`."""
     document, figures, traces = _of_fit(result, assessment, predictions, **about)
-    return page_of(document, _urls(figures), traces)
+    return page_of(document, _urls(figures), signals_of(traces))
 
 
 def fit_blocks(result: FitResult, assessment: Assessment, **about: Any) -> dict[str, Any]:
@@ -88,9 +89,8 @@ def _urls(figures: Iterable[tuple[str, Figure]]) -> dict[str, str]:
 def _plain(
     document: Document, images: Mapping[str, str], traces: Sequence[Traces]
 ) -> dict[str, Any]:
-    """What `surae.report.part_of` takes."""
-    signals = explorer(traces).data if traces else ""
-    return {"blocks": asdict(document)["blocks"], "images": images, "signals": signals}
+    """What `surae.report.part_of` and `write_blocks` take."""
+    return asdict(document) | {"images": images, "signals": signals_of(traces)}
 
 
 def render_pdf(
@@ -99,7 +99,7 @@ def render_pdf(
     """The report as PDF; the arguments are those of `surae.report.write_report`."""
     require_typst()
     document, figures, _ = _of_fit(result, assessment, predictions, **about)
-    return paper_of(document, {name: svg(figure) for name, figure in figures})
+    return paper_of(asdict(document), {name: svg(figure) for name, figure in figures})
 
 
 def _of_fit(
@@ -147,26 +147,49 @@ def drawings(
         )
 
 
-def page_of(document: Document, images: Mapping[str, str], traces: Sequence[Traces] = ()) -> str:
-    """A document as a page, its images data URLs; the signals of `traces` can be zoomed into."""
+def page_of(
+    document: Document | Mapping[str, Any], images: Mapping[str, str], signals: str = ""
+) -> str:
+    """A document as a page, its images data URLs; what `signals` holds can be zoomed into."""
     return template("page.html.j2", "surae.report").render(
-        document=document, images=images, explore=explorer(traces) if traces else None
+        document=document, images=images, explore=explorer(signals) if signals else None
     )
 
 
-def paper_of(document: Document, images: Mapping[str, bytes]) -> bytes:
-    """A document as PDF, its images SVG."""
+def paper_of(document: Mapping[str, Any], images: Mapping[str, bytes]) -> bytes:
+    """A document, as plain data, as PDF; its images are SVG."""
     with tempfile.TemporaryDirectory(prefix="surae-pdf-") as folder:
         for name, drawn in images.items():
             Path(folder, f"{name}.svg").write_bytes(drawn)
         markup = files("surae.report").joinpath("templates", "paper.typ").read_bytes()
-        return typeset(markup, Path(folder), asdict(document) | {"images": list(images)})
+        return typeset(markup, Path(folder), {**document, "images": list(images)})
 
 
-def write_session_report(path: PathLike, **about: Any) -> None:
-    """Write the report of a session to `path`, a PDF where it ends in ``.pdf``.
+def session_blocks(**about: Any) -> dict[str, Any]:
+    """The report of a session as plain data for `surae.report.part_of` and `write_blocks`.
 
     `about` is as of `surae.report.session.session_report`.
+    """
+    report, joint = session_report(**about), about["joint"]
+    urls = {name: data_url(svg(figure)) for name, figure in report.figures.items()}
+    return _plain(report.document, urls, () if joint is None else traces_of(joint[0]))
+
+
+def write_blocks(
+    path: PathLike, *, images: Mapping[str, str], signals: str = "", **document: Any
+) -> None:
+    """Write a report that is plain data, its images SVG: a PDF where `path` ends so, or a page.
+
+    Parameters
+    ----------
+    path : path
+        Where to.
+    images : mapping of str to str
+        Data URLs by name.
+    signals : str
+        What can be zoomed into.
+    **document
+        The fields of `surae.report.document.Document`.
 
     Raises
     ------
@@ -176,22 +199,8 @@ def write_session_report(path: PathLike, **about: Any) -> None:
         Typst cannot set the PDF.
     """
     check_report(path)
-    report = session_report(**about)
-    images = {name: svg(figure) for name, figure in report.figures.items()}
     if is_pdf(path):
-        write_atomic(path, paper_of(report.document, images))
-        return
-    joint = about["joint"]
-    urls = {name: data_url(drawn) for name, drawn in images.items()}
-    traces = () if joint is None else traces_of(joint[0])
-    write_atomic(path, page_of(report.document, urls, traces))
-
-
-def session_blocks(**about: Any) -> dict[str, Any]:
-    """The report of a session as plain data for `surae.report.part_of`.
-
-    `about` is as of `write_session_report`.
-    """
-    report, joint = session_report(**about), about["joint"]
-    urls = {name: data_url(svg(figure)) for name, figure in report.figures.items()}
-    return _plain(report.document, urls, () if joint is None else traces_of(joint[0]))
+        drawn = {name: b64decode(url.partition(",")[2]) for name, url in images.items()}
+        write_atomic(path, paper_of(document, drawn))
+    else:
+        write_atomic(path, page_of(document, images, signals))

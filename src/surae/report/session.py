@@ -8,7 +8,7 @@ import numpy as np
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.formatting import NO_NUMBER, estimate, of_interval, percentage, signed, significant
-from surae.measures import Measure, measures
+from surae.measures import Measure, Measures
 from surae.quality import Finding, Quality
 from surae.report.budget import budget_blocks, budget_section
 from surae.report.document import (
@@ -135,7 +135,7 @@ def session_report(
         figures["torques"] = fit_figure(
             shown[0], [f"R² {percentage(each.r2)} %" for each in shown[1].recordings]
         )
-        details += [_torques_section(), _measures_section(shown)]
+        details += [_torques_section(), *_measures_section(answers.measures)]
         for number, trial in enumerate(traces_of(shown[0])):
             for place, film in enumerate(trial.films):
                 drawn = f"film-{number}-{place}"
@@ -226,9 +226,9 @@ def _signals_section(joined: Sequence[str]) -> SectionBlock:
     return SectionBlock("Signals", blocks, "signals", "explorer")
 
 
-def _measures_section(fit: AssessedFit) -> SectionBlock:
+def _measures_section(of_fit: Measures | None) -> tuple[SectionBlock, ...]:
     """Every measure that is known, and how many are not."""
-    every = list(measures(*fit).values())
+    every = [] if of_fit is None else list(of_fit.values())
     rows: Iterator[TableRow] = (
         (
             TableCell(m.name, kind="code", meaning=m.meaning),
@@ -243,7 +243,7 @@ def _measures_section(fit: AssessedFit) -> SectionBlock:
     unknown = sum(not is_known(m) for m in every)
     note = f"{unknown} other measures are not known from these trials; surae measures lists why."
     table = TableBlock("Measures that are known", heads, rows_of(rows))
-    return SectionBlock("Measures", (table, TextBlock(note, "note")), "measures")
+    return (SectionBlock("Measures", (table, TextBlock(note, "note")), "measures"),)
 
 
 def _measured(m: Measure) -> tuple[str, str]:

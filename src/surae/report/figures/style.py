@@ -31,7 +31,7 @@ _HEADING, _ENTRY = 2.0, 0.85
 #: Letters of a footnote in an inch.
 _LETTERS = 14
 _COLOURS = 256
-_RANDOM_ID = re.compile(r'id="([a-z]+[0-9a-f]{10})"')
+_RANDOM_ID = re.compile(r'(?<=["#])[a-z]+[0-9a-f]{10}(?=[")])')
 
 
 def new_figure(height: float, *, width: float = WIDTH) -> Figure:
@@ -143,10 +143,10 @@ def svg(figure: Figure) -> bytes:
     buffer = io.StringIO()
     canvas: Any = FigureCanvasSVG(figure)
     canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})
-    text = buffer.getvalue()
-    for number, name in enumerate(dict.fromkeys(_RANDOM_ID.findall(text))):
-        text = text.replace(name, f"i{number}")
-    return text.encode()
+    names: dict[str, str] = {}
+    return _RANDOM_ID.sub(
+        lambda found: names.setdefault(found.group(), f"i{len(names)}"), buffer.getvalue()
+    ).encode()
 
 
 def data_url(data: bytes, kind: str = "svg+xml") -> str:

@@ -24,9 +24,7 @@ KEPT = 30
 #: Finished jobs that are remembered; results are kept whether or not their job is.
 JOBS = 500
 #: A file in the trash that we put there.
-_TRASHED = re.compile(
-    r"(recordings|fits|sessions|comparisons|studies|uploads)-[0-9a-f]{16}[a-z0-9.-]{0,40}"
-)
+_TRASHED = re.compile(r"(recordings|fits|sessions|studies|uploads)-[0-9a-f]{16}[a-z0-9.-]{0,40}")
 
 
 def clean(folder: Path, database: Database, day: int, old: float | None) -> None:

@@ -13,13 +13,12 @@ from surae_workbench.web.rows import ID
 
 DATABASE = "project.db"
 #: Folders of things.
-FOLDERS = ("recordings", "fits", "sessions", "comparisons", "studies", "uploads", "trash")
+FOLDERS = ("recordings", "fits", "sessions", "studies", "uploads", "trash")
 #: Where the file of a thing lies.
 FILES = {
     "recording": ("recordings", ".h5"),
     "fit": ("fits", ".json"),
-    "session": ("sessions", ".html"),
-    "comparison": ("comparisons", ".json"),
+    "session": ("sessions", ".json"),
     "study": ("studies", ".db"),
 }
 

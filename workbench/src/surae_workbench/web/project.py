@@ -39,7 +39,7 @@ class Project:
     ----------
     folder : path
         Made where it is missing, or begun where it is empty: ``project.db``, ``recordings/*.h5``,
-        ``fits/*.json``, ``sessions/*.html``, ``comparisons/*.json``, ``studies/*.db``,
+        ``fits/*.json``, ``sessions/*.json``, ``studies/*.db``,
         ``uploads/`` and ``trash/``.
 
     Raises

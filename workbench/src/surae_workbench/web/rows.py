@@ -113,13 +113,6 @@ class _Session(_Row):
     settings: dict[str, Any]
 
 
-class _Comparison(_Row):  # of surae 0.1; kept as they are
-    conclusion: str
-    recordings: list[_Id]
-    models: list[str]
-    fit: _Id | None = None
-
-
 class _Study(_Row):
     name: str
     toml: str
@@ -139,7 +132,7 @@ class _Upload(_Row):
 
 
 class _Job(_Row):
-    kind: Literal["fit", "profile", "session", "compare", "study", "design"]
+    kind: Literal["fit", "profile", "session", "study", "design"]
     label: str
     state: Literal["queued", "running", "done", "failed", "cancelled", "interrupted"]
     session: str
@@ -164,7 +157,6 @@ KINDS: dict[str, type[_Row]] = {
     "recording": _Recording,
     "fit": _Fit,
     "session": _Session,
-    "comparison": _Comparison,
     "study": _Study,
     "protocol": _Protocol,
     "upload": _Upload,

@@ -101,7 +101,7 @@ def _counted(times: FloatArray, spans: list[list[float]]) -> Any:
 
 def warm() -> None:
     """Run every model once on a short made-up signal."""
-    n = 64
+    n = 128  # as many as filters need
     t = np.arange(n) / 128.0
     zeros = np.zeros(n)
     inputs = api.ModelInputs(

@@ -3,6 +3,7 @@
 A job takes its task, which is plain data, tells what happens, and returns plain data.
 """
 
+import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -88,8 +89,6 @@ def session(task: Task) -> dict[str, Any]:
     fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
     for name, fitted in fits.items():
         fitted.save(_file(task, "fits", task["fits"][name], ".json"))
-    for suffix in (".html", *((".pdf",) if api.has_typst() else ())):
-        result.report(_file(task, "sessions", task["id"], suffix))
     write_json(_file(task, "sessions", task["id"], ".json"), result.blocks())
     graded = None if result.main is None else {"grade": str(result.main.adequacy.grade)}
     return {
@@ -194,6 +193,11 @@ def report(fit: str, output: str, language: str | None = None) -> None:
         api.load(fit).report(output)
     else:
         api.write_clinical_page(output, [api.load(fit)], language=language)
+
+
+def leg_report(blocks: str, output: str) -> None:
+    """Write a leg's page as a file to keep."""
+    api.write_blocks(output, **json.loads(Path(blocks).read_text(encoding="utf-8")))
 
 
 def fit_part(fit: str) -> str:

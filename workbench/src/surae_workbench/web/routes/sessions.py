@@ -3,10 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import date
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query
-from fastapi.responses import FileResponse
+from fastapi import APIRouter, Query, Response
 
 from surae import api
 from surae_workbench.web.database import new_id
@@ -20,6 +19,7 @@ from surae_workbench.web.routes.common import (
     PathId,
     attachment,
     chosen_draft,
+    made_file,
     offer_deletion,
 )
 from surae_workbench.web.rows import Thing
@@ -29,7 +29,7 @@ from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api/sessions", responses=ERRORS, tags=["sessions"])
 
-_TYPES = {".html": "text/html", ".pdf": "application/pdf"}
+_TYPES = {"html": "text/html", "pdf": "application/pdf"}
 
 
 @router.post("/trials")
@@ -92,25 +92,24 @@ def patch_session(id: PathId, body: NameRequest, bench: Bench) -> dict[str, Any]
 offer_deletion(router, "/{id}", "session")
 
 
-@router.get("/{id}/report.html", response_class=FileResponse)
-def get_page(id: PathId, bench: Bench) -> FileResponse:
+@router.get("/{id}/report.{kind}", response_class=Response)
+def get_report(id: PathId, kind: Literal["html", "pdf"], bench: Bench) -> Response:
     """Its report: one file to keep."""
-    return _report(bench, id, ".html")
+    row = bench.project.need("session", id)
+    blocks = bench.project.path("sessions", id, ".json")
+    if not blocks.is_file():
+        raise RefusedError(404, "the report of this leg is missing; analyse it again")
 
+    def make() -> bytes:
+        return made_file(
+            f"report.{kind}",
+            lambda path: bench.workers.ask(
+                "tasks:leg_report", blocks=str(blocks), output=str(path)
+            ),
+        )
 
-@router.get("/{id}/report.pdf", response_class=FileResponse)
-def get_paper(id: PathId, bench: Bench) -> FileResponse:
-    """Its report for paper."""
-    return _report(bench, id, ".pdf")
-
-
-def _report(bench: Bench, id_: str, suffix: str) -> FileResponse:
-    row = bench.project.need("session", id_)
-    path = bench.project.path("sessions", id_, suffix)
-    if not path.is_file():
-        raise RefusedError(404, "this file of the session is missing; fit the session again")
-    headers = attachment(row["name"], suffix)
-    return FileResponse(path, media_type=_TYPES[suffix], headers=headers)
+    data = bench.reports.get((id, kind), make)  # it never changes
+    return Response(data, media_type=_TYPES[kind], headers=attachment(row["name"], f".{kind}"))
 
 
 _TOGETHER = "all together"
@@ -235,5 +234,5 @@ def session_detail(bench: Workbench, session: Thing) -> dict[str, Any]:
             and (each["subject"], each["side"]) == (own["subject"], own["side"])
         ],
         "fits": {name: fit_summary(bench, fit) for name, fit in fits.items() if fit is not None},
-        "paper": bench.project.path("sessions", session["id"], ".pdf").is_file(),
+        "paper": api.has_typst(),
     }
