@@ -6,6 +6,7 @@ Legs of `legs/`, two trials each, written as CSV files and fitted as anybody wou
 
 The scorer of `legs/` counts, the worst family first: what is identified and how much of it is true,
 intervals that hold the truth, and values called repeatable that the other trial repeats. With
+`--joint 3` three trials of other movement are one visit, fitted jointly. With
 `--changes` each leg is measured mounted anew and treated as well, and `surae.change` compares all
 trials with the first. Families a to j and p may be looked at while `auto` is made, l-1 to l-20 not.
 """
@@ -64,12 +65,21 @@ def main() -> None:
     parser.add_argument("--changes", action="store_true", help="count changes too")
     parser.add_argument("--model", default="auto")
     parser.add_argument("--raw", action="store_true", help="raw EMG at 1024 Hz")
+    parser.add_argument(
+        "--joint",
+        type=int,
+        default=0,
+        metavar="N",
+        help="visits of N trials, at most 3, fitted jointly",
+    )
     parser.add_argument("--output", type=Path, metavar="DIR", help="keep answers.csv, changes.csv")
     given = parser.parse_args()
     warnings.simplefilter("ignore")
     said: list[list[object]] = []
     compared: list[list[object]] = []
-    trials = sorted({*TRIALS, *(COMPARED if given.changes else ())})
+    compare = COMPARED if not given.joint else tuple(n for n in COMPARED if n > given.joint)
+    first = (1,) if given.joint else TRIALS
+    trials = sorted({*first, *(compare if given.changes else ())})
     with tempfile.TemporaryDirectory() as temporary:
         folder = given.output or Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
@@ -77,15 +87,16 @@ def main() -> None:
             for seed in given.seeds:
                 fits = {}
                 for trial in trials:
-                    (path,) = make(family, seed, Path(temporary), (trial,), raw=given.raw)
+                    visit = tuple(range(trial, trial + max(1, given.joint)))
+                    paths = make(family, seed, Path(temporary), visit, raw=given.raw)
                     begin = time.process_time()
-                    fits[trial] = surae.fit(path, model=given.model, quality=())
+                    fits[trial] = surae.fit(paths, model=given.model, quality=())
                     seconds = time.process_time() - begin
                     print(f"{family}-{seed}, trial {trial}: {seconds:.1f} s of processor, "
                           f"{fits[trial].result.message}", file=sys.stderr, flush=True)  # fmt: skip
-                for trial in TRIALS:
+                for trial in first:
                     said += [[family, seed, trial, *row] for row in answers(fits[trial])]
-                for trial in COMPARED if given.changes else ():
+                for trial in compare if given.changes else ():
                     told = surae.change(fits[1], fits[trial])
                     compared += [
                         [family, seed, 1, trial, d.name, d.verdict]
