@@ -1,11 +1,13 @@
 """What the muscles do: at rest where they should be, active where they should be."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from surae.quality.emg import REST_VOLTS
-from surae.quality.finding import Finding, Skipped, muscle_name
+from surae.quality.finding import Finding, Unjudged, muscle_name
 from surae.quality.kinds import found
-from surae.quality.numeric import BoolArray, quantile, quantiles, runs, smooth
+from surae.quality.numeric import BoolArray, quantile, quantiles, runs, smooth, span_of
 from surae.quality.reflex import Reflex, reflex
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES
@@ -30,20 +32,16 @@ TOGETHER = 0.25
 CO_CONTRACTION = 0.5
 
 
-def passive_part(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def passive_part(trial: CheckedTrial) -> Iterator[Finding]:
     """Activity in the time that was to be passive."""
     if trial.effort is None:
-        return Skipped(
-            "passive-not-passive",
-            "No effort task is given or recognised: no time is known passive.",
-        )
+        raise Unjudged("No effort task is given or recognised: no time is known passive.")
     quiet = _quiet_time(trial)
     if float(quiet.sum()) < 2.0 * trial.rate_hz:
-        return Skipped("passive-not-passive", "The task has no passive part.")
+        raise Unjudged("The task has no passive part.")
     stretched: Reflex | None = None
-    findings = []
     for muscle, envelope in trial.slow.items():
-        channel = trial.recording.channels[f"emg_{muscle}"]
+        channel = trial.emg[muscle]
         top = quantile(envelope, 0.98)
         rest = quantile(envelope[quiet], 0.1)
         active = quiet & (envelope > max(RELAXED * top, ABOVE_REST * rest))
@@ -57,17 +55,11 @@ def passive_part(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
             continue
         where = np.flatnonzero(active)
         level = float(envelope[active].max())
-        findings.append(
-            found(
-                "passive-not-passive",
-                channel.role,
-                (trial.time[where[0]], trial.time[where[-1]]),
-                level / top,
-                f"The {muscle_name(muscle)} is active for {seconds:.2g} s of the passive part, up "
-                f"to {100 * level / top:.2g} % of its largest activity.",
-            )
-        )
-    return tuple(findings)
+        yield found(
+            "passive-not-passive", channel.role, span_of(trial.time, where), level / top,
+            f"The {muscle_name(muscle)} is active for {seconds:.2g} s of the passive part, up "
+            f"to {100 * level / top:.2g} % of its largest activity.",
+        )  # fmt: skip
 
 
 def _quiet_time(trial: CheckedTrial) -> BoolArray:
@@ -80,41 +72,35 @@ def _quiet_time(trial: CheckedTrial) -> BoolArray:
     return quiet
 
 
-def active_part(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def active_part(trial: CheckedTrial) -> Iterator[Finding]:
     """Muscles that are not active in the time that was to be active."""
     if not trial.slow:
-        return Skipped("active-not-active", "There is no EMG.")
+        raise Unjudged("There is no EMG.")
     asked = None if trial.commanded is None else trial.commanded.effort
     if asked is not None and float(np.max(asked)) == 0.0:
-        return Skipped("active-not-active", "No effort was asked for.")
+        raise Unjudged("No effort was asked for.")
     idle = {m: _idle(trial, m) for m in trial.slow}
     if all(idle.values()):
         top = max(quantile(e, 0.98) for e in trial.slow.values())
-        unit = trial.recording.channels[f"emg_{next(iter(trial.slow))}"].unit
-        return (
-            found(
-                "active-not-active",
-                None,
-                (trial.start, trial.end),
-                top,
-                "No muscle is active at any time.",
-                unit=unit,
-                advice="Record efforts in both directions; of a passive trial, fix g1 to g4, "
-                "l0_tri, l0_tib, f0 and beta.",
-            ),
-        )
-    findings = []
-    for name, muscles in (("triceps", trial.triceps), ("ta", tuple(m for m in idle if m == "ta"))):
-        if muscles and all(idle[m] for m in muscles):
-            findings.append(_side(trial, name, muscles))
-    if findings:
-        return tuple(findings)
-    return (() if trial.effort is None else _bursts(trial)) or _stopped(trial)
+        unit = trial.emg[next(iter(trial.slow))].unit
+        yield found(
+            "active-not-active", None, trial.span, top, "No muscle is active at any time.",
+            unit=unit,
+            advice="Record efforts in both directions; of a passive trial, fix g1 to g4, "
+            "l0_tri, l0_tib, f0 and beta.",
+        )  # fmt: skip
+        return
+    sides = (("triceps", trial.triceps), ("ta", tuple(m for m in idle if m == "ta")))
+    still = [side for side in sides if side[1] and all(idle[m] for m in side[1])]
+    if still:
+        yield from (_side(trial, *side) for side in still)
+    else:
+        yield from [*_bursts(trial)] or _stopped(trial)
 
 
 def _idle(trial: CheckedTrial, muscle: str) -> bool:
     envelope = trial.slow[muscle]
-    unit = trial.recording.channels[f"emg_{muscle}"].unit
+    unit = trial.emg[muscle].unit
     top, rest = quantiles(envelope, 0.98, 0.05)
     return top < _rest(unit) or top < VARIES * rest
 
@@ -128,19 +114,17 @@ def _side(trial: CheckedTrial, name: str, muscles: tuple[str, ...]) -> Finding:
     lost = "g2 to g4 and l0_tri" if name == "triceps" else "g1 and l0_tib"
     top = max(quantile(trial.slow[m], 0.98) for m in muscles)
     return found(
-        "active-not-active",
-        f"emg_{muscles[0]}",
-        (trial.start, trial.end),
-        top,
+        "active-not-active", f"emg_{muscles[0]}", trial.span, top,
         f"The {long} is not active at any time.",
-        unit=trial.recording.channels[f"emg_{muscles[0]}"].unit,
+        unit=trial.emg[muscles[0]].unit,
         advice=f"Record efforts in that direction too, or fix {lost}.",
-    )
+    )  # fmt: skip
 
 
-def _bursts(trial: CheckedTrial) -> tuple[Finding, ...]:
+def _bursts(trial: CheckedTrial) -> Iterator[Finding]:
     """Bursts that were asked for and did not come."""
-    assert trial.effort is not None
+    if trial.effort is None:
+        return
     missed: list[tuple[int, int]] = []
     total = 0
     for muscles in (trial.triceps, tuple(m for m in trial.slow if m == "ta")):
@@ -157,43 +141,32 @@ def _bursts(trial: CheckedTrial) -> tuple[Finding, ...]:
             if float(done[later].max()) < 0.25 * float(asked[first:last].max()):
                 missed.append((first, last))
     if total == 0 or len(missed) <= MISSED * total:
-        return ()
+        return
     first = min(stretch[0] for stretch in missed)
     last = max(stretch[1] for stretch in missed) - 1
-    return (
-        found(
-            "active-not-active",
-            None,
-            (trial.time[first], trial.time[last]),
-            len(missed) / total,
-            f"{len(missed)} of {total} efforts of the task were not made.",
-        ),
-    )
+    yield found(
+        "active-not-active", None, (trial.time[first], trial.time[last]), len(missed) / total,
+        f"{len(missed)} of {total} efforts of the task were not made.",
+    )  # fmt: skip
 
 
-def _stopped(trial: CheckedTrial) -> tuple[Finding, ...]:
+def _stopped(trial: CheckedTrial) -> Iterator[Finding]:
     """A long time without any effort, once efforts have begun."""
     active = np.max([_relative(e) for e in trial.slow.values()], axis=0) > 0.1
     where = np.flatnonzero(active)
     if not where.size:
-        return ()
+        return
     begun = int(where[0])
     still = [*runs(~active[begun:])]
     first, last = max(still, key=lambda stretch: stretch[1] - stretch[0], default=(0, 0))
     seconds = (last - first) / trial.rate_hz
     if seconds < STILL_SECONDS or last - first < STILL_SHARE * (len(active) - begun):
-        return ()
-    return (
-        found(
-            "active-not-active",
-            None,
-            (trial.time[begun + first], trial.time[begun + last - 1]),
-            seconds,
-            f"No muscle is active for {seconds:.2g} s, once efforts have begun.",
-            unit="s",
-            advice="Repeat the trial if efforts were asked for: that time shows no active muscle.",
-        ),
-    )
+        return
+    yield found(
+        "active-not-active", None, (trial.time[begun + first], trial.time[begun + last - 1]),
+        seconds, f"No muscle is active for {seconds:.2g} s, once efforts have begun.", unit="s",
+        advice="Repeat the trial if efforts were asked for: that time shows no active muscle.",
+    )  # fmt: skip
 
 
 def _relative(envelope: FloatArray) -> FloatArray:
@@ -201,14 +174,14 @@ def _relative(envelope: FloatArray) -> FloatArray:
     return (envelope - low) / max(high - low, 1e-300)
 
 
-def co_contraction(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
     """Both sides of the ankle active at the same time, nearly throughout."""
     triceps, ta = trial.group("triceps", fast=True), trial.group("ta", fast=True)
     width = round(0.15 * trial.rate_hz)
     if triceps is None or ta is None:
-        return Skipped("co-contraction", "There is no EMG of both sides of the ankle.")
+        raise Unjudged("There is no EMG of both sides of the ankle.")
     if _silent(trial):
-        return ()
+        return
     levels = []
     for envelope in (triceps, ta):
         smoothed = envelope if trial.emg_kind == "envelope" else smooth(envelope, width)
@@ -217,23 +190,15 @@ def co_contraction(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     both = np.minimum(*levels) > TOGETHER
     share = float(both.sum()) / max(float(either.sum()), 1.0)
     if share <= CO_CONTRACTION:
-        return ()
+        return
     where = np.flatnonzero(both)
-    return (
-        found(
-            "co-contraction",
-            "emg_ta",
-            (trial.time[where[0]], trial.time[where[-1]]),
-            share,
-            f"Triceps and tibialis anterior are active together in {100 * share:.0f} % of the time "
-            "in which either is.",
-        ),
-    )
+    yield found(
+        "co-contraction", "emg_ta", span_of(trial.time, where), share,
+        f"Triceps and tibialis anterior are active together in {100 * share:.0f} % of the time "
+        "in which either is.",
+    )  # fmt: skip
 
 
 def _silent(trial: CheckedTrial) -> bool:
     """Whether nothing stands out of the EMG at all."""
-    return all(
-        quantile(e, 0.98) < _rest(trial.recording.channels[f"emg_{m}"].unit)
-        for m, e in trial.slow.items()
-    )
+    return all(quantile(e, 0.98) < _rest(trial.emg[m].unit) for m, e in trial.slow.items())

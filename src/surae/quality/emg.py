@@ -1,10 +1,12 @@
 """EMG channels one by one: missing, flat, clipped, offset, artefacts."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from surae.quality.finding import Finding, muscle_name, quantity, weight_of
 from surae.quality.kinds import found
-from surae.quality.numeric import equal_runs, quantile, runs, smooth
+from surae.quality.numeric import equal_runs, quantile, runs, smooth, span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES, Channel
 from surae.recording.emg_kind import emg_contradictions
@@ -40,7 +42,7 @@ SLOW_SPIKE = 0.9
 _SLOW_WINDOW = 0.04
 
 
-def kind(trial: CheckedTrial) -> tuple[Finding, ...]:
+def kind(trial: CheckedTrial) -> Iterator[Finding]:
     """EMG that is not what it is declared to be, which a fit would refuse or filter wrongly."""
     declared = trial.recording.emg
     for role, sentence in emg_contradictions(trial.recording).items():
@@ -49,77 +51,53 @@ def kind(trial: CheckedTrial) -> tuple[Finding, ...]:
             statement, _, advice = sentence.partition(": ")
             if declared == "raw":
                 advice += "; a fit refuses it else, unless all signals are prepared (--prepared)"
-            return (
-                found(
-                    "emg-kind",
-                    role,
-                    (trial.start, trial.end),
-                    float(channel.values.min()),
-                    f"{statement}.",
-                    # An envelope is right where all signals are prepared, as --prepared says.
-                    severity="error" if declared == "envelope" else "warning",
-                    unit=channel.unit,
-                    advice=f"{advice[:1].upper()}{advice[1:]}.",
-                ),
+            yield found(
+                "emg-kind",
+                role,
+                trial.span,
+                float(channel.values.min()),
+                f"{statement}.",
+                # An envelope is right where all signals are prepared, as --prepared says.
+                severity="error" if declared == "envelope" else "warning",
+                unit=channel.unit,
+                advice=f"{advice[:1].upper()}{advice[1:]}.",
             )
-    return ()
+            return
 
 
-def missing(trial: CheckedTrial) -> tuple[Finding, ...]:
+def missing(trial: CheckedTrial) -> Iterator[Finding]:
     """Muscles without an EMG channel."""
-    findings = []
     for muscle in MUSCLES:
         role, weight = f"emg_{muscle}", weight_of(muscle)
         if role in trial.recording.channels:
             continue
         is_fixed = weight in trial.recording.fixed
-        findings.append(
-            found(
-                "emg-missing",
-                role,
-                (trial.start, trial.end),
-                None,
-                f"There is no EMG of the {muscle_name(muscle)}"
-                + (f"; its weight {weight} is fixed." if is_fixed else "."),
-                severity="info" if is_fixed else "warning",
-                advice="Read the weights of the other muscles with care: they take over what it "
-                "does."
-                if is_fixed
-                else f"Add the channel, or fix its weight with --fixed {weight}=0.",
-            )
-        )
-    return tuple(findings)
+        yield found(
+            "emg-missing", role, trial.span, None,
+            f"There is no EMG of the {muscle_name(muscle)}"
+            + (f"; its weight {weight} is fixed." if is_fixed else "."),
+            severity="info" if is_fixed else "warning",
+            advice="Read the weights of the other muscles with care: they take over what it does."
+            if is_fixed
+            else f"Add the channel, or fix its weight with --fixed {weight}=0.",
+        )  # fmt: skip
 
 
-def flat(trial: CheckedTrial) -> tuple[Finding, ...]:
+def flat(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels, or parts of them, that are constant or far below the others."""
-    channels = _channels(trial)
     tops = {m: quantile(e, 0.98) for m, e in trial.slow.items()}
     strongest = max(tops.values(), default=0.0)
-    findings: list[Finding] = []
-    for muscle, channel in channels.items():
+    for muscle, channel in trial.emg.items():
         if muscle not in trial.slow:
-            level = float(channel.values[0])
-            findings.append(
-                _flat(muscle, channel, 0, len(channel.time) - 1, f"is constant at {level:.3g}")
-            )
+            yield _flat(channel, f"is constant at {float(channel.values[0]):.3g}")
         elif tops[muscle] < SILENT * strongest:
-            findings.append(
-                _flat(
-                    muscle,
-                    channel,
-                    0,
-                    len(channel.time) - 1,
-                    f"never exceeds {100 * tops[muscle] / strongest:.2g} % of the strongest "
-                    "muscle's",
-                )
-            )
+            share = 100 * tops[muscle] / strongest
+            yield _flat(channel, f"never exceeds {share:.2g} % of the strongest muscle's")
         else:
-            findings += _dropouts(trial, muscle, channel)
-    return tuple(findings)
+            yield from _dropouts(trial, channel)
 
 
-def _dropouts(trial: CheckedTrial, muscle: str, channel: Channel) -> list[Finding]:
+def _dropouts(trial: CheckedTrial, channel: Channel) -> Iterator[Finding]:
     values = channel.values
     first, length = equal_runs(values)
     long = length > DROPOUT * channel.rate_hz
@@ -134,39 +112,27 @@ def _dropouts(trial: CheckedTrial, muscle: str, channel: Channel) -> list[Findin
             long &= ~at_rest
         # A plateau at the top is clipped, which is another finding.
         long &= values[first] < high
-    return [
-        _flat(
-            muscle,
-            channel,
-            int(begin),
-            int(begin + count - 1),
-            f"keeps the value {values[begin]:.3g} for {count / channel.rate_hz:.2g} s",
-        )
-        for begin, count in zip(first[long], length[long], strict=True)
-    ]
+    for begin, count in zip(first[long], length[long], strict=True):
+        state = f"keeps the value {values[begin]:.3g} for {count / channel.rate_hz:.2g} s"
+        yield _flat(channel, state, int(begin), int(begin + count - 1))
 
 
-def _flat(muscle: str, channel: Channel, first: int, last: int, state: str) -> Finding:
-    whole = last - first >= len(channel.time) - 1
-    span = float(channel.time[last] - channel.time[first])
+def _flat(channel: Channel, state: str, first: int = 0, last: int = -1) -> Finding:
+    start, end = float(channel.time[first]), float(channel.time[last])
+    whole, muscle = (start, end) == span_of(channel.time), channel.role.removeprefix("emg_")
     return found(
-        "emg-flat",
-        channel.role,
-        (channel.time[first], channel.time[last]),
-        span,
-        f"The EMG of the {muscle_name(muscle)} {state}.",
-        severity="error" if whole else "warning",
+        "emg-flat", channel.role, (start, end), end - start,
+        f"The EMG of the {muscle_name(muscle)} {state}.", severity="error" if whole else "warning",
         advice=f"Check electrode and cable; fix {weight_of(muscle)} at 0 if the muscle was at "
         "rest, else record again."
         if whole
         else "Leave that time out of the fit with --exclude, or record again.",
-    )
+    )  # fmt: skip
 
 
-def clipped(trial: CheckedTrial) -> tuple[Finding, ...]:
+def clipped(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels that end at a plateau, as behind an amplifier at its limit."""
-    findings = []
-    for muscle, channel in _channels(trial).items():
+    for muscle, channel in trial.emg.items():
         values = channel.values
         low, high = float(values.min()), float(values.max())
         # An envelope rests at its smallest value: only the top can be clipped.
@@ -183,25 +149,18 @@ def clipped(trial: CheckedTrial) -> tuple[Finding, ...]:
                 continue  # flat, not clipped
             where = np.flatnonzero(at)
             share = count / len(values)
-            findings.append(
-                found(
-                    "emg-clipped",
-                    channel.role,
-                    (channel.time[where[0]], channel.time[where[-1]]),
-                    share,
-                    f"{count} samples of the EMG of the {muscle_name(muscle)} stop at "
-                    f"{quantity(float(values[where[0]]), channel)}.",
-                    severity="warning" if share < 1e-3 else "error",
-                )
-            )
+            yield found(
+                "emg-clipped", channel.role, span_of(channel.time, where), share,
+                f"{count} samples of the EMG of the {muscle_name(muscle)} stop at "
+                f"{quantity(float(values[where[0]]), channel)}.",
+                severity="warning" if share < 1e-3 else "error",
+            )  # fmt: skip
             break
-    return tuple(findings)
 
 
-def offset(trial: CheckedTrial) -> tuple[Finding, ...]:
+def offset(trial: CheckedTrial) -> Iterator[Finding]:
     """Raw EMG that is not centred on zero, and envelopes that do not come down to it."""
-    findings = []
-    for muscle, channel in _channels(trial).items():
+    for muscle, channel in trial.emg.items():
         if muscle not in trial.slow:
             continue
         if trial.emg_kind == "raw":
@@ -222,27 +181,19 @@ def offset(trial: CheckedTrial) -> tuple[Finding, ...]:
             advice = "Subtract the level of a relaxed muscle, or tell the subject to relax."
         if ratio <= limit:
             continue
-        findings.append(
-            found(
-                "emg-offset",
-                channel.role,
-                (channel.time[0], channel.time[-1]),
-                level,
-                f"The EMG of the {muscle_name(muscle)} {rest} {quantity(level, channel)} instead "
-                f"of 0 ({100 * ratio:.2g} % of its "
-                + ("standard deviation)." if trial.emg_kind == "raw" else "highest)."),
-                severity="warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
-                unit=channel.unit,
-                advice=advice,
-            )
-        )
-    return tuple(findings)
+        yield found(
+            "emg-offset", channel.role, span_of(channel.time), level,
+            f"The EMG of the {muscle_name(muscle)} {rest} {quantity(level, channel)} instead "
+            f"of 0 ({100 * ratio:.2g} % of its "
+            + ("standard deviation)." if trial.emg_kind == "raw" else "highest)."),
+            severity="warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
+            unit=channel.unit, advice=advice,
+        )  # fmt: skip
 
 
-def artefact(trial: CheckedTrial) -> tuple[Finding, ...]:
+def artefact(trial: CheckedTrial) -> Iterator[Finding]:
     """Spikes no muscle makes, and slow swings in raw EMG."""
-    findings = []
-    for muscle, channel in _channels(trial).items():
+    for muscle, channel in trial.emg.items():
         if muscle not in trial.slow:
             continue
         values = channel.values - float(np.median(channel.values))
@@ -264,28 +215,17 @@ def artefact(trial: CheckedTrial) -> tuple[Finding, ...]:
         spans = list(runs(near))
         where = np.flatnonzero(wrong)
         worst = int(np.argmax(np.where(wrong, size, 0.0)))
-        findings.append(
-            found(
-                "emg-artefact",
-                channel.role,
-                (channel.time[where[0]], channel.time[where[-1]]),
-                float(size[worst]),
-                f"{len(spans)} "
-                + ("artefact" if len(spans) == 1 else "artefacts")
-                + f" in the EMG of the {muscle_name(muscle)}, the largest of "
-                f"{quantity(float(size[worst]), channel)} at {channel.time[worst]:.3f} s.",
-                unit=channel.unit,
-                advice="Fasten cable and electrode; "
-                + (
-                    "fit with --robust."
-                    if where[-1] - where[0] > 0.5 * len(size)
-                    else "leave that time out with --exclude, or fit with --robust."
-                ),
-            )
-        )
-    return tuple(findings)
-
-
-def _channels(trial: CheckedTrial) -> dict[str, Channel]:
-    channels = trial.recording.channels
-    return {m: channels[f"emg_{m}"] for m in MUSCLES if f"emg_{m}" in channels}
+        yield found(
+            "emg-artefact", channel.role, span_of(channel.time, where), float(size[worst]),
+            f"{len(spans)} "
+            + ("artefact" if len(spans) == 1 else "artefacts")
+            + f" in the EMG of the {muscle_name(muscle)}, the largest of "
+            f"{quantity(float(size[worst]), channel)} at {channel.time[worst]:.3f} s.",
+            unit=channel.unit,
+            advice="Fasten cable and electrode; "
+            + (
+                "fit with --robust."
+                if where[-1] - where[0] > 0.5 * len(size)
+                else "leave that time out with --exclude, or fit with --robust."
+            ),
+        )  # fmt: skip

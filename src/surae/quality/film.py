@@ -6,6 +6,7 @@ import numpy as np
 
 from surae.quality.finding import Finding
 from surae.quality.kinds import found
+from surae.quality.numeric import span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import Channel
 from surae.units import FloatArray
@@ -33,28 +34,21 @@ def _fascicles(trial: CheckedTrial) -> Iterator[Channel]:
             yield channel
 
 
-def _of(channel: Channel) -> tuple[float, float]:
-    return float(channel.time[0]), float(channel.time[-1])
-
-
 def _likely(channel: Channel) -> bool:
     return _LENGTHS[0] <= float(np.median(channel.values)) <= _LENGTHS[1]
 
 
-def unit(trial: CheckedTrial) -> tuple[Finding, ...]:
+def unit(trial: CheckedTrial) -> Iterator[Finding]:
     """Lengths that no muscle of the ankle has."""
-    findings = []
     for channel in _fascicles(trial):
         middle = float(np.median(channel.values))
         if not _likely(channel):
             text = f"The fascicle is {1e3 * middle:.4g} mm long: its unit is not what it says."
-            findings.append(found("film-unit", channel.role, _of(channel), middle, text))
-    return tuple(findings)
+            yield found("film-unit", channel.role, span_of(channel.time), middle, text)
 
 
-def lost(trial: CheckedTrial) -> tuple[Finding, ...]:
+def lost(trial: CheckedTrial) -> Iterator[Finding]:
     """Frames without a length."""
-    findings = []
     for channel in _fascicles(trial):
         steps = np.diff(channel.time)
         step = float(np.median(steps))
@@ -64,13 +58,11 @@ def lost(trial: CheckedTrial) -> tuple[Finding, ...]:
         if part > _LOST:
             span = float(channel.time[pauses[0]]), float(channel.time[pauses[-1] + 1])
             text = f"{frames:.0f} frames have no length ({100 * part:.0f} %)."
-            findings.append(found("film-lost", channel.role, span, part, text))
-    return tuple(findings)
+            yield found("film-lost", channel.role, span, part, text)
 
 
-def repeated(trial: CheckedTrial) -> tuple[Finding, ...]:
+def repeated(trial: CheckedTrial) -> Iterator[Finding]:
     """Frames that are those before, as when a film was exported faster than it was taken."""
-    findings = []
     for channel in _fascicles(trial):
         around = np.lib.stride_tricks.sliding_window_view(channel.values, 9)
         moving = np.zeros(len(channel.values) - 1, dtype=bool)
@@ -78,13 +70,11 @@ def repeated(trial: CheckedTrial) -> tuple[Finding, ...]:
         part = float(np.mean(np.diff(channel.values)[moving] == 0.0)) if moving.any() else 0.0
         if part > _REPEATED:
             text = f"{100 * part:.0f} % of the frames of a moving fascicle repeat the one before."
-            findings.append(found("film-repeated", channel.role, _of(channel), part, text))
-    return tuple(findings)
+            yield found("film-repeated", channel.role, span_of(channel.time), part, text)
 
 
-def jumps(trial: CheckedTrial) -> tuple[Finding, ...]:
+def jumps(trial: CheckedTrial) -> Iterator[Finding]:
     """Steps from one frame to the next that stand alone."""
-    findings = []
     for channel in _fascicles(trial):
         size = np.abs(np.diff(channel.values))
         beside = np.lib.stride_tricks.sliding_window_view(np.pad(size, 4, mode="edge"), 9)
@@ -95,13 +85,11 @@ def jumps(trial: CheckedTrial) -> tuple[Finding, ...]:
             worst, times = float(size[at].max()), f"{at.size} time{'s' * (at.size > 1)}"
             span = float(channel.time[at[0]]), float(channel.time[at[-1] + 1])
             text = f"The fascicle jumps {times}, by up to {1e3 * worst:.1f} mm within a frame."
-            findings.append(found("film-jump", channel.role, span, worst, text))
-    return tuple(findings)
+            yield found("film-jump", channel.role, span, worst, text)
 
 
-def against_the_robot(trial: CheckedTrial) -> tuple[Finding, ...]:
+def against_the_robot(trial: CheckedTrial) -> Iterator[Finding]:
     """A film that is early, late or drifts, by what angle and torque say of the length."""
-    findings: list[Finding] = []
     for channel in _fascicles(trial):
         if trial.torque is None or not _likely(channel):
             continue
@@ -118,7 +106,7 @@ def against_the_robot(trial: CheckedTrial) -> tuple[Finding, ...]:
         if abs(by) > _LATE and here > len(time) * _LEFT**2 and left[best] < (1.0 - _LESS) * here:
             word = "late" if by > 0.0 else "early"
             text = f"The film is {1e3 * abs(by):.0f} ms {word}, by what angle and torque say."
-            findings.append(found("film-clock", channel.role, _of(channel), by, text))
+            yield found("film-clock", channel.role, span_of(channel.time), by, text)
             continue
         since = (time - time[0]) / (time[-1] - time[0])
         drift = float(np.polyfit(since, _left(trial, time, length), 1)[0])
@@ -127,8 +115,7 @@ def against_the_robot(trial: CheckedTrial) -> tuple[Finding, ...]:
                 f"The fascicle drifts by {1e3 * drift:+.1f} mm over the trial at like angles and "
                 "torques."
             )
-            findings.append(found("film-drift", channel.role, _of(channel), drift, text))
-    return tuple(findings)
+            yield found("film-drift", channel.role, span_of(channel.time), drift, text)
 
 
 def _left(trial: CheckedTrial, time: FloatArray, length: FloatArray) -> FloatArray:

@@ -46,6 +46,10 @@ class Finding:
     advice: str
 
 
+class Unjudged(Exception):  # noqa: N818  # no error: a check says so
+    """What a check needs is not there; why, in one sentence."""
+
+
 @dataclass(frozen=True, slots=True)
 class Skipped:
     """A check that could not be made, and why, in one sentence."""

@@ -1,11 +1,13 @@
 """EMG and torque out of step, and one electrode out of step with the others."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from surae.quality.finding import Finding, Skipped, muscle_name
+from surae.quality.finding import Finding, Unjudged, muscle_name
 from surae.quality.kinds import found
 from surae.quality.numeric import correlation, shifted, smooth
-from surae.quality.torque_model import LONGEST, TorqueModel
+from surae.quality.torque_model import LONGEST
 from surae.quality.trial import CheckedTrial
 
 #: Lag of all EMG for the torque [s]. The true activation may be 30 ms faster or slower than the
@@ -18,63 +20,51 @@ ELECTRODE = 0.19
 ONE_SIDE = 0.13
 #: What TA's own lag must leave less of the torque than the triceps' lag does.
 GAIN = 0.05
-#: Part of the torque that EMG must explain, and what lags 0.2 s away must leave more.
-_GAINED, _SHARP = 0.3, 0.15
 #: Of so many samples, one is compared: what is smooth over 0.1 s is known to 20 ms by that.
 _STEP = 2
 #: Correlation of an electrode with the others, when in step.
 _ALIKE = 0.6
 
 
-def torque_lag(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def torque_lag(trial: CheckedTrial) -> Iterator[Finding]:
     """All EMG late or early for the torque."""
     model = trial.model
     if model is None or model.lag is None:
-        return Skipped("emg-torque-lag", "There is no torque or no EMG to compare.")
-    if not _known(model):
-        return Skipped("emg-torque-lag", "The EMG explains too little of the torque to tell.")
+        raise Unjudged("There is no torque or no EMG to compare.")
+    if not model.known:
+        raise Unjudged("The EMG explains too little of the torque to tell.")
     if abs(model.lag) <= LAG or abs(model.lag) >= 0.95 * LONGEST or _one_side(trial) is not None:
-        return ()
+        return
     late = "late" if model.lag > 0.0 else "early"
-    return (
-        found(
-            "emg-torque-lag",
-            None,
-            (trial.start, trial.end),
-            model.lag,
-            f"The EMG is {1e3 * abs(model.lag):.0f} ms too {late} for the torque.",
-        ),
-    )
+    yield found(
+        "emg-torque-lag", None, trial.span, model.lag,
+        f"The EMG is {1e3 * abs(model.lag):.0f} ms too {late} for the torque.",
+    )  # fmt: skip
 
 
-def electrode_lag(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def electrode_lag(trial: CheckedTrial) -> Iterator[Finding]:
     """One electrode late or early for the others."""
     heads = trial.triceps
-    findings = []
     side = _one_side(trial)
     if side is not None:
-        findings.append(_finding(trial, *side, "the torque says"))
+        yield _finding(trial, *side, "the torque says")
     if len(heads) >= 3:
         lags = {muscle: _lag(trial, muscle) for muscle in heads}
         known = {m: v for m, v in lags.items() if v is not None}
         if known:
             worst = max(known, key=lambda m: abs(known[m]))
             if abs(known[worst]) > ELECTRODE:
-                findings.append(_finding(trial, worst, known[worst], "the other heads are"))
+                yield _finding(trial, worst, known[worst], "the other heads are")
     elif side is None and (trial.model is None or not trial.model.group_lag):
-        return Skipped("electrode-lag", "There is no other electrode to compare with.")
-    return tuple(findings)
+        raise Unjudged("There is no other electrode to compare with.")
 
 
 def _finding(trial: CheckedTrial, muscle: str, lag: float, beside: str) -> Finding:
     return found(
-        "electrode-lag",
-        f"emg_{muscle}",
-        (trial.start, trial.end),
-        lag,
+        "electrode-lag", f"emg_{muscle}", trial.span, lag,
         f"The EMG of the {muscle_name(muscle)} is {1e3 * abs(lag):.0f} ms "
         f"{'later' if lag > 0.0 else 'earlier'} than {beside}.",
-    )
+    )  # fmt: skip
 
 
 def _lag(trial: CheckedTrial, muscle: str) -> float | None:
@@ -93,7 +83,7 @@ def _lag(trial: CheckedTrial, muscle: str) -> float | None:
 def _one_side(trial: CheckedTrial) -> tuple[str, float] | None:
     """The muscle whose EMG alone is out of step with the torque, and by how much."""
     model = trial.model
-    if model is None or not _known(model) or len(model.group_lag) < 2:
+    if model is None or not model.known or len(model.group_lag) < 2:
         return None
     ta, triceps = model.group_lag["ta"], model.group_lag["triceps"]
     # The triceps makes most of the torque: its lag is the better known.
@@ -107,7 +97,3 @@ def _one_side(trial: CheckedTrial) -> tuple[str, float] | None:
     ):
         return "ta", ta - triceps
     return None
-
-
-def _known(model: TorqueModel) -> bool:
-    return model.gained > _GAINED and model.sharpness > _SHARP

@@ -1,13 +1,15 @@
 """Mains hum, a line in the EMG's spectrum at 50 or 60 Hz; and electrodes that hear nothing else."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import numpy.typing as npt
 
-from surae.quality.finding import Finding, Skipped, muscle_name, quantity
+from surae.quality.finding import Finding, Unjudged, muscle_name, quantity
 from surae.quality.kinds import found
-from surae.quality.numeric import runs
+from surae.quality.numeric import runs, span_of
 from surae.quality.trial import CheckedTrial
-from surae.recording import MUSCLES, Channel
+from surae.recording import Channel
 from surae.units import FloatArray
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -24,14 +26,12 @@ LINE = 30.0
 SMALLEST = 0.02
 
 
-def hum(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def hum(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels with mains hum."""
-    findings = []
-    slow = None
+    slow, heard = None, False
     carriers: dict[tuple[int, float], list[ComplexArray]] = {}
-    for muscle in MUSCLES:
-        channel = trial.recording.channels.get(f"emg_{muscle}")
-        if channel is None or muscle not in trial.slow:
+    for muscle, channel in trial.emg.items():
+        if muscle not in trial.slow:
             continue
         if channel.rate_hz < 2.2 * MAINS[-1]:
             slow = channel.rate_hz
@@ -40,28 +40,21 @@ def hum(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
         if size not in carriers:
             carriers[size] = [_carrier(*size, mains) for mains in MAINS]
         lines = [line(channel, m, c) for m, c in zip(MAINS, carriers[size], strict=True)]
-        largest = max(lines, key=lambda amplitude_and_frequency: amplitude_and_frequency[0])
-        amplitude, frequency = largest
+        amplitude, frequency = max(lines, key=lambda found_line: found_line[0])
         # Bursts raise the root mean square but not the harm done at rest.
         rms = float(np.std(channel.values))
         if amplitude < SMALLEST * rms or amplitude == 0.0:
             continue
-        findings.append(
-            found(
-                "mains-hum",
-                channel.role,
-                (channel.time[0], channel.time[-1]),
-                amplitude,
-                f"The EMG of the {muscle_name(muscle)} holds a hum of {frequency:.1f} Hz with an "
-                f"amplitude of {quantity(amplitude, channel)} ({amplitude / rms:.2g} of its "
-                "standard deviation).",
-                severity="warning" if amplitude < rms else "error",
-                unit=channel.unit,
-            )
-        )
-    if slow is not None and not findings:
-        return Skipped("mains-hum", f"EMG at {slow:g} Hz cannot show {MAINS[-1]:g} Hz.")
-    return tuple(findings)
+        heard = True
+        yield found(
+            "mains-hum", channel.role, span_of(channel.time), amplitude,
+            f"The EMG of the {muscle_name(muscle)} holds a hum of {frequency:.1f} Hz with an "
+            f"amplitude of {quantity(amplitude, channel)} ({amplitude / rms:.2g} of its "
+            "standard deviation).",
+            severity="warning" if amplitude < rms else "error", unit=channel.unit,
+        )  # fmt: skip
+    if slow is not None and not heard:
+        raise Unjudged(f"EMG at {slow:g} Hz cannot show {MAINS[-1]:g} Hz.")
 
 
 def _carrier(n: int, rate: float, mains: float) -> ComplexArray:
@@ -104,13 +97,12 @@ _SHARE = 0.5
 _TIMES = 3.0
 
 
-def off(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def off(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels that hear nothing but the mains from some instant to the end, and did not before."""
-    emg = [trial.recording.channels.get(f"emg_{muscle}") for muscle in MUSCLES]
-    fast = [c for c in emg if c is not None and c.rate_hz > 2.2 * MAINS[-1]]
+    fast = [c for c in trial.emg.values() if c.rate_hz > 2.2 * MAINS[-1]]
     if trial.emg_kind != "raw" or not fast:
-        return Skipped("electrode-off", "Only raw EMG shows it.")
-    return tuple(finding for channel in fast if (finding := _off(channel)) is not None)
+        raise Unjudged("Only raw EMG shows it.")
+    yield from (finding for channel in fast if (finding := _off(channel)) is not None)
 
 
 def _off(channel: Channel) -> Finding | None:
@@ -137,14 +129,12 @@ def _off(channel: Channel) -> Finding | None:
     start = float(channel.time[first * size])
     muscle = muscle_name(channel.role.removeprefix("emg_"))
     return found(
-        "electrode-off",
-        channel.role,
-        (start, channel.time[min(last * size, len(channel.time) - 1)]),
-        now,
+        "electrode-off", channel.role,
+        (start, channel.time[min(last * size, len(channel.time) - 1)]), now,
         f"The electrode of the {muscle} seems to have come off at {start:.0f} s: from there it "
         f"hears little but the mains, {quantity(now, channel)} at {mains:.0f} Hz.",
         unit=channel.unit,
-    )
+    )  # fmt: skip
 
 
 def _amplitude(pieces: FloatArray, cycles: float) -> FloatArray:

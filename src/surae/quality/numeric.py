@@ -60,6 +60,12 @@ def responded(values: FloatArray, response: FloatArray) -> FloatArray:
     return passed
 
 
+def span_of(time: FloatArray, where: IndexArray | None = None) -> tuple[float, float]:
+    """The first and last instant, of all or of those at increasing indices."""
+    first, last = (0, -1) if where is None else (where[0], where[-1])
+    return float(time[first]), float(time[last])
+
+
 def runs(mask: BoolArray) -> Iterator[tuple[int, int]]:
     """First and one past the last index of every run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))

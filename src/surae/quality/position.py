@@ -1,10 +1,12 @@
 """The angle: unit, range, and whether it follows the profile that was commanded."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from surae.quality.finding import Finding, Skipped
+from surae.quality.finding import Finding, Unjudged
 from surae.quality.kinds import found
-from surae.quality.numeric import runs, smooth
+from surae.quality.numeric import runs, smooth, span_of
 from surae.quality.trial import IMPOSSIBLE_ANGLE, CheckedTrial
 from surae.recording import Channel
 from surae.units import FloatArray
@@ -30,7 +32,7 @@ JUMP = 0.012
 _ALONE = 8.0
 
 
-def units(trial: CheckedTrial) -> tuple[Finding, ...]:
+def units(trial: CheckedTrial) -> Iterator[Finding]:
     """Degrees under the name of radians, radians under that of degrees, another zero."""
     channel = trial.recording.channels["angle"]
     low, high = float(channel.values.min()), float(channel.values.max())
@@ -55,17 +57,10 @@ def units(trial: CheckedTrial) -> tuple[Finding, ...]:
         advice = "Give the angle an offset or its sign in the TOML: 0 with the foot at 90°."
         value = far
     else:
-        return ()
-    return (
-        found(
-            "angle-units",
-            "angle",
-            (trial.start, trial.end),
-            value,
-            text,
-            advice=advice,
-        ),
-    )
+        return
+    yield found(
+        "angle-units", "angle", trial.span, value, text, advice=advice,
+    )  # fmt: skip
 
 
 def _noise(channel: Channel) -> bool:
@@ -73,12 +68,12 @@ def _noise(channel: Channel) -> bool:
     return float(np.std(np.diff(channel.values))) > 0.5 * float(np.std(channel.values))
 
 
-def range_of_motion(trial: CheckedTrial) -> tuple[Finding, ...]:
+def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     """A range too small to tell the parameters, or smaller than was commanded."""
-    if units(trial):
+    if any(units(trial)):
         angle = trial.recording.channels["angle"].values
         if float(np.ptp(angle)) <= _TWICE[1]:
-            return ()  # what it is said to be is another matter
+            return  # what it is said to be is another matter
     span = float(np.ptp(trial.angle))
     low, high = float(trial.angle.min()), float(trial.angle.max())
     asked = trial.commanded
@@ -86,23 +81,17 @@ def range_of_motion(trial: CheckedTrial) -> tuple[Finding, ...]:
     if asked is not None and asked.given and (commanded := float(np.ptp(asked.angle))) > 0.0:
         part = span / commanded
     if span >= ROM and (part is None or part >= REACHED):
-        return ()
+        return
     missed = part is not None and part < REACHED
     text = f"The angle covers {np.rad2deg(span):.0f}°, from {low:.2f} to {high:.2f} rad"
     text += f": {100 * part:.0f} % of what was commanded." if missed and part is not None else "."
-    return (
-        found(
-            "rom-not-covered",
-            "angle",
-            (trial.start, trial.end),
-            span,
-            text,
-            severity="warning" if span < SMALL_ROM or missed else "info",
-        ),
-    )
+    yield found(
+        "rom-not-covered", "angle", trial.span, span, text,
+        severity="warning" if span < SMALL_ROM or missed else "info",
+    )  # fmt: skip
 
 
-def steps(trial: CheckedTrial) -> tuple[Finding, ...]:
+def steps(trial: CheckedTrial) -> Iterator[Finding]:
     """Jumps of the position (thesis 4.4: steps instead of the profile)."""
     channel = trial.recording.channels["angle"]
     factor = np.pi / 180.0 if float(np.abs(channel.values).max()) > IMPOSSIBLE_ANGLE else 1.0
@@ -118,57 +107,48 @@ def steps(trial: CheckedTrial) -> tuple[Finding, ...]:
     gaps = np.diff(channel.time)
     jumps = jumps[gaps[jumps] < 1.5 * float(np.median(gaps))]
     if not jumps.size:
-        return ()
+        return
     worst = int(jumps[np.argmax(size[jumps])])
-    return (
-        found(
-            "position-steps",
-            "angle",
-            (channel.time[jumps[0]], channel.time[jumps[-1] + 1]),
-            float(size[worst]),
-            f"The angle jumps {len(jumps)} {'time' if len(jumps) == 1 else 'times'}, by up to "
-            f"{size[worst]:.2g} rad within a sample, as when the device has lost its profile.",
-        ),
-    )
+    yield found(
+        "position-steps", "angle", (channel.time[jumps[0]], channel.time[jumps[-1] + 1]),
+        float(size[worst]),
+        f"The angle jumps {len(jumps)} {'time' if len(jumps) == 1 else 'times'}, by up to "
+        f"{size[worst]:.2g} rad within a sample, as when the device has lost its profile.",
+    )  # fmt: skip
 
 
-def overshoot(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def overshoot(trial: CheckedTrial) -> Iterator[Finding]:
     """A position beyond or beside the profile that was commanded."""
     if trial.commanded is not None:
-        return _departure(trial)
+        yield from _departure(trial)
+        return
     ringing = _ringing(trial.angle, trial.time, trial.rate_hz)
     if ringing is None:
-        return Skipped(
-            "overshoot",
-            "No commanded profile is given or recognised, and no movement ends in a hold.",
+        raise Unjudged(
+            "No commanded profile is given or recognised, and no movement ends in a hold."
         )
     size, first, last, count = ringing
     if count == 0:
-        return ()
-    return (
-        found(
-            "overshoot",
-            "angle",
-            (first, last),
-            size,
-            f"{count} {'movement' if count == 1 else 'movements'} shot past where they came to "
-            f"rest, by up to {size:.2g} rad.",
-            advice=_ADVICE,
-        ),
-    )
+        return
+    yield found(
+        "overshoot", "angle", (first, last), size,
+        f"{count} {'movement' if count == 1 else 'movements'} shot past where they came to "
+        f"rest, by up to {size:.2g} rad.",
+        advice=_ADVICE,
+    )  # fmt: skip
 
 
 _ADVICE = "Adapt the protocol to the device (surae protocol --device), or lower its speed."
 
 
-def _departure(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def _departure(trial: CheckedTrial) -> Iterator[Finding]:
     """How far the angle lies from the commanded one, once a constant delay is allowed for."""
     asked = trial.commanded
     assert asked is not None
     first, last = float(asked.time[0]), float(asked.time[-1])
     inside = (trial.time >= first) & (trial.time <= last)
     if float(inside.mean()) < 0.5:
-        return Skipped("overshoot", f"{asked.name} covers less than half of the trial.")
+        raise Unjudged(f"{asked.name} covers less than half of the trial.")
     time = trial.time[inside]
     if asked.given:
         best = min(
@@ -192,21 +172,15 @@ def _departure(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
         # The ends of a filtered profile are not known as exactly as the rest.
         wrong &= (time > time[0] + 0.3) & (time < time[-1] - 0.3)
     if float(wrong.sum()) * float(np.median(np.diff(time))) < 0.03:
-        return ()
+        return
     where = np.flatnonzero(wrong)
     size = float(left[wrong].max())
-    return (
-        found(
-            "overshoot",
-            "angle",
-            (time[where[0]], time[where[-1]]),
-            size,
-            f"The angle leaves {asked.name} by up to {size:.2g} rad ({100 * size / span:.2g} % of "
-            "its range).",
-            severity="warning" if size < 0.1 * span else "error",
-            advice=_ADVICE,
-        ),
-    )
+    yield found(
+        "overshoot", "angle", span_of(time, where), size,
+        f"The angle leaves {asked.name} by up to {size:.2g} rad ({100 * size / span:.2g} % of "
+        "its range).",
+        severity="warning" if size < 0.1 * span else "error", advice=_ADVICE,
+    )  # fmt: skip
 
 
 def _ringing(

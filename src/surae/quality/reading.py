@@ -158,13 +158,10 @@ def _missing_finding(role: str, column: Column, wrong: np.ndarray) -> Finding:
     inside = column.time[where][np.isfinite(column.time[where])]
     begin, end = (inside[0], inside[-1]) if inside.size else (times[0], times[-1])
     return found(
-        "samples-missing",
-        role,
-        (begin, end),
-        float(wrong.sum()),
+        "samples-missing", role, (begin, end), float(wrong.sum()),
         f"{int(wrong.sum())} samples of {column.name} are not numbers, the first in "
         f"{column.position(int(where[0]))}.",
-    )
+    )  # fmt: skip
 
 
 def _left(table: Table, roles: _Roles, columns: Mapping[str, Column]) -> Recording | None:

@@ -1,10 +1,11 @@
 """Stretch reflexes: EMG of the triceps that follows stretch by 25 to 120 ms."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from surae.quality.finding import Finding, Skipped
+from surae.quality.finding import Finding, Unjudged
 from surae.quality.kinds import found
 from surae.quality.numeric import BoolArray, correlation, quantile, shifted, smooth
 from surae.quality.trial import CheckedTrial
@@ -48,29 +49,25 @@ def reflex(trial: CheckedTrial) -> Reflex | None:
     return _proportional(trial, emg, stretch, resting) or _bursts(trial, emg, stretch)
 
 
-def suspected(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def suspected(trial: CheckedTrial) -> Iterator[Finding]:
     """EMG of the triceps locked to its stretch."""
     if not trial.triceps:
-        return Skipped("reflex-suspected", "There is no EMG of the triceps.")
+        raise Unjudged("There is no EMG of the triceps.")
     if trial.rate_hz < 60.0:
-        return Skipped("reflex-suspected", "The signals are too slow to show 25 ms.")
+        raise Unjudged("The signals are too slow to show 25 ms.")
     if float(trial.velocity.max()) < STRETCH:
-        return Skipped("reflex-suspected", "No stretch is fast enough.")
+        raise Unjudged("No stretch is fast enough.")
     reflexes = reflex(trial)
     if reflexes is None:
-        return ()
+        return
     where = np.flatnonzero(reflexes.explained)
     first, last = (where[0], where[-1]) if where.size else (0, len(trial.time) - 1)
-    return (
-        found(
-            "reflex-suspected",
-            f"emg_{trial.triceps[0]}",
-            (trial.time[first], trial.time[last]),
-            reflexes.delay,
-            f"The triceps answers stretches {1e3 * reflexes.delay:.0f} ms later "
-            f"({reflexes.events} stretches): probably a reflex.",
-        ),
-    )
+    yield found(
+        "reflex-suspected", f"emg_{trial.triceps[0]}", (trial.time[first], trial.time[last]),
+        reflexes.delay,
+        f"The triceps answers stretches {1e3 * reflexes.delay:.0f} ms later "
+        f"({reflexes.events} stretches): probably a reflex.",
+    )  # fmt: skip
 
 
 def _resting(trial: CheckedTrial) -> BoolArray:

@@ -1,13 +1,13 @@
 """Every check by name, and the one that runs them all."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from surae.quality import activity, emg, film, lag, mains, position, reflex, timing, torque
 from surae.quality.commanded import Commanded
-from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped
+from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped, Unjudged
 from surae.quality.trial import CheckedTrial, trial_of
 from surae.recording import Recording
 
@@ -22,7 +22,7 @@ class Check:
     """A check: the codes of what it finds (see `KINDS`), and its function."""
 
     codes: tuple[str, ...]
-    run: Callable[[CheckedTrial], tuple[Finding, ...] | Skipped]
+    run: Callable[[CheckedTrial], Iterator[Finding]]
 
 
 #: Of the signals; those of the time axis need no signal that can be read, and quick fits make the
@@ -79,11 +79,10 @@ def check_recording(recording: Recording, commanded: Commanded | None = None) ->
     if reason is None:
         trial = trial_of(recording, commanded)
         for check in CHECKS:
-            outcome = check.run(trial)
-            if isinstance(outcome, Skipped):
-                skipped.append(outcome)
-            else:
-                findings += outcome
+            try:
+                findings += check.run(trial)
+            except Unjudged as reason:
+                skipped += [Skipped(code, str(reason)) for code in check.codes]
     else:
         skipped += [Skipped(code, reason) for check in CHECKS for code in check.codes]
     return Quality(recording.name, ordered(findings), tuple(skipped))

@@ -1,5 +1,6 @@
 """Time: gaps, jitter, order, and whether the trial is long enough."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -24,26 +25,24 @@ SHORT = 15.0
 TOO_SHORT = 5.0
 
 
-def time_axes(recording: Recording) -> tuple[Finding, ...]:
+def time_axes(recording: Recording) -> Iterator[Finding]:
     """Gaps and jitter in the time stamps, once for channels that share them."""
-    findings: list[Finding] = []
     seen: list[Channel] = []
     for channel in recording.signals.values():
         if any(np.array_equal(channel.time, other.time) for other in seen):
             continue
         seen.append(channel)
-        findings += axis_findings(channel)
-    return tuple(findings)
+        yield from axis_findings(channel)
 
 
-def axis_findings(channel: Channel) -> list[Finding]:
+def axis_findings(channel: Channel) -> Iterator[Finding]:
     """Gaps and jitter of one time axis, which may even go back in time."""
     time = channel.time
     steps = np.diff(time)
     step = float(np.median(steps))
     if step <= 0.0 or len(time) < 8:
-        return [_disorder(channel, int((steps <= 0.0).sum()), step)]
-    findings: list[Finding] = []
+        yield _disorder(channel, int((steps <= 0.0).sum()), step)
+        return
     # A gap is at least one sample that is missing; jitter alone moves a step by less than that
     # in most samples, so what the usual scatter of steps explains is jitter.
     scatter = quantile(np.abs(steps - step), 0.9)
@@ -54,37 +53,24 @@ def axis_findings(channel: Channel) -> list[Finding]:
         gaps = gaps[:0]  # stamps rounded to whole milliseconds
     if gaps.size:
         worst = int(gaps[np.argmax(steps[gaps])])
-        findings.append(
-            found(
-                "time-gap",
-                _name(channel),
-                (time[gaps[0]], time[gaps[-1] + 1]),
-                lost,
-                f"{len(gaps)} {'gap' if len(gaps) == 1 else 'gaps'} in time, the longest from "
-                f"{time[worst]:.4f} to {time[worst + 1]:.4f} s where a sample every "
-                f"{1e3 * step:.3g} ms is expected.",
-            )
-        )
+        yield found(
+            "time-gap", _name(channel), (time[gaps[0]], time[gaps[-1] + 1]), lost,
+            f"{len(gaps)} {'gap' if len(gaps) == 1 else 'gaps'} in time, the longest from "
+            f"{time[worst]:.4f} to {time[worst + 1]:.4f} s where a sample every "
+            f"{1e3 * step:.3g} ms is expected.",
+        )  # fmt: skip
     back = int((steps <= 0.0).sum())
     if back:
-        findings.append(_disorder(channel, back, step))
-        return findings
-    jitter = 0.0
-    if not (not gaps.size and _explained(channel)):
-        jitter = _jitter(time, gaps)
+        yield _disorder(channel, back, step)
+        return
+    jitter = _jitter(time, gaps) if gaps.size or not _explained(channel) else 0.0
     if jitter > JITTER * step:
-        findings.append(
-            found(
-                "time-jitter",
-                _name(channel),
-                (time[0], time[-1]),
-                jitter,
-                f"Time stamps scatter by {1e3 * jitter:.2g} ms about even steps of "
-                f"{1e3 * step:.3g} ms ({100 * jitter / step:.2g} %).",
-                severity="warning" if jitter < BAD_JITTER * step else "error",
-            )
-        )
-    return findings
+        yield found(
+            "time-jitter", _name(channel), (time[0], time[-1]), jitter,
+            f"Time stamps scatter by {1e3 * jitter:.2g} ms about even steps of "
+            f"{1e3 * step:.3g} ms ({100 * jitter / step:.2g} %).",
+            severity="warning" if jitter < BAD_JITTER * step else "error",
+        )  # fmt: skip
 
 
 def _jitter(time: np.ndarray, gaps: np.ndarray) -> float:
@@ -115,38 +101,29 @@ def _explained(channel: Channel) -> bool:
 
 def _disorder(channel: Channel, back: int, step: float) -> Finding:
     return found(
-        "time-jitter",
-        _name(channel),
-        (channel.time.min(), channel.time.max()),
-        float(back),
+        "time-jitter", _name(channel), (channel.time.min(), channel.time.max()), float(back),
         f"Time does not increase at {back} of {len(channel.time)} samples"
         + (f", of which one is expected every {1e3 * step:.3g} ms." if step > 0.0 else "."),
-        severity="error",
-        unit="1",
+        severity="error", unit="1",
         advice="Sort out which samples are repeated or swapped; no fit reads such a file.",
-    )
+    )  # fmt: skip
 
 
 def _name(channel: Channel) -> str:
     return "time" if channel.role in ("angle", "time") else channel.role
 
 
-def too_short(recording: Recording) -> tuple[Finding, ...]:
+def too_short(recording: Recording) -> Iterator[Finding]:
     """Trials in which the relaxation of tau_rel cannot show."""
     start = max(float(c.time[0]) for c in recording.signals.values())
     end = min(float(c.time[-1]) for c in recording.signals.values())
     seconds = end - start
     if seconds >= SHORT:
-        return ()
-    return (
-        found(
-            "trial-too-short",
-            None,
-            (start, end),
-            seconds,
-            f"The trial lasts {seconds:.3g} s: too short to see tissue relax with tau_rel, which "
-            "is 1 to 10 s.",
-            severity="warning" if seconds >= TOO_SHORT else "error",
-            advice=f"Record {SHORT:g} s or more with holds, or fix tau_rel and k_rel.",
-        ),
-    )
+        return
+    yield found(
+        "trial-too-short", None, (start, end), seconds,
+        f"The trial lasts {seconds:.3g} s: too short to see tissue relax with tau_rel, which "
+        "is 1 to 10 s.",
+        severity="warning" if seconds >= TOO_SHORT else "error",
+        advice=f"Record {SHORT:g} s or more with holds, or fix tau_rel and k_rel.",
+    )  # fmt: skip

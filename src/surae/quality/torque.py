@@ -1,14 +1,15 @@
 """The torque sensor: limit, sign, offset."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from surae.protocol import DEVICES
 from surae.quality.baseline import baseline
-from surae.quality.finding import Finding, Skipped
+from surae.quality.finding import Finding, Unjudged
 from surae.quality.kinds import found
-from surae.quality.numeric import IndexArray, correlation, equal_runs, quantile
+from surae.quality.numeric import IndexArray, correlation, equal_runs, quantile, span_of
 from surae.quality.torque_model import passive_columns
 from surae.quality.trial import CheckedTrial
 from surae.units import FloatArray
@@ -20,9 +21,6 @@ PLATEAU_RUN, PLATEAU = 3, 6
 _BAND = 0.005
 #: ...holds so many times the samples of the band next below. The top of a smooth peak has 2.4.
 _EXCESS = 3.0
-#: Torque of the groups has the wrong sign when the EMG explains this part of what the angle
-#: leaves, chance explaining 0.05, and at a lag that is known (see `surae.quality.lag`).
-_GAINED, _SHARP = 0.3, 0.15
 #: Passive torque whose correlation with the stretch of the triceps is below minus this.
 _AGAINST = -0.6
 #: m·g·la of foot and footplate is 1.8 to 4.4 Nm (1.2 to 3 kg at 0.15 m)...
@@ -40,11 +38,11 @@ IMPOSSIBLE = 320.0
 LEFT, LEFT_TIMES, LEFT_SHARE = 24.0, 6.5, 0.05
 
 
-def limit(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def limit(trial: CheckedTrial) -> Iterator[Finding]:
     """A torque that stops at a limit: the device's, or its sensor's."""
     channel = trial.recording.channels.get("torque")
     if channel is None:
-        return Skipped("torque-limit", "There is no torque.")
+        raise Unjudged("There is no torque.")
     stated = trial.recording.device.get("max_torque")
     known = DEVICES["achilles"].max_torque or math.inf
     most = float(stated) if isinstance(stated, int | float) and stated > 0 else known
@@ -54,16 +52,11 @@ def limit(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
             continue
         top = float(side.max())
         device = f", the limit of {most:g} Nm" if abs(top - most) <= 4.0 * _BAND * most else ""
-        return (
-            found(
-                "torque-limit",
-                "torque",
-                (channel.time[where[0]], channel.time[where[-1]]),
-                top,
-                f"The torque goes no further than {top:.3g} Nm{device}, in {len(where)} samples.",
-            ),
-        )
-    return ()
+        yield found(
+            "torque-limit", "torque", span_of(channel.time, where), top,
+            f"The torque goes no further than {top:.3g} Nm{device}, in {len(where)} samples.",
+        )  # fmt: skip
+        return
 
 
 def _stopped(side: FloatArray, most: float, *, stated: bool) -> IndexArray | None:
@@ -86,58 +79,55 @@ def _stopped(side: FloatArray, most: float, *, stated: bool) -> IndexArray | Non
     return None
 
 
-def artefact(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def artefact(trial: CheckedTrial) -> Iterator[Finding]:
     """Torque that no ankle makes, and short departures from what EMG and angle explain."""
     channel = trial.recording.channels.get("torque")
     if channel is None:
-        return Skipped("torque-artefact", "There is no torque.")
+        raise Unjudged("There is no torque.")
     size = np.abs(channel.values)
     top = float(size.max())
     if top > IMPOSSIBLE:
         at = channel.time[size > IMPOSSIBLE]
         text = f"The torque reaches {top:.3g} Nm, more than any ankle makes."
-        return (_artefact(trial, float(at[0]), float(at[-1]), top, text),)
+        yield _artefact(trial, float(at[0]), float(at[-1]), top, text)
+        return
     model = trial.model
     if model is None:
-        return Skipped("torque-artefact", "The trial is too short to know its torque.")
+        raise Unjudged("The trial is too short to know its torque.")
     left = np.abs(model.left)
     usual = quantile(left, 0.68)
     wrong = left > max(LEFT, LEFT_TIMES * usual)
     if not wrong.any() or float(wrong.mean()) > LEFT_SHARE:
-        return ()
+        return
     at, top = model.time[wrong], float(left.max())
     text = (
         f"In {100 * float(wrong.mean()):.2g} % of the time the torque is up to {top:.3g} Nm from "
         "what angle and EMG explain."
     )
-    return (_artefact(trial, float(at[0]), float(at[-1]), top, text),)
+    yield _artefact(trial, float(at[0]), float(at[-1]), top, text)
 
 
 def _artefact(trial: CheckedTrial, start: float, end: float, value: float, text: str) -> Finding:
-    apart = end - start < 0.5 * (trial.end - trial.start)
+    apart = end - start < 0.5 * float(np.ptp(trial.time))
     return found(
-        "torque-artefact",
-        "torque",
-        (start, end),
-        value,
-        text,
+        "torque-artefact", "torque", (start, end), value, text,
         advice="Look at the torque there; "
         + (
             "leave that time out with --exclude, or fit with --robust."
             if apart
             else "fit with --robust."
         ),
-    )
+    )  # fmt: skip
 
 
-def sign(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def sign(trial: CheckedTrial) -> Iterator[Finding]:
     """A torque that acts against the muscles that make it."""
     if trial.torque is None or trial.model is None:
-        return Skipped("torque-sign", "There is no torque, or too little of it.")
+        raise Unjudged("There is no torque, or too little of it.")
     model = trial.model
     wrong: str | None = None
     strength = None
-    shown = bool(model.part) and model.gained > _GAINED and model.sharpness > _SHARP
+    shown = bool(model.part) and model.known
     if shown:
         # The stronger group decides: the weaker may only show the other's crosstalk.
         group = max(model.part, key=lambda name: abs(model.part[name]))
@@ -153,47 +143,42 @@ def sign(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
         if alike < _AGAINST:
             wrong = "it falls where the triceps is stretched, instead of rising"
     else:
-        return Skipped("torque-sign", "Neither EMG nor angle say what the torque should be.")
+        raise Unjudged("Neither EMG nor angle say what the torque should be.")
     if wrong is None:
-        return ()
-    return (
-        found(
-            "torque-sign",
-            "torque",
-            (trial.start, trial.end),
-            strength,
-            f"The torque has the wrong sign: {wrong}.",
-            unit="Nm" if shown else "1",
-        ),
-    )
+        return
+    yield found(
+        "torque-sign", "torque", trial.span, strength, f"The torque has the wrong sign: {wrong}.",
+        unit="Nm" if shown else "1",
+    )  # fmt: skip
 
 
-def offset(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def _turned(trial: CheckedTrial) -> bool:
+    """Whether the torque is known to have the wrong sign."""
+    try:
+        return any(sign(trial))
+    except Unjudged:
+        return False
+
+
+def offset(trial: CheckedTrial) -> Iterator[Finding]:
     """A torque whose constant part is not that of gravity."""
     if trial.torque is None:
-        return Skipped("torque-offset", "There is no torque.")
+        raise Unjudged("There is no torque.")
     if trial.recording.fixed.get("m") == 0.0:
-        return Skipped("torque-offset", "m is fixed at 0: gravity has been taken out already.")
-    turned = sign(trial)
-    flipped = bool(turned) and not isinstance(turned, Skipped)
-    torque = -trial.torque if flipped else trial.torque
+        raise Unjudged("m is fixed at 0: gravity has been taken out already.")
+    torque = -trial.torque if _turned(trial) else trial.torque
     rest = baseline(trial.rate_hz, trial.angle, torque, trial.fast)
     if rest is None:
-        return Skipped("torque-offset", "Too little rest, or too little of the range, to tell.")
+        raise Unjudged("Too little rest, or too little of the range, to tell.")
     level = rest.level
     low, high = GRAVITY[0] - UNCERTAIN, GRAVITY[1] + UNCERTAIN
     beyond = max(low - level, level - high)
     if beyond <= 0.0:
-        return ()
+        return
     if beyond + UNCERTAIN < FOLLOWED * rest.spread:
-        return Skipped("torque-offset", "EMG and angle explain too little of the torque to tell.")
-    return (
-        found(
-            "torque-offset",
-            "torque",
-            (trial.start, trial.end),
-            level,
-            f"The constant part of the torque is {level:.2g} Nm; foot and footplate make 1.8 to "
-            "4.4 Nm.",
-        ),
-    )
+        raise Unjudged("EMG and angle explain too little of the torque to tell.")
+    yield found(
+        "torque-offset", "torque", trial.span, level,
+        f"The constant part of the torque is {level:.2g} Nm; foot and footplate make 1.8 to "
+        "4.4 Nm.",
+    )  # fmt: skip

@@ -16,6 +16,8 @@ from surae.units import FloatArray
 
 #: Of the activation filter [Hz], which virtual subjects have between 1.6 and 2.4.
 _F0 = 2.0
+#: Part of what the angle leaves that EMG must explain, and what lags 0.2 s away must leave more.
+_GAINED, _SHARP = 0.3, 0.15
 #: Shorter trials [s] say too little of sixteen coefficients.
 SHORTEST = 10.0
 #: Comparison rate [Hz].
@@ -37,7 +39,6 @@ class TorqueModel:
     #: Mean torque of each group where it is active [Nm]: positive for the triceps, negative for TA,
     #: if the signs are right.
     part: dict[str, float]
-    explained: float  #: Part of the torque's variance that EMG and angle explain, 0…1.
     gained: float  #: Part of what the angle alone leaves that the EMG explains, 0…1.
     #: Part of what the best lag leaves that lags 0.2 s away leave more: how well it is known.
     sharpness: float
@@ -45,6 +46,11 @@ class TorqueModel:
     #: [Nm], shape (k,).
     time: FloatArray
     left: FloatArray
+
+    @property
+    def known(self) -> bool:
+        """Whether the EMG explains enough of the torque, chance explaining 0.05, at a known lag."""
+        return self.gained > _GAINED and self.sharpness > _SHARP
 
 
 def activation(envelope: FloatArray, rate: float) -> FloatArray:
@@ -113,14 +119,10 @@ def torque_model(
         if top > 0.0:
             groups.setdefault("ta" if muscle == "ta" else "triceps", []).append(active / top)
     if not groups or total <= 0.0:
-        share = 1.0 - alone / total if total > 0.0 else 0.0
         unexplained = y - np.column_stack(passive) @ _solve(passive, y)[0]
-        return TorqueModel(None, {}, {}, {}, share, 0.0, 0.0, time[keep], unexplained)
+        return TorqueModel(None, {}, {}, {}, 0.0, 0.0, time[keep], unexplained)
     tables = {
-        name: [
-            *each,
-            *(np.mean(each, axis=0) * shape for shape in (angle, angle**2, speed)),
-        ]
+        name: [*each, *(np.mean(each, axis=0) * shape for shape in (angle, angle**2, speed))]
         for name, each in groups.items()
     }
     lags = np.arange(-LONGEST, LONGEST + 1e-9, _STEP)
@@ -162,7 +164,6 @@ def torque_model(
         group_lag=group_lag,
         group_gain=group_gain,
         part=part,
-        explained=1.0 - rest / total,
         gained=1.0 - rest / alone if alone > 0.0 else 0.0,
         sharpness=float(beside / least - 1.0) if least > 0.0 else np.inf,
         time=time[keep],

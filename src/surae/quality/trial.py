@@ -9,7 +9,7 @@ import numpy as np
 from surae.frozen import read_only
 from surae.protocol.effort import effort, named_task
 from surae.quality.commanded import Commanded, recognised
-from surae.quality.numeric import BoolArray, correlation, quantiles, smooth
+from surae.quality.numeric import BoolArray, correlation, quantiles, smooth, span_of
 from surae.quality.torque_model import TorqueModel, torque_model
 from surae.recording import MUSCLES, Channel, Recording
 from surae.recording.emg_kind import emg_contradictions
@@ -62,14 +62,15 @@ class CheckedTrial:
     model: TorqueModel | None
 
     @property
-    def start(self) -> float:
-        """First instant [s]."""
-        return float(self.time[0])
+    def span(self) -> tuple[float, float]:
+        """First and last instant [s]."""
+        return span_of(self.time)
 
     @property
-    def end(self) -> float:
-        """Last instant [s]."""
-        return float(self.time[-1])
+    def emg(self) -> dict[str, Channel]:
+        """The EMG channels by muscle, those too that are constant."""
+        channels = self.recording.channels
+        return {m: channels[f"emg_{m}"] for m in MUSCLES if f"emg_{m}" in channels}
 
     @property
     def triceps(self) -> tuple[str, ...]:
