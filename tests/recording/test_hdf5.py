@@ -118,9 +118,9 @@ def test_its_table_has_our_names(tmp_path):
 @pytest.mark.parametrize(
     ("spoil", "says"),
     [
-        (lambda f: write_text(f, "emg", "boiled"), "emg is 'boiled'"),
-        (lambda f: write_text(f, "fixed", '{"m": "x"}'), "'fixed' is not names and numbers"),
-        (lambda f: write_text(f, "files", '[{"name": "x"}]'), "'files' is not names"),
+        (lambda f: write_text(f, "emg", "boiled"), "emg: 'boiled' is none of: raw, envelope"),
+        (lambda f: write_text(f, "fixed", '{"m": "x"}'), "fixed.m: 'x' is not a finite number"),
+        (lambda f: write_text(f, "files", '[{"name": "x"}]'), r"files\[0\].sha256: it is missing"),
         (lambda f: write_text(f, "device", "{"), "'device' is no JSON"),
         (lambda f: f.attrs.__setitem__("device", "{}"), "'device' is missing or no text"),
         (lambda f: f.attrs.__delitem__("name"), "'name' is missing"),

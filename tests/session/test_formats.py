@@ -55,7 +55,7 @@ def test_two_sheets_of_their_own_rates(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "says"),
     [
-        ([["a", "b"], [1, 2]], "no sheet has a column of the time"),
+        ([["a", "b"], [1, 2]], "missing column time_s"),
         ([["time_s", "angle_deg"], [0, 1], [1, "x"], [2, 3]], "row 3: 'x' is not a number"),
         ([["time_s", "angle_deg"], [0, 1], [1, None], [2, 3]], "row 3: the cell is blank"),
         ([["time_s", "angle_deg"], [0, 1], [None, 1], [2, 3]], "column 'time_s', row 3"),

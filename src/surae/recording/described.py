@@ -19,7 +19,7 @@ from surae.setting import setting
 
 EFFORTS = ("passive", "active", "maximal")
 #: A setting that whoever uses it knows by its name.
-_Plain = str | bool | int | float | tuple[str | bool | int | float, ...]
+Setting = str | bool | int | float | tuple[str | bool | int | float, ...]
 
 
 @filed(strict=True)
@@ -87,8 +87,8 @@ class MappedRecording(TrialDescription):
     fixed: Mapping[str, float] = setting(
         FrozenDict, "Parameters that are known, with their values."
     )
-    device: Mapping[str, _Plain] = setting(FrozenDict, "Of the robot.")
-    prepare: Mapping[str, _Plain] = setting(FrozenDict, "Settings of `surae.Preparation`.")
+    device: Mapping[str, Setting] = setting(FrozenDict, "Of the robot.")
+    prepare: Mapping[str, Setting] = setting(FrozenDict, "Settings of `surae.Preparation`.")
     channels: Mapping[str, MappedChannel] = setting(
         FrozenDict, "A table for each signal: `[channels.angle]`, `[channels.torque]`, …"
     )

@@ -56,14 +56,14 @@ def packed(columns: Sequence[Parsed]) -> dict[str, Any]:
     return {"columns": plain, "times": list(times.values())}
 
 
-def foreign_table(source: Source, format_name: str, module: str) -> Table:
-    """The table that ``surae.recording.<module>:parse`` makes of a file.
+def in_child(source: Source, format_name: str, module: str) -> Any:
+    """What ``surae.recording.<module>:parse`` makes of a file, in a child process.
 
     A reader that crashes, or takes too long or too much memory, is an InputError too.
     """
     size = len(source.data)
     try:
-        plain = guarded(
+        return guarded(
             f"surae.recording.{module}:parse",
             {"data": source.data, "shown": source.shown},
             seconds=_SECONDS + _SECONDS_PER_BYTE * size,
@@ -74,6 +74,11 @@ def foreign_table(source: Source, format_name: str, module: str) -> Table:
             f"{source.shown}: {format_name} that cannot be read: damaged, or too large "
             f"({str(error).partition(';')[0]})"
         ) from None
+
+
+def foreign_table(source: Source, format_name: str, module: str) -> Table:
+    """The table that ``surae.recording.<module>:parse`` makes of a file's packed columns."""
+    plain = in_child(source, format_name, module)
     times = [as_read_only(time) for time in plain["times"]]
     columns = [_unpacked(fields, times) for fields in plain["columns"]]
     by_name = {column.name: column for column in reversed(columns)}

@@ -17,8 +17,9 @@ person.
 import io
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from surae._version import __version__
 from surae.errors import InputError
 from surae.files import PathLike, atomic_file, shown
 from surae.frozen import freeze
+from surae.recording.described import Setting
 from surae.recording.foreign import brief
 from surae.recording.hdf5file import member, numbers, opened, text_attribute, write_text
 from surae.recording.recording import ROLES, Channel, Recording, SourceFile
@@ -33,13 +35,13 @@ from surae.recording.samples import check_samples, instants, sample
 from surae.recording.source import Source
 from surae.recording.table import Column, Table
 from surae.recording.writing import column_name
+from surae.records import from_plain
 from surae.units import SI, FloatArray, kind
 
 _MAGIC = b"surae recording 1, HDF5\n"
 _USER_BLOCK = 512
-_EMG = ("raw", "envelope")
-_SIDES = ("", "left", "right")
-_DIGITS = frozenset("0123456789abcdef")
+#: Attributes of the file that are JSON; the others are texts.
+_JSON = ("fixed", "prepare", "device", "files")
 #: Rates are tried with so many decimals to find the one that gives the times to the last bit.
 _DECIMALS = (0, 1, 2, 3, 4, 6)
 
@@ -169,16 +171,49 @@ def _recording(file: Any, source: Source) -> Recording:
         raise InputError(f"{where}: it has no channel 'angle'; the file is damaged")
     clocks: dict[Any, FloatArray] = {}
     channels = {role: _channel(member(group, role), role, source, clocks) for role in roles}
+    head = _head(file, where)
+    files = (SourceFile(each.name, each.sha256) for each in head.files)
     return Recording(
-        name=text_attribute(file, "name", where),
-        channels=channels,
-        emg=cast("Literal['raw', 'envelope']", _word(file, "emg", _EMG, where)),
-        fixed=_fixed(_json(file, "fixed", where), where),
-        prepare=_plain(_json(file, "prepare", where)),
-        side=_word(file, "side", _SIDES, where) or None,
-        device=_plain(_json(file, "device", where)),
-        files=(source.file, *_files(file, where)),
-    )
+        head.name, channels, head.emg, head.fixed, head.prepare, (source.file, *files), head.side,
+        head.device,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class _File:
+    """A file that the recording was read from before it was written here."""
+
+    name: str
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Head:
+    """What the file's attributes say of the recording."""
+
+    name: str
+    emg: Literal["raw", "envelope"]
+    side: Literal["left", "right"] | None
+    fixed: Mapping[str, float]
+    prepare: Mapping[str, Setting]
+    device: Mapping[str, Setting]
+    files: tuple[_File, ...]
+
+
+def _head(file: Any, where: str) -> _Head:
+    said: dict[str, Any] = {
+        name: text_attribute(file, name, where) for name in ("name", "emg", "side", *_JSON)
+    }
+    said["side"] = said["side"] or None
+    for name in _JSON:
+        try:
+            said[name] = json.loads(said[name])
+        except (ValueError, RecursionError):
+            raise InputError(f"{where}: its attribute {name!r} is no JSON") from None
+    try:
+        return from_plain(_Head, said)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
 
 
 def _channel(group: Any, role: str, source: Source, clocks: dict[Any, FloatArray]) -> Channel:
@@ -226,54 +261,3 @@ def _number(item: Any, name: str, where: str) -> float:
     if attribute.dtype.kind != "f" or attribute.shape != ():
         raise InputError(f"{where}: its attribute {name!r} is no number")
     return float(item.attrs[name])
-
-
-def _word(file: Any, name: str, allowed: Sequence[str], where: str) -> str:
-    """A setting that is one of a few words."""
-    word = text_attribute(file, name, where)
-    if word not in allowed:
-        raise InputError(f"{where}: {name} is {word!r}; the file is damaged")
-    return word
-
-
-def _json(file: Any, name: str, where: str) -> Any:
-    """What a JSON attribute holds."""
-    text = text_attribute(file, name, where)
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError):
-        raise InputError(f"{where}: its attribute {name!r} is no JSON") from None
-
-
-def _fixed(value: Any, where: str) -> dict[str, float]:
-    """Read the parameter values that are prescribed."""
-    if not isinstance(value, dict) or not all(
-        isinstance(value, int | float) and np.isfinite(value) for value in value.values()
-    ):
-        raise InputError(f"{where}: its attribute 'fixed' is not names and numbers")
-    return {name: float(value) for name, value in value.items()}
-
-
-def _plain(value: Any) -> Any:
-    """Settings as a TOML gives them: lists become tuples."""
-    if isinstance(value, dict):
-        return {name: _plain(value) for name, value in value.items()}
-    return tuple(map(_plain, value)) if isinstance(value, list) else value
-
-
-def _files(file: Any, where: str) -> list[SourceFile]:
-    """The files that the recording was read from before it was written here."""
-    entries = _json(file, "files", where)
-    try:
-        return [
-            SourceFile(path=str(entry["name"]), sha256=_sha(entry["sha256"])) for entry in entries
-        ]
-    except (TypeError, LookupError, ValueError):
-        raise InputError(f"{where}: its attribute 'files' is not names and checksums") from None
-
-
-def _sha(text: Any) -> str:
-    """A SHA-256 in hexadecimal."""
-    if not isinstance(text, str) or len(text) != 64 or not set(text) <= _DIGITS:
-        raise ValueError
-    return text
