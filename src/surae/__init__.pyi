@@ -4,7 +4,6 @@ from surae._version import __version__ as __version__
 from surae.api import Fit as Fit
 from surae.api import Session as Session
 from surae.api import SessionResult as SessionResult
-from surae.api import bootstrap as bootstrap
 from surae.api import change as change
 from surae.api import check as check
 from surae.api import cohort as cohort

@@ -70,20 +70,6 @@ class PosteriorSettings(Request):
     cores: int | None = _workers("Chains")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BootstrapSettings(Request):
-    """How a fit is made again and again; see `surae.bootstrap`."""
-
-    replicates: int = setting(1000, "Fits to make.", least=1, most=_MOST_FITS, help="Fits to make.")
-    seed: int = _seed("random blocks")
-    block_s: float | None = setting(
-        None, "Length of the blocks [s]; by default from the residual's autocorrelation.",
-        option="block", metavar="SECONDS",
-        help="Length of the blocks.  [default: from the residual]",
-    )  # fmt: skip
-    workers: int | None = _workers("Fits")
-
-
 def _model(default: str, what: str) -> Any:
     text = f'{what} ``"auto"``: muscles on compliant tendons with all that the laboratory cannot '
     return setting(
@@ -224,14 +210,6 @@ class MotionSettings:
         True, "Adapt a motion that the device cannot follow, instead of refusing it.",
         option="no-adapt", help="Refuse what the device cannot follow instead.",
     )  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BaselineMotion(MotionSettings):
-    """The motion that a baseline of standard errors is simulated with."""
-
-    chirp_amplitude: float = setting(0.2, "", metavar="A", help="Of the added chirp, in rad.")
-    rate_hz: float = setting(125.0, "", option="rate", metavar="HZ", help="Samples per second.")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,13 +6,13 @@ import signal
 import sys
 import threading
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from surae.assessment.likelihood.profile import profile
 from surae.assessment.likelihood.profiles import profiles
-from surae.assessment.resampling.bootstrap import bootstrap
 from surae.errors import InputError
 
 NAMES = ("m", "f0", "l0_tib", "g1")
@@ -91,8 +91,8 @@ def test_stopped_profiles_go_on(fitted, tmp_path):
         same(rest[name], profile(fitted, name))
     wider = profiles(fitted, NAMES[:1], store=store, variance_inflation=2.0)
     assert wider[NAMES[0]].variance_inflation == 2.0
-    with pytest.raises(InputError, match="holds profiles of another fit or other settings"):
-        bootstrap(fitted, replicates=2, store=store)
+    with pytest.raises(InputError, match="holds profiles of another fit"):
+        profiles(replace(fitted, sse=0.0, values={**fitted.values, "m": 1.0}), NAMES, store=store)
 
 
 def test_all_by_default(decided):

@@ -7,7 +7,7 @@ import pytest
 
 from surae.assessment import Baseline, assess
 from surae.assessment.saved.fit_json import load_saved, save_fit
-from surae.assessment.uncertainty.snsem import load_baseline, save_baseline, snsem
+from surae.assessment.uncertainty.snsem import snsem
 from surae.errors import InputError
 from surae.model import ModelOptions
 
@@ -40,40 +40,9 @@ def test_a_baseline_of_another_model(fitted) -> None:
         assess(fitted, replace(BASELINE, options=ModelOptions(vmax_factor=10.0)))
 
 
-def test_a_baseline_survives_its_file_and_that_of_the_fit(fitted, tmp_path) -> None:
-    save_baseline(tmp_path / "b.json", BASELINE)
-    assert load_baseline(tmp_path / "b.json") == BASELINE
+def test_a_baseline_survives_the_file_of_the_fit(fitted, tmp_path) -> None:
     save_fit(tmp_path / "f.json", fitted, assess(fitted, BASELINE))
     content = json.loads((tmp_path / "f.json").read_text(encoding="utf-8"))
     assert content["snsem"]["values"] == dict(assess(fitted, BASELINE).snsem)
     baseline = load_saved(tmp_path / "f.json").baseline
     assert baseline == BASELINE
-
-
-@pytest.mark.parametrize(
-    ("change", "says"),
-    [
-        ({"model": "bone"}, "unknown model 'bone'"),
-        ({"sem": {"q": 1.0}}, "no parameter 'q'"),
-        ({"sem": {"m": 0.0}}, "not above zero"),
-        ({"sem": {"m": "small"}}, r"sem\.m: 'small' is not a finite number"),
-        ({"sem": 3}, "sem: 3 is no table"),
-        ({"options": {"geometry": "flat"}}, "geometry"),
-        ({"format": 99}, "newer than this one"),
-    ],
-)
-def test_damaged_baselines(change, says, tmp_path) -> None:
-    path = tmp_path / "b.json"
-    save_baseline(path, BASELINE)
-    content = json.loads(path.read_text(encoding="utf-8")) | change
-    path.write_text(json.dumps(content), encoding="utf-8")
-    with pytest.raises(InputError, match=says) as caught:
-        load_baseline(path)
-    assert str(caught.value).count("b.json") == 1
-
-
-def test_a_file_that_is_none(fitted, tmp_path) -> None:
-    path = tmp_path / "b.json"
-    path.write_text("{}", encoding="utf-8")
-    with pytest.raises(InputError, match="model: it is missing; give a file that `surae bas"):
-        load_baseline(path)

@@ -1,4 +1,4 @@
-"""Weights, losses, default priors, body mass and baselines on the command line."""
+"""Weights, losses, default priors and body mass on the command line."""
 
 import json
 
@@ -73,53 +73,6 @@ def test_body_mass_fixes_m_and_says_so(run, files) -> None:
     assert "Mass m fixed at 2.159 kg: 1.37 % of 70 kg body mass (de Leva 1996, men)" in done.out
 
 
-@pytest.mark.slow
-def test_a_baseline_from_the_command_to_the_screen_and_the_file(run, files) -> None:
-    done = run(
-        "baseline", "multiple-holds", "--subjects", "1", "--rate", "64", "--chirp-rate", "0.1",
-        "--output", "b.json",
-    )  # fmt: skip
-    assert done.code == 0, done
-    assert "Mean SEM of 1 healthy virtual subject from seed 0, multiple-holds" in done.out
-    sem = fitted(files, "b.json")["sem"]
-    done = run(
-        "fit",
-        "--model",
-        "muscle",
-        "trial.csv",
-        *QUICK,
-        "--baseline",
-        "b.json",
-        "--report",
-        "r.html",
-    )
-    assert "snSEM" in done.out
-    content = fitted(files)
-    ratio = content["parameters"]["f0"]["sem"] / sem["f0"]
-    assert content["snsem"]["values"]["f0"] == pytest.approx(ratio)
-    assert surae.load(files / "out.json").snsem["f0"] == pytest.approx(ratio)
-    page = (files / "r.html").read_text(encoding="utf-8")
-    assert "Standard errors against simulations" in page
-    refused(
-        run("fit", "trial.csv", "--prepared", "--model", "muscle-2010", "--baseline", "b.json"),
-        "'muscle-2010'",
-    )
-    gone = run("fit", "--model", "muscle", "trial.csv", "--prepared", "--baseline", "gone.json")
-    refused(gone, "gone.json", "no such file")
-    itself = run(
-        "fit",
-        "--model",
-        "muscle",
-        "trial.csv",
-        "--prepared",
-        "--baseline",
-        "b.json",
-        "--output",
-        "b.json",
-    )
-    refused(itself, "is read by this command")
-
-
 @pytest.mark.parametrize(
     ("options", "says"),
     [
@@ -146,18 +99,3 @@ def test_a_baseline_from_the_command_to_the_screen_and_the_file(run, files) -> N
 )
 def test_wrong_use_is_one_clear_line(options, says, run, files) -> None:
     refused(run("fit", "--model", "muscle", "trial.csv", "--prepared", *options), *says)
-
-
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [
-        (("wobble",), ("wobble",)),
-        (("sine", "--noise", "0"), ("--noise 0",)),
-        (("sine", "--subjects", "0"), ("--subjects 0",)),
-        (("sine", "--model", "bone"), ("'bone'",)),
-        (("sine", "--population", "athletes"), ("athletes",)),
-    ],
-)
-def test_wrong_baselines(options, says, run, files) -> None:
-    refused(run("baseline", *options, "--output", "b.json"), *says)
-    assert not (files / "b.json").exists()

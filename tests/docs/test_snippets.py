@@ -37,13 +37,11 @@ READ_ONLY = {
 #: What makes a command quick without changing what it does.
 QUICKER = {
     "surae fit": ["--model", "muscle", "--starts", "1"],
-    "surae bootstrap": ["--replicates", "10", "--workers", "1"],
     "surae cohort": ["--workers", "1"],
     "surae session": ["--model", "muscle", "--starts", "1"],
     "surae profile": ["--workers", "1"],
     "surae design": ["--evaluations", "20"],
     "surae study run": ["--workers", "1"],
-    "surae baseline": ["--subjects", "2", "--rate", "50"],
 }
 #: Targets of the Makefile, and extras of the package.
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))

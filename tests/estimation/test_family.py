@@ -254,7 +254,7 @@ def test_a_slack_length_is_as_unsure_as_its_stiffness(fitted):
 
 
 def test_what_fits_again_believes_what_the_search_did(fitted):
-    """Profile, bootstrap and posterior: a nuisance without its prior takes what it likes."""
+    """Profile and posterior: a nuisance without its prior takes what it likes."""
     told = with_laboratory(fitted)
     assert set(fitted.family.beliefs) <= set(told.problem.priors)
     assert told.problem.inputs == fitted.problem.inputs

@@ -23,7 +23,6 @@ from surae.api.fitting import fit as fit
 from surae.api.fitting import fit_inputs as fit_inputs
 from surae.api.fitting import inputs_for as inputs_for
 from surae.api.fitting import load as load
-from surae.api.intervals import bootstrap as bootstrap
 from surae.api.intervals import posterior as posterior
 from surae.api.intervals import profile as profile
 from surae.api.quality import check as check
@@ -49,9 +48,7 @@ from surae.assessment.likelihood.profile import check_profiled as check_profiled
 from surae.assessment.likelihood.profiles import Profiles as Profiles
 from surae.assessment.parameter import ParameterEstimate as ParameterEstimate
 from surae.assessment.posterior.sample import Posterior as Posterior
-from surae.assessment.resampling.bootstrap import Bootstrap as Bootstrap
 from surae.assessment.saved.parameters_json import read_parameters as read_parameters
-from surae.assessment.uncertainty.snsem import save_baseline as save_baseline
 from surae.estimation import make_problem as make_problem
 from surae.estimation import solve as solve
 from surae.estimation.population import population_priors as population_priors

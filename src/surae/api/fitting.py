@@ -8,7 +8,7 @@ from surae.api.quality import check, explained
 from surae.api.recordings import AnyRecording, read_in, several
 from surae.assessment.assess import assess
 from surae.assessment.saved.fit_json import load_saved
-from surae.assessment.uncertainty.snsem import Baseline, check_baseline, load_baseline
+from surae.assessment.uncertainty.snsem import Baseline, check_baseline
 from surae.errors import InputError
 from surae.estimation import FitSettings, make_problem, solve
 from surae.estimation.starts import Follow
@@ -30,7 +30,7 @@ def fit(
     recordings: AnyRecording | Sequence[AnyRecording],
     model: str | FitSettings = AUTO,
     *,
-    baseline: Baseline | PathLike | None = None,
+    baseline: Baseline | None = None,
     mvc: AnyRecording | Sequence[AnyRecording] = (),
     quality: Sequence[Quality] | None = None,
     progress: SearchProgress | None = None,
@@ -48,8 +48,9 @@ def fit(
         departures of real legs that the data ask for. Or the name of one model;
         `surae.model.MODELS` lists them. Or everything that is asked, as ``other.settings`` of
         another fit; keywords that are given too go before it.
-    baseline : Baseline or path, optional
-        Simulations to compare the standard errors with (snSEM, thesis 2.7).
+    baseline : Baseline, optional
+        Simulations to compare the standard errors with (snSEM, thesis 2.7); see
+        `surae.studies.make_baseline`.
     mvc : Recording, ModelInputs, path, or a sequence of them
         Maximum voluntary contractions, for ``normalise="mvc"``.
     quality : sequence of Quality, optional
@@ -100,7 +101,7 @@ def fit_inputs(
     inputs: Sequence[ModelInputs],
     settings: FitSettings,
     quality: Sequence[Quality] = (),
-    baseline: Baseline | PathLike | None = None,
+    baseline: Baseline | None = None,
     progress: SearchProgress | None = None,
     follow: Follow | None = None,
 ) -> Fit:
@@ -116,11 +117,10 @@ def fit_inputs(
         As of `fit`.
     """
     problem = make_problem(inputs, settings)
-    compared = baseline if isinstance(baseline, Baseline | None) else load_baseline(baseline)
-    if compared is not None:
-        check_baseline(compared, problem)
+    if baseline is not None:
+        check_baseline(baseline, problem)
     result = solve(problem, progress=progress, follow=follow)
-    return Fit(result, assess(result, compared, alternatives=True), tuple(quality))
+    return Fit(result, assess(result, baseline, alternatives=True), tuple(quality))
 
 
 def load(path: PathLike) -> Fit:

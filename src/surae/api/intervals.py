@@ -1,4 +1,4 @@
-"""What a fit's parameters may be: profiles, a posterior, a bootstrap."""
+"""What a fit's parameters may be: profiles and a posterior."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -8,11 +8,9 @@ from surae.api.fitted import Fit
 from surae.assessment.assess import variance_inflation
 from surae.assessment.likelihood.profiles import Profiles, profiles
 from surae.assessment.posterior.sample import Posterior, sample
-from surae.assessment.resampling.bootstrap import Bootstrap
-from surae.assessment.resampling.bootstrap import bootstrap as bootstrap_fit
 from surae.files import PathLike
 from surae.progress import NamedProgress, Progress
-from surae.requests import BootstrapSettings, PosteriorSettings, ProfileSettings
+from surae.requests import PosteriorSettings, ProfileSettings
 from surae.setting import takes
 
 
@@ -98,37 +96,3 @@ def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any)
         if inflation.common != 1.0:
             reason = f"{reason}; the median over the parameters"
     return sample(fitted.result, **asdict(asked), inflation_reason=reason, progress=progress)
-
-
-@takes(BootstrapSettings)
-def bootstrap(
-    fitted: Fit,
-    *,
-    store: PathLike | None = None,
-    progress: Progress | None = None,
-    **settings: Any,
-) -> Bootstrap:
-    """Percentile intervals from fits to random blocks of the residual; no formula is trusted.
-
-    Parameters
-    ----------
-    fitted : Fit
-        The fit.
-    store : path, optional
-        File that replicates are added to as they come, and from which a bootstrap goes on.
-    progress : callable, optional
-        Called after every replicate with (done, all).
-    {settings}
-
-    Returns
-    -------
-    Bootstrap
-        Ctrl-C keeps the replicates that are complete; `missing` counts the others.
-
-    Raises
-    ------
-    InputError
-        A number is out of range, or the file is of another bootstrap.
-    """
-    asked = asdict(BootstrapSettings(**settings))
-    return bootstrap_fit(fitted.result, **asked, store=store, progress=progress)

@@ -24,7 +24,6 @@ from surae.files import shown
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
 @MAPPING
 @request_options()
-@click.option("--baseline", metavar="B.json", help="Compare SEM with simulations (snSEM).")
 @click.option(
     "--strict", is_flag=True, help="Refuse recordings in which `surae check` finds errors."
 )
@@ -36,7 +35,6 @@ def command(
     mapping: str | None,
     options: dict[str, Any],
     mvc: tuple[str, ...],
-    baseline: str | None,
     strict: bool,
     output: str | None,
     report: str | None,
@@ -65,14 +63,13 @@ def command(
         contractions = read_all(mvc, progress, mapping)
         check_outputs(
             {"--output": output, "--report": report, "--figure": figure},
-            [*([] if baseline is None else [baseline]),
-             *(file.path for recording in (*measured, *contractions) for file in recording.files)],
-        )  # fmt: skip
+            [file.path for recording in (*measured, *contractions) for file in recording.files],
+        )
 
         inputs = api.inputs_for(settings, measured, contractions)
 
         with compilation_notice():
-            fit = api.fit_inputs(inputs, settings, quality, baseline, progress.starts)
+            fit = api.fit_inputs(inputs, settings, quality, progress=progress.starts)
     show_fitted(fit, output, report, figure, width)
     judge_end(fit, output)
 

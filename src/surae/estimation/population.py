@@ -15,7 +15,7 @@ as a fit's bounds, or the parameter's own wide prior.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -46,12 +46,6 @@ class Prior:
             return 1.0 / self.spread, (value - self.median) / self.spread
         value = max(value, _SMALLEST * self.median)
         return 1.0 / (self.spread * value), float(np.log(value / self.median)) / self.spread
-
-    def drawn(self, rng: np.random.Generator) -> "Prior":
-        """The prior about a median that is drawn from it, as a bootstrap asks for."""
-        away = self.spread * float(rng.standard_normal())
-        median = self.median + away if self.straight else self.median * float(np.exp(away))
-        return replace(self, median=median)
 
 
 def checked_prior(name: str, pair: object, free: Sequence[str]) -> Prior:

@@ -117,7 +117,7 @@ def profiles(
 
     names_by_key = {f"{name} {inflation[name]!r}": name for name in wanted}
     threads = Engine("threads", cores() if workers is None else workers)
-    ledger, about = ledger_of(result, store, _KIND, {})
+    ledger, about = ledger_of(result, store, _KIND)
     with ledger:
         plan = list(names_by_key.items())
         there = ledger.begin(_KIND, _KIND, about, plan) & set(names_by_key)

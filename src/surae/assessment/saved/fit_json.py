@@ -13,7 +13,7 @@ import numpy as np
 
 from surae._version import __version__
 from surae.assessment.assess import Assessment
-from surae.assessment.uncertainty.snsem import Baseline, baseline_as_dict
+from surae.assessment.uncertainty.snsem import Baseline
 from surae.errors import InputError
 from surae.estimation import LOSSES, FitProblem, FitResult, Start
 from surae.filed import filed
@@ -65,7 +65,8 @@ def as_dict(
         "message": result.message,
         **judged,
         "findings": to_plain(tuple(quality)),
-        "snsem": baseline and {"values": snsem, "baseline": baseline_as_dict(baseline)},
+        "snsem": baseline
+        and {"values": snsem, "baseline": {"surae": __version__, **to_plain(baseline)}},
         "starts": {"n": len(starts), "agreeing": agreeing, "all": starts},
         **found,
         **to_plain(problem),

@@ -3,14 +3,10 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-from surae._version import __version__
 from surae.errors import InputError
 from surae.estimation import FitProblem
-from surae.files import PathLike, shown, write_json
 from surae.model import ModelOptions, check_names, get_model
-from surae.records import check_format, from_plain, read_json, to_plain
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,31 +67,3 @@ def snsem(
         for name, sem in standard_errors.items()
         if name in baseline.sem and name not in skipped
     }
-
-
-def baseline_as_dict(baseline: Baseline) -> dict[str, Any]:
-    """Plain data, in the shape of the file."""
-    return {"surae": __version__, **to_plain(baseline)}
-
-
-def save_baseline(path: PathLike, baseline: Baseline) -> None:
-    """Write a baseline; `load_baseline` reads it back.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-    """
-    write_json(path, baseline_as_dict(baseline))
-
-
-def load_baseline(path: PathLike) -> Baseline:
-    """Read a baseline."""
-    data = read_json(path)
-    check_format(data, path)
-    try:
-        return from_plain(Baseline, data)
-    except InputError as error:
-        raise InputError(
-            f"{shown(path)}: {error}; give a file that `surae baseline` wrote"
-        ) from None
