@@ -6,7 +6,7 @@ import pytest
 from surae.assessment.adequacy import Adequacy, Grade
 from surae.formatting import estimate, percentage, significant, standard_error
 from surae.report import rendering
-from surae.report.budget import budget_section
+from surae.report.budget import budget_of
 from surae.report.content import fit_document
 from surae.report.document import TableBlock, TextBlock
 from surae.report.traces import traces_of
@@ -67,7 +67,7 @@ def test_the_numbers_are_those_of_the_assessment(plain, content):
 def test_the_block_is_passive_against_active(plain, monkeypatch):
     shown = []
     monkeypatch.setattr(rendering, "correlation_figure", lambda *given: shown.append(given))
-    budget = budget_section(plain.result, plain.assessment)
+    budget = budget_of(plain.result, plain.assessment)
     list(rendering.drawings(budget, traces_of(plain.result), plain.assessment, ()))
     ((names, matrix, passive, active),) = shown
     assert names == plain.assessment.covariance.names

@@ -142,6 +142,8 @@ from surae.report import has_typst as has_typst
 from surae.report import part_of as part_of
 from surae.report import style as style
 from surae.report.budget import what_would_help as what_would_help
+from surae.report.document import TableBlock as TableBlock
+from surae.report.document import TextBlock as TextBlock
 from surae.report.figures import figure_bytes as figure_bytes
 from surae.report.figures import png as png
 from surae.report.figures import predictions_figure as predictions_figure
@@ -152,7 +154,7 @@ from surae.report.figures.profile import profile_figure as profile_figure
 from surae.report.figures.protocol import protocol_figure as protocol_figure
 from surae.report.figures.study import study_figure as study_figure
 from surae.report.figures.style import new_figure as new_figure
-from surae.report.laboratory import family_section as family_section
+from surae.report.laboratory import family_text as family_text
 from surae.report.laboratory import trials_section as trials_section
 from surae.report.parameters import repeatable as repeatable
 from surae.report.parameters import shown_parameters as shown_parameters

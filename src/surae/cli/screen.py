@@ -75,13 +75,18 @@ def show_fit(fit: "api.Fit") -> None:
 
 def _show_trials(fit: "api.Fit", out: "Console") -> None:
     """What each recording of a joint fit says by itself, and how much they differ."""
-    section = api.trials_section(fit.result, fit.assessment)
-    if section is None:
-        return
-    heads = ("parameter", "together", *section.recordings, "spread", "unit")
-    rows = [(r.name, r.value, *r.each, r.spread, r.unit or "-") for r in section.rows]
-    _show_table(out, heads, rows, {"parameter", "unit"}, heads)
-    show_line("\n".join([*textwrap.wrap(section.text, out.width), ""]))
+    for section in api.trials_section(fit.result, fit.assessment):
+        for block in section.blocks:
+            if isinstance(block, api.TableBlock):
+                heads = [column.head for column in block.columns]
+                rows = [
+                    [cell if isinstance(cell, str) else cell.text for cell in row]
+                    for _, group in block.groups
+                    for row in group
+                ]
+                _show_table(out, heads, rows, heads[:2], heads)
+            elif isinstance(block, api.TextBlock):
+                show_line("\n".join([*textwrap.wrap(block.text, out.width), ""]))
 
 
 def show_adequacy(adequacy: "api.Adequacy") -> None:
@@ -243,8 +248,8 @@ def _notes(fit: "api.Fit", width: int) -> list[str]:
 def _unknown(fit: "api.Fit", width: int) -> list[str]:
     """What to measure to know more, and which model the data support, of a fit with model auto."""
     helps = [f"– {line}" for line in api.what_would_help(fit.result, fit.assessment)]
-    family = api.family_section(fit.result, fit.assessment)
-    lines = [*(["What would help:"] if helps else []), *helps, *([family.text] if family else [])]
+    family = api.family_text(fit.result, fit.assessment)
+    lines = [*(["What would help:"] if helps else []), *helps, *filter(None, [family])]
     folded = [part for line in lines for part in textwrap.wrap(line, width, subsequent_indent="  ")]
     return [*folded, ""] if folded else []
 

@@ -1,6 +1,6 @@
 """What makes each parameter unsure, in shares of its variance, and what would make it known."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ from surae.assessment.adequacy import Grade
 from surae.assessment.parameter import percent
 from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import FitResult
-from surae.model.sources import SOURCES, Fill
+from surae.model.sources import SOURCES
 from surae.protocol.planning.filming import covariance_if_filmed
 from surae.report.document import (
     Block,
@@ -27,7 +27,7 @@ from surae.report.document import (
 
 #: Share of a variance from which a source is shown, and from which it is worth a remedy.
 _SHOWN, _WORTH = 0.005, 0.25
-#: A remedy is told of where the interval shrinks to less than this part.
+#: A remedy is worth a sentence where the interval shrinks to less than this part.
 _SHRINKS = 0.8
 #: Muscles that may be filmed, and what sentences call them.
 _MUSCLES = {"tib": "tibialis", "gm": "gastrocnemius"}
@@ -36,104 +36,70 @@ _NAMED = 4
 
 
 @dataclass(frozen=True, slots=True)
-class BudgetRow:
-    """One parameter: how well it is known, and its shares of the variance in the sources' order."""
+class Budget:
+    """Shares of the variance of every estimated parameter that has an interval."""
 
-    name: str
-    known: str
-    shares: tuple[float, ...]
-    texts: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class BudgetSection:
-    """The uncertainty budget."""
-
-    text: str  #: What the shares are, or why there are none.
-    #: `keys`, `sources`, `looks`: the sources that are shown: names in FIT.json, words, and a
-    #: background in CSS.
-    keys: tuple[str, ...]
-    sources: tuple[str, ...]
-    looks: tuple[str, ...]
-    #: Estimated parameters with an interval; empty where nothing but noise is looked at.
-    rows: tuple[BudgetRow, ...]
+    sources: tuple[str, ...]  #: Names in FIT.json of those that are shown.
+    #: By parameter: how well it is known, and its shares in the order of `sources`. Empty where
+    #: nothing but noise is looked at.
+    rows: Mapping[str, tuple[str, tuple[float, ...]]]
     helps: tuple[str, ...]  #: What to measure, and how much better which parameter would be known.
-    alt: str  #: The chart in words.
 
 
-def budget_section(result: FitResult, assessment: Assessment) -> BudgetSection:
-    """Put the budgets of all parameters in one table."""
+def budget_of(result: FitResult, assessment: Assessment) -> Budget:
+    """The budgets of all parameters in one table."""
     known = {p.name: p for p in assessment.parameters.values() if p.budget and p.ci95}
+    helps = what_to_measure(assessment)
     if result.family is None or not known:
-        return BudgetSection(
-            "The intervals of this fit contain the noise of the torque and nothing else: what the "
-            "laboratory cannot rule out, and other models, are not in them. A fit with model auto "
-            "says what they add.",
-            (), (), (), (), what_to_measure(assessment), "",
-        )  # fmt: skip
+        return Budget((), {}, helps)
     met = {source for p in known.values() for source in p.budget if p.budget[source] >= _SHOWN}
-    keys = [source for source in SOURCES if source in met]
-    rows = []
-    for name, p in known.items():
-        shares = tuple(p.budget.get(key, 0.0) for key in keys)
-        known_to = f"±{percent(_relative(p))}"
-        if p.verdict is Verdict.UNDETERMINED:
-            known_to = "undetermined"
-        rows.append(BudgetRow(name, known_to, shares, tuple(map(_written, shares))))
-    first = [keys[row.shares.index(max(row.shares))] for row in rows]
-    main = max(dict.fromkeys(first), key=first.count)
-    return BudgetSection(
-        text=(
-            "Where the uncertainty of each parameter comes from: shares of the variance behind its "
-            "95 % interval. The shares of what is estimated along overlap and are scaled to add up."
-        ),
-        keys=tuple(keys),
-        sources=tuple(SOURCES[key].label for key in keys),
-        looks=tuple(css(SOURCES[key].look) for key in keys),
-        rows=tuple(rows),
-        helps=(*what_would_help(result, assessment), *what_to_measure(assessment)),
-        alt=(
-            f"Stacked bars of the shares of the variance of {len(rows)} parameters; the largest "
-            f"share of {first.count(main)} of them is {SOURCES[main].label}."
-        ),
-    )
-
-
-#: Hatches as lines: their directions [°] in CSS.
-_LINES = {"/": (135,), "\\": (45,), "x": (45, 135), "-": (0,), "|": (90,), "+": (0, 90)}
-
-
-def css(look: Fill) -> str:
-    """A source's look as a CSS background, of the workbench's palette."""
-    lines = [
-        f"repeating-linear-gradient({angle}deg, var(--ink) 0 1px, transparent 1px 5px)"
-        for angle in _LINES.get(look.hatch, ())
-    ]
-    if look.hatch == ".":
-        lines = ["radial-gradient(var(--ink) 1px, transparent 1.2px) 0 0 / 5px 5px"]
-    return ", ".join((*lines, f"linear-gradient(var(--{look.colour}) 0 0)"))
+    sources = tuple(source for source in SOURCES if source in met)
+    rows = {
+        name: (
+            "undetermined" if p.verdict is Verdict.UNDETERMINED else f"±{percent(_relative(p))}",
+            tuple(p.budget.get(source, 0.0) for source in sources),
+        )
+        for name, p in known.items()
+    }
+    return Budget(sources, rows, (*what_would_help(result, assessment), *helps))
 
 
 #: The anchor of what to measure next.
 NEXT = "next"
 
 
-def budget_blocks(budget: BudgetSection) -> SectionBlock:
-    """The budget as it is shown: what would help, the chart, and its numbers."""
-    blocks: list[Block] = [TextBlock(budget.text)]
+def budget_section(budget: Budget) -> SectionBlock:
+    """What would help, the chart, and its numbers."""
+    text = (
+        "Where the uncertainty of each parameter comes from: shares of the variance behind its "
+        "95 % interval. The shares of what is estimated along overlap and are scaled to add up."
+        if budget.rows
+        else "The intervals of this fit contain the noise of the torque and nothing else: errors "
+        "of the laboratory, and other models, are not in them. A fit with model auto shows what "
+        "they add."
+    )
+    blocks: list[Block] = [TextBlock(text)]
     if budget.helps:
         blocks.append(ListBlock("What would help:", budget.helps, NEXT))
     if budget.rows:
+        labels = [SOURCES[source].label for source in budget.sources]
+        first = [labels[shares.index(max(shares))] for _, shares in budget.rows.values()]
+        main = max(dict.fromkeys(first), key=first.count)
+        alt = (
+            f"Stacked bars of the shares of the variance of {len(first)} parameters; the largest "
+            f"share of {first.count(main)} of them is {main}."
+        )
         caption = (
             "Shares of the variance; at the right, how well the parameter is known (half of the "
             "95 % interval)."
         )
-        blocks.append(PictureBlock("budget", budget.alt, caption, "map"))
-        every = range(2, 2 + len(budget.sources))
-        heads = columns("Parameter", "Known to", *budget.sources, numbers=every, wide=every,
+        blocks.append(PictureBlock("budget", alt, caption, "map"))
+        every = range(2, 2 + len(labels))
+        heads = columns("Parameter", "Known to", *labels, numbers=every, wide=every,
                         looks={1: "number value"})  # fmt: skip
         rows: Iterator[TableRow] = (
-            (TableCell(row.name, kind="code"), row.known, *row.texts) for row in budget.rows
+            (TableCell(name, kind="code"), known, *map(_written, shares))
+            for name, (known, shares) in budget.rows.items()
         )
         title = "Shares of the variance of every parameter by source"
         blocks.append(TableBlock(title, heads, rows_of(rows), "budget"))
@@ -149,44 +115,32 @@ def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...
     """
     if result.family is None or assessment.adequacy.grade is Grade.INADEQUATE:
         return ()
-    gains: dict[str, list[tuple[float, str]]] = {}
-    for name, budget in budgets(result.family, result.problem.free).items():
+    gains: dict[str, dict[str, tuple[float, str]]] = {}
+
+    def note(remedy: str, name: str, part: float) -> None:
+        """A parameter that is not identified, and whose interval would shrink to a part."""
         p = assessment.parameters.get(name)
         if p is None or p.ci95 is None or p.verdict not in (Verdict.WEAK, Verdict.UNDETERMINED):
-            continue
+            return
         before = _relative(p)
+        if part < _SHRINKS and part * before <= 1.0:
+            text = f"{name} would be known to ±{percent(part * before)}"
+            text += f" instead of ±{percent(before)}"
+            gains.setdefault(remedy, {})[name] = part, text
+
+    for name, budget in budgets(result.family, result.problem.free).items():
         for source, without in budget.without.items():
-            part = without / budget.sd
-            if budget.shares.get(source, 0.0) < _WORTH:
-                continue
-            if part < _SHRINKS and part * before <= 1.0:
-                after = f"{name} would be known to ±{percent(part * before)}"
-                text = f"{after} instead of ±{percent(before)}"
-                gains.setdefault(source, []).append((part, text))
-    by_remedy = {SOURCES[source].advice: narrowed for source, narrowed in gains.items()}
-    by_remedy |= _films(result, assessment)
-    ranked = sorted(by_remedy.items(), key=lambda gain: -sum(1.0 - part for part, _ in gain[1]))
-    return tuple(_sentence(remedy, sorted(narrowed)) for remedy, narrowed in ranked)
-
-
-def _films(result: FitResult, assessment: Assessment) -> dict[str, list[tuple[float, str]]]:
-    """What a film of each muscle that has none would narrow."""
-    gains: dict[str, list[tuple[float, str]]] = {}
+            if budget.shares.get(source, 0.0) >= _WORTH:
+                note(SOURCES[source].advice, name, without / budget.sd)
     for muscle, words in _MUSCLES.items():
         filmed = covariance_if_filmed(result, muscle)
-        if filmed is None or result.family is None:
-            continue
-        for j, name in enumerate(result.problem.free):
-            p = assessment.parameters.get(name)
-            if p is None or p.ci95 is None or p.verdict not in (Verdict.WEAK, Verdict.UNDETERMINED):
-                continue
-            part = float(np.sqrt(filmed[j, j] / result.family.covariance[j, j]))
-            before = _relative(p)
-            if part < _SHRINKS and part * before <= 1.0:
-                text = f"{name} would be known to ±{percent(part * before)}"
-                text = f"{text} instead of ±{percent(before)}"
-                gains.setdefault(f"film the {words}", []).append((part, text))
-    return gains
+        if filmed is not None:
+            parts = np.sqrt(np.diag(filmed) / np.diag(result.family.covariance))
+            for name, part in zip(result.problem.free, parts.tolist(), strict=True):
+                note(f"film the {words}", name, part)
+    narrowed = {remedy: sorted(by_name.values()) for remedy, by_name in gains.items()}
+    ranked = sorted(narrowed, key=lambda remedy: -sum(1.0 - part for part, _ in narrowed[remedy]))
+    return tuple(_sentence(remedy, narrowed[remedy]) for remedy in ranked)
 
 
 def what_to_measure(assessment: Assessment) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from surae.assessment import Assessment, Interval, Prediction, Verdict
 from surae.estimation import FitResult
 from surae.formatting import NO_NUMBER, estimate, percentage, short, significant
 from surae.quality import Quality
-from surae.report.budget import NEXT, budget_blocks, budget_section
+from surae.report.budget import NEXT, budget_of, budget_section
 from surae.report.document import (
     Block,
     Document,
@@ -24,14 +24,7 @@ from surae.report.document import (
     verdict,
 )
 from surae.report.identifiability import identifiability_section
-from surae.report.laboratory import (
-    family_blocks,
-    family_section,
-    laboratory_blocks,
-    laboratory_section,
-    trials_blocks,
-    trials_section,
-)
+from surae.report.laboratory import family_section, laboratory_section, trials_section
 from surae.report.parameters import parameters_section, shown_parameters
 from surae.report.provenance import provenance_section
 from surae.report.recordings import recording_section
@@ -70,7 +63,7 @@ def fit_document(
     """
     names = [recording.name for recording in assessment.recordings]
     several = f", {len(names)} recordings in one joint fit" if len(names) > 1 else ""
-    budget = budget_section(result, assessment)
+    budget = budget_of(result, assessment)
     recordings = (
         recording_section(number, *each)
         for number, each in enumerate(
@@ -103,10 +96,10 @@ def fit_document(
             SectionBlock(
                 "Research",
                 (
-                    budget_blocks(budget),
-                    *laboratory_blocks(laboratory_section(result, assessment)),
-                    *family_blocks(family_section(result, assessment)),
-                    *trials_blocks(trials_section(result, assessment)),
+                    budget_section(budget),
+                    *laboratory_section(result, assessment),
+                    *family_section(result, assessment),
+                    *trials_section(result, assessment),
                     correlation_section(assessment),
                     identifiability_section(result, assessment),
                     *snsem_section(assessment),

@@ -13,7 +13,7 @@ from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
 from surae.files import PathLike, template, write_atomic
 from surae.model import GeometryTable
-from surae.report.budget import BudgetSection, budget_section
+from surae.report.budget import Budget, budget_of
 from surae.report.content import fit_document
 from surae.report.document import Document, SectionBlock
 from surae.report.explore import explorer, signals_of
@@ -108,7 +108,7 @@ def _of_fit(
     """What a fit's report is made of: its document, its figures one by one, and its signals."""
     traces = traces_of(result)
     document = fit_document(result, assessment, traces, predictions=predictions, **about)
-    budget = budget_section(result, assessment)
+    budget = budget_of(result, assessment)
     figures = drawings(budget, traces, assessment, predictions)
     if isinstance(result.problem.options.geometry, GeometryTable):
         figures = chain(figures, [("geometry", geometry_figure(result.problem.options, GROUPS))])
@@ -116,7 +116,7 @@ def _of_fit(
 
 
 def drawings(
-    budget: BudgetSection,
+    budget: Budget,
     traces: Sequence[Traces],
     assessment: Assessment,
     predictions: Sequence[Prediction],

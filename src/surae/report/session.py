@@ -10,7 +10,7 @@ from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.formatting import NO_NUMBER, estimate, of_interval, percentage, signed, significant
 from surae.measures import Measure, Measures
 from surae.quality import Finding, Quality
-from surae.report.budget import budget_blocks, budget_section
+from surae.report.budget import budget_of, budget_section
 from surae.report.document import (
     Block,
     Document,
@@ -141,10 +141,10 @@ def session_report(
                 drawn = f"film-{number}-{place}"
                 figures[drawn] = film_figure(trial, film)
                 details.append(film_block(drawn, film))
-        budget = budget_section(*shown)
+        budget = budget_of(*shown)
         if budget.rows:
             figures["budget"] = budget_figure(budget)
-        research += [parameters_section(*shown, next_anchor=""), budget_blocks(budget)]
+        research += [parameters_section(*shown, next_anchor=""), budget_section(budget)]
     details.append(_findings_section(quality))
     if rows := _parameters(alone, None if joint is None else joint[1], contradicted):
         figures["trials"] = session_figure(alone, None if joint is None else joint[1], width=WIDTH)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from surae.model.sources import SOURCES
-from surae.report.budget import BudgetSection
+from surae.report.budget import Budget
 from surae.report.figures.style import BLUE, GREY, INK, MUTED, OCHRE, RED, dress, new_figure
 
 #: The palette's colours on paper.
@@ -17,17 +17,17 @@ _COLOURS = {
 }  # fmt: skip
 
 
-def budget_figure(section: BudgetSection) -> Figure:
+def budget_figure(budget: Budget) -> Figure:
     """Shares of the variance of every parameter, from 0 to 100 %, and how well it is known."""
-    names = [row.name for row in section.rows]
-    shares = 100.0 * np.array([row.shares for row in section.rows])
-    figure = new_figure(1.1 + 0.2 * -(-len(section.sources) // 3) + 0.24 * len(names))
+    names = list(budget.rows)
+    shares = 100.0 * np.array([shares for _, shares in budget.rows.values()])
+    figure = new_figure(1.1 + 0.2 * -(-len(budget.sources) // 3) + 0.24 * len(names))
     axes = figure.add_subplot()
     dress(axes, "", "Share of the variance [%]", grid=False)
     begins = np.zeros(len(names))
     patches = []
-    for number, (key, source) in enumerate(zip(section.keys, section.sources, strict=True)):
-        colour, hatch = SOURCES[key].look
+    for number, source in enumerate(budget.sources):
+        colour, hatch = SOURCES[source].look
         look: dict[str, Any] = {
             "facecolor": _COLOURS[colour],
             "hatch": 4 * hatch,
@@ -35,13 +35,13 @@ def budget_figure(section: BudgetSection) -> Figure:
             "linewidth": 0.5,
         }
         axes.barh(names, shares[:, number], left=begins, height=0.72, **look)
-        patches.append(Patch(label=source, **look))
+        patches.append(Patch(label=SOURCES[source].label, **look))
         begins += shares[:, number]
     axes.set_xlim(0.0, 100.0)
     axes.invert_yaxis()
     axes.tick_params(axis="y", length=0)
     known = axes.secondary_yaxis("right")
-    known.set_yticks(range(len(names)), [row.known for row in section.rows], fontsize=8)
+    known.set_yticks(range(len(names)), [known for known, _ in budget.rows.values()], fontsize=8)
     known.tick_params(length=0, labelcolor=INK)
     known.spines["right"].set_visible(False)
     known.set_ylabel("known to (95 %)", fontsize=9, color=INK)
