@@ -36,7 +36,7 @@ _NAMED = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Budget:
+class BudgetTable:
     """Shares of the variance of every estimated parameter that has an interval."""
 
     sources: tuple[str, ...]  #: Names in FIT.json of those that are shown.
@@ -46,12 +46,12 @@ class Budget:
     helps: tuple[str, ...]  #: What to measure, and how much better which parameter would be known.
 
 
-def budget_of(result: FitResult, assessment: Assessment) -> Budget:
+def budget_of(result: FitResult, assessment: Assessment) -> BudgetTable:
     """The budgets of all parameters in one table."""
     known = {p.name: p for p in assessment.parameters.values() if p.budget and p.ci95}
     helps = what_to_measure(assessment)
     if result.family is None or not known:
-        return Budget((), {}, helps)
+        return BudgetTable((), {}, helps)
     met = {source for p in known.values() for source in p.budget if p.budget[source] >= _SHOWN}
     sources = tuple(source for source in SOURCES if source in met)
     rows = {
@@ -61,14 +61,14 @@ def budget_of(result: FitResult, assessment: Assessment) -> Budget:
         )
         for name, p in known.items()
     }
-    return Budget(sources, rows, (*what_would_help(result, assessment), *helps))
+    return BudgetTable(sources, rows, (*what_would_help(result, assessment), *helps))
 
 
 #: The anchor of what to measure next.
 NEXT = "next"
 
 
-def budget_section(budget: Budget) -> SectionBlock:
+def budget_section(budget: BudgetTable) -> SectionBlock:
     """What would help, the chart, and its numbers."""
     text = (
         "Where the uncertainty of each parameter comes from: shares of the variance behind its "

@@ -158,7 +158,8 @@ def trials_section(result: FitResult, assessment: Assessment) -> tuple[SectionBl
     family, inputs = result.family, result.problem.inputs
     if family is None or not family.recordings:
         return ()
-    apart, rows = trial_spread(family.recordings), []
+    apart = trial_spread(family.recordings)
+    rows: list[TableRow] = []
     for name, p in assessment.parameters.items():
         if not p.free or any(name not in alone.values for alone in family.recordings):
             continue

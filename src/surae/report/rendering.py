@@ -13,7 +13,7 @@ from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
 from surae.files import PathLike, template, write_atomic
 from surae.model import GeometryTable
-from surae.report.budget import Budget, budget_of
+from surae.report.budget import BudgetTable, budget_of
 from surae.report.content import fit_document
 from surae.report.document import Document, SectionBlock
 from surae.report.explore import explorer, signals_of
@@ -116,7 +116,7 @@ def _of_fit(
 
 
 def drawings(
-    budget: Budget,
+    budget: BudgetTable,
     traces: Sequence[Traces],
     assessment: Assessment,
     predictions: Sequence[Prediction],

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from surae.model.sources import SOURCES
-from surae.report.budget import Budget
+from surae.report.budget import BudgetTable
 from surae.report.figures.style import BLUE, GREY, INK, MUTED, OCHRE, RED, dress, new_figure
 
 #: The palette's colours on paper.
@@ -17,7 +17,7 @@ _COLOURS = {
 }  # fmt: skip
 
 
-def budget_figure(budget: Budget) -> Figure:
+def budget_figure(budget: BudgetTable) -> Figure:
     """Shares of the variance of every parameter, from 0 to 100 %, and how well it is known."""
     names = list(budget.rows)
     shares = 100.0 * np.array([shares for _, shares in budget.rows.values()])
