@@ -17,7 +17,7 @@ from surae.measures.members import populations, read_table
 from surae.measures.quantity import Quantities, Quantity
 from surae.measures.reml import random_effects
 from surae.protocol import Protocol, generate
-from surae.report.cohort import cohort_html
+from surae.report.cohort import cohort_report
 from surae.studies import virtual_subject, virtual_trial
 
 
@@ -187,7 +187,7 @@ def test_the_page_draws_legs_over_sessions_and_against_scales() -> None:
         {"passive_torque@10deg": replace(row.quantities.by_name["k_tri"],
                                          name="passive_torque@10deg")}
     ))) for row in rows]  # fmt: skip
-    page = cohort_html(pool(named), created=datetime(2026, 11, 22))
+    page = cohort_report(pool(named), created=datetime(2026, 11, 22)).page()
     assert page.count("data:image/svg") == 3
     assert "passive_torque@10deg over sessions" in page
     assert "passive_torque@10deg and mas" in page

@@ -13,7 +13,7 @@ from surae.estimation import FitResult, fit_problem, make_problem
 from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
 from surae.recording import SourceFile
-from surae.report.rendering import render
+from surae.report.rendering import fit_report
 from surae.signals import ModelInputs
 from undrawn import blank_figures
 
@@ -64,12 +64,12 @@ class Case:
     @cached_property
     def page(self) -> str:
         """All of the report."""
-        return render(
+        return fit_report(
             self.result,
             self.assessment,
             versions={"surae": "1.2.3"},
             created=datetime(2026, 1, 5, 14, 3),
-        )
+        ).page()
 
     @cached_property
     def words(self) -> str:

@@ -7,8 +7,8 @@ from surae.assessment.adequacy import Adequacy, Grade
 from surae.formatting import estimate, percentage, significant, standard_error
 from surae.report import rendering
 from surae.report.budget import budget_of
-from surae.report.content import fit_document
 from surae.report.document import TableBlock, TextBlock
+from surae.report.rendering import fit_report
 from surae.report.traces import traces_of
 from surae.report.wording import closeness
 
@@ -17,10 +17,9 @@ from . import parts
 
 def content_of(case, result=None):
     result = result or case.result
-    return fit_document(
-        result, case.assessment, traces_of(result), versions={"surae": "1.2.3"},
-        created=datetime(2026, 1, 5, 14, 3),
-    )  # fmt: skip
+    return fit_report(
+        result, case.assessment, versions={"surae": "1.2.3"}, created=datetime(2026, 1, 5, 14, 3)
+    ).document
 
 
 @pytest.fixture(scope="module")

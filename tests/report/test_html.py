@@ -11,9 +11,14 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+<<<<<<< HEAD
 from surae.report import write_report
 from surae.report.explore import signals_of
 from surae.report.rendering import render
+=======
+from surae.report.explore import explorer
+from surae.report.rendering import fit_report
+>>>>>>> 66df45d (A report is one record: page, PDF or part of a page; fits, sessions, cohorts and predictions make it)
 from surae.report.traces import traces_of
 from surae.report.wording import adequacy_words
 from undrawn import blank_figures
@@ -143,11 +148,11 @@ def test_images_and_tables_can_be_read_without_seeing(joint):
 def test_the_same_fit_gives_the_same_file(plain, tmp_path):
     arguments = {"versions": {"surae": "1.2.3"}, "created": datetime(2026, 1, 5, 14, 3)}
     path = tmp_path / "report.html"
-    write_report(path, plain.result, plain.assessment, **arguments)
+    fit_report(plain.result, plain.assessment, **arguments).write(path)
     assert path.read_text(encoding="utf-8") == plain.page
     with blank_figures():
         created = datetime(2027, 1, 5, 14, 3)
-        later = render(plain.result, plain.assessment, versions={}, created=created)
+        later = fit_report(plain.result, plain.assessment, versions={}, created=created).page()
     assert "2027-01-05" in later
 
 

@@ -9,7 +9,7 @@ from surae.assessment.identifiability.identified import identifiability
 from surae.estimation import fit_problem, make_problem
 from surae.protocol import Protocol, generate
 from surae.report.identifiability import identifiability_section
-from surae.report.rendering import render
+from surae.report.rendering import fit_report
 from surae.studies import virtual_subject, virtual_trial
 
 from . import parts
@@ -28,7 +28,7 @@ def toe():
 
 @pytest.mark.usefixtures("undrawn")
 def test_the_report_shows_the_trade_off_of_the_tibialis_tendon(toe):
-    page = render(toe, assess(toe), versions={}, created=datetime(2026, 1, 5))
+    page = fit_report(toe, assess(toe), versions={}, created=datetime(2026, 1, 5)).page()
     assert "pt_tib up with dlt_tib down and l0_tib up: nearly the same torque" in page
     assert "dlt_tib trades off with pt_tib" in page
     assert "higher forces of the tibialis, past the toe of its tendon" in page

@@ -13,7 +13,7 @@ from surae.estimation import fit_problem, fit_robust, make_problem
 from surae.frozen import read_only
 from surae.model import ModelOptions
 from surae.report.figures import prediction_figure
-from surae.report.rendering import render
+from surae.report.rendering import fit_report
 from surae.report.sections import predictions_section
 from surae.signals import Weighting, weighted
 from undrawn import blank_figures
@@ -105,9 +105,9 @@ def page(plain, predictions):
     baseline = Baseline("muscle", ModelOptions(), {"m": 0.001, "f0": 0.02}, "<4> subjects")
     assessment = assess(plain.result, baseline)
     with blank_figures():
-        return render(
+        return fit_report(
             plain.result, assessment, versions={}, created=CREATED, predictions=predictions
-        )
+        ).page()
 
 
 def section_of(page, name):

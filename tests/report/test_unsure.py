@@ -22,7 +22,7 @@ from surae.report.laboratory import (
     trials_section,
 )
 from surae.report.parameters import parameters_section, repeatable, shown_parameters
-from surae.report.rendering import render
+from surae.report.rendering import fit_report
 
 from . import parts
 
@@ -212,7 +212,7 @@ def test_what_had_nothing_to_act_on_is_not_shown(auto):
 
 def test_the_page_has_all_of_it(auto):
     result, assessment = auto
-    page = render(result, assessment, versions={}, created=datetime(2026, 1, 5, 14, 3))
+    page = fit_report(result, assessment, versions={}, created=datetime(2026, 1, 5, 14, 3)).page()
     for heading in ("What makes each parameter unsure", "The laboratory’s imperfections",
                     "Which model the data support"):  # fmt: skip
         assert page.count(f">{heading}</h3>") == 1
@@ -233,7 +233,9 @@ def test_a_fit_without_imperfections_says_that_it_was_asked_for(make_trial):
 @pytest.mark.usefixtures("undrawn")
 def test_one_start_of_a_named_model_is_still_warned_of(make_trial):
     result = fit_problem(make_problem([make_trial()]), starts=1)
-    page = render(result, assess(result), versions={}, created=datetime(2026, 1, 5, 14, 3))
+    page = fit_report(
+        result, assess(result), versions={}, created=datetime(2026, 1, 5, 14, 3)
+    ).page()
     assert "Only the default start was tried" in page
 
 

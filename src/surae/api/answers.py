@@ -125,9 +125,9 @@ def write_cohort_page(path: PathLike, told: Cohort) -> None:
     InputError
         The file cannot be written.
     """
-    from surae.report.cohort import cohort_html  # matplotlib
+    from surae.report.cohort import cohort_report  # matplotlib
 
-    write_atomic(path, cohort_html(told, created=datetime.now().astimezone()))
+    cohort_report(told, created=datetime.now().astimezone()).write(path)
 
 
 def write_clinical_page(
@@ -208,9 +208,9 @@ def predictions_part(fit: Fit, predictions: "Sequence[Prediction]") -> str:
         HTML.
     """
     from surae.report import part_of
-    from surae.report.rendering import prediction_blocks  # matplotlib
+    from surae.report.rendering import predictions_report  # matplotlib
 
-    return part_of(*prediction_blocks(fit.assessment, predictions))
+    return part_of(**predictions_report(fit.assessment, predictions).plain())
 
 
 def write_curve_figure(

@@ -22,6 +22,7 @@ from surae.units import FloatArray
 
 if TYPE_CHECKING:
     from surae.measures import Measures
+    from surae.report.rendering import Report
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -330,21 +331,19 @@ class Fit(Tabular):
         validation : sequence of Prediction, optional
             Predictions of other recordings to show, as `validate` makes them.
         """
-        from surae.report import write_report
-
-        write_report(
-            path, self.result, self.assessment, predictions=validation, **self._about_report()
-        )
+        self._report(validation).write(path)
 
     def blocks(self) -> dict[str, Any]:
         """The report as plain data: its blocks, its images as data URLs, and its signals."""
-        from surae.report.rendering import fit_blocks
+        return self._report().plain()
 
-        return fit_blocks(self.result, self.assessment, **self._about_report())
-
-    def _about_report(self) -> dict[str, Any]:
-        """What a report says beside the fit."""
+    def _report(self, predictions: Sequence[Prediction] = ()) -> "Report":
         from datetime import datetime
 
-        now = datetime.now().astimezone()
-        return {"versions": self.result.versions, "created": now, "quality": self.quality}
+        from surae.report.rendering import fit_report  # matplotlib, only when one is made
+
+        now, versions = datetime.now().astimezone(), self.result.versions
+        return fit_report(
+            self.result, self.assessment, predictions, versions=versions, created=now,
+            quality=self.quality,
+        )  # fmt: skip

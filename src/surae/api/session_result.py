@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from datetime import datetime
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,6 +32,9 @@ from surae.trials.folder import (
     results_in,
     set_aside,
 )
+
+if TYPE_CHECKING:
+    from surae.report.rendering import Report
 
 
 @filed("session", "fits", "joint")
@@ -144,17 +147,11 @@ class SessionResult:
         InputError
             It cannot be written, or a PDF needs typst.
         """
-        from surae.report import check_report
-        from surae.report.rendering import session_blocks, write_blocks
-
-        check_report(path)
-        write_blocks(path, **session_blocks(**self._told(before)))
+        self._report(before).write(path)
 
     def blocks(self) -> dict[str, Any]:
         """The leg's page as plain data: its blocks, its images as data URLs, and its signals."""
-        from surae.report.rendering import session_blocks
-
-        return session_blocks(**self._told(None))
+        return self._report(None).plain()
 
     def _repr_html_(self) -> str:
         """The leg's page, as a notebook's cell shows it."""
@@ -168,26 +165,27 @@ class SessionResult:
         """The fit that stands for the leg: that of all together, or the only one."""
         return self.joint or (next(iter(self.fits.values())) if len(self.fits) == 1 else None)
 
-    def _told(self, before: "SessionResult | None") -> dict[str, Any]:
-        """What a report is made of."""
+    def _report(self, before: "SessionResult | None") -> "Report":
+        from surae.report.rendering import session_page  # matplotlib
+
         earlier = None if before is None else before.main
         about = ("side", "date", "condition", "notes")
         joint = None if self.joint is None else (self.joint.result, self.joint.assessment)
-        return {
-            "name": self.session.name,
-            "about": {key: getattr(self.session, key) for key in about},
-            "trials": self.session.trials,
-            "fits": {name: (fit.result, fit.assessment) for name, fit in self.fits.items()},
-            "joint": joint,
-            "joined": self.joined,
-            "failed": self.failed,
-            "quality": self.quality,
-            "predictions": self.predictions,
-            "joint_predictions": self.joint_predictions,
-            "created": datetime.now().astimezone(),
-            "interrupted": self.interrupted,
-            "before": None if earlier is None else (earlier.result, earlier.assessment),
-        }
+        return session_page(
+            name=self.session.name,
+            about={key: getattr(self.session, key) for key in about},
+            trials=self.session.trials,
+            fits={name: (fit.result, fit.assessment) for name, fit in self.fits.items()},
+            joint=joint,
+            joined=self.joined,
+            failed=self.failed,
+            quality=self.quality,
+            predictions=self.predictions,
+            joint_predictions=self.joint_predictions,
+            created=datetime.now().astimezone(),
+            interrupted=self.interrupted,
+            before=None if earlier is None else (earlier.result, earlier.assessment),
+        )
 
     def figure(self, path: PathLike, *, width: float = 170.0) -> None:
         """Draw every parameter by trial for a paper: lines as ``.svg`` or ``.pdf``, or a PNG.

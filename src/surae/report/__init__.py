@@ -1,50 +1,13 @@
-"""Reports of fits: one HTML file to read, print and keep."""
+"""Reports to read, print and keep; this module imports nothing that computes."""
 
 from collections.abc import Mapping, Sequence
-from datetime import datetime
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from surae.files import PathLike, template, write_atomic
-from surae.report.typeset import check_report, has_typst, is_pdf, typeset
+from surae.files import template
+from surae.report.typeset import check_report, has_typst, typeset
 
-if TYPE_CHECKING:  # modules of this package are also used where nothing is computed
-    from surae.assessment import Assessment, Prediction
-    from surae.estimation import FitResult
-    from surae.quality import Quality
-
-__all__ = ["check_report", "has_typst", "part_of", "style", "typeset", "write_report"]
-
-
-def write_report(
-    path: PathLike,
-    result: "FitResult",
-    assessment: "Assessment",
-    *,
-    versions: Mapping[str, str],
-    created: datetime,
-    predictions: "Sequence[Prediction]" = (),
-    quality: "Sequence[Quality]" = (),
-) -> None:
-    """Write the report of a fit to `path`: a PDF where it ends in ``.pdf``, else one HTML page.
-
-    The page needs no script and no other file; the same arguments give the same. `versions` are
-    those of the programs that made the fit, `created` is when the report is made, `predictions` are
-    of other recordings, `quality` is what was found in each recording before it was fitted.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written, or a PDF needs typst.
-    ComputationError
-        Typst cannot set the PDF.
-    """
-    check_report(path)
-    about: dict[str, Any] = {"versions": versions, "created": created, "quality": quality}
-    from surae.report.rendering import render, render_pdf  # matplotlib, only when one is made
-
-    report = (render_pdf if is_pdf(path) else render)(result, assessment, predictions, **about)
-    write_atomic(path, report)
+__all__ = ["check_report", "has_typst", "part_of", "style", "typeset"]
 
 
 def style() -> str:

@@ -16,6 +16,8 @@ from surae.report.document import (
     columns,
     rows_of,
 )
+from surae.report.figures.cohort import forest_figure, scale_figure, sessions_figure
+from surae.report.rendering import Report
 
 #: Measures that are drawn, where the cohort has them.
 _DRAWN = ("passive_torque", "passive_stiffness", "slow_stiffness", "optimal_angle_tri")
@@ -28,12 +30,8 @@ _LINES = "as found, a line for each leg; how sure each is stands in the tables"
 _POINTS = "as found in the first session, a mark for each leg"
 
 
-def cohort_html(cohort: Cohort, *, created: datetime) -> str:
-    """The page as one HTML file that asks nothing of the outside; it has the table's own names."""
-    from surae.report.figures import data_url, svg
-    from surae.report.figures.cohort import forest_figure, scale_figure, sessions_figure
-    from surae.report.rendering import page_of
-
+def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
+    """The report of a cohort; it has the table's own names."""
     figures = []
     for p in cohort.pooled.values():
         if p.name.partition("@")[0] in _DRAWN and p.legs:
@@ -108,7 +106,7 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
             *itertools.chain(*others),
         ),
     )
-    return page_of(document, {title: data_url(svg(figure)) for title, figure, _ in figures})
+    return Report(document, [(title, figure) for title, figure, _ in figures])
 
 
 def _texts(row: Iterable[object]) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from surae.assessment import Assessment, Interval, Prediction, Verdict
 from surae.estimation import FitResult
 from surae.formatting import NO_NUMBER, estimate, percentage, short, significant
 from surae.quality import Quality
-from surae.report.budget import NEXT, budget_of, budget_section
+from surae.report.budget import NEXT, BudgetTable, budget_section
 from surae.report.document import (
     Block,
     Document,
@@ -50,6 +50,7 @@ def fit_document(
     result: FitResult,
     assessment: Assessment,
     traces: tuple[Traces, ...],
+    budget: BudgetTable,
     *,
     versions: Mapping[str, str],
     created: datetime,
@@ -63,7 +64,6 @@ def fit_document(
     """
     names = [recording.name for recording in assessment.recordings]
     several = f", {len(names)} recordings in one joint fit" if len(names) > 1 else ""
-    budget = budget_of(result, assessment)
     recordings = (
         recording_section(number, *each)
         for number, each in enumerate(

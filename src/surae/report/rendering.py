@@ -1,9 +1,10 @@
-"""Reports of fits and sessions: one HTML file that asks nothing of the outside, or a PDF."""
+"""Reports as pages, as PDF, and as parts of other pages."""
 
 import tempfile
 from base64 import b64decode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
+from datetime import datetime
 from importlib.resources import files
 from itertools import chain
 from pathlib import Path
@@ -13,9 +14,10 @@ from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
 from surae.files import PathLike, template, write_atomic
 from surae.model import GeometryTable
+from surae.quality import Quality
 from surae.report.budget import BudgetTable, budget_of
 from surae.report.content import fit_document
-from surae.report.document import Document, SectionBlock
+from surae.report.document import Document
 from surae.report.explore import explorer, signals_of
 from surae.report.figures import (
     Figure,
@@ -35,84 +37,97 @@ from surae.report.recordings import GROUPS
 from surae.report.sections import predictions_section
 from surae.report.session import session_report
 from surae.report.traces import Traces, traces_of
-from surae.report.typeset import check_report, is_pdf, require_typst, typeset
+from surae.report.typeset import check_report, is_pdf, typeset
 
-__all__ = [
-    "drawings",
-    "fit_blocks",
-    "page_of",
-    "paper_of",
-    "prediction_blocks",
-    "render",
-    "render_pdf",
-    "session_blocks",
-    "write_blocks",
-]
+__all__ = ["Report", "fit_report", "page_of", "paper_of"]
 
-#: Resolution of the others [dots per inch].
+#: Resolution of figures that are no lines [dots per inch].
 _DPI = 150
-#: Figures of few lines and many letters, which stay sharp at any size.
-_DRAWN = ("correlation", "budget")
+#: Figures with many lines; all others have few lines and many letters, and stay sharp at any size.
+_MANY_LINES = ("torque-", "residual-", "tendon-", "prediction-")
 
 
-def render(
-    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction] = (), **about: Any
-) -> str:
-    """The page; the arguments are those of `surae.report.write_report`."""
-    document, figures, traces = _of_fit(result, assessment, predictions, **about)
-    return page_of(document, _urls(figures), signals_of(traces))
+@dataclass(frozen=True, slots=True)
+class Report:
+    """A report: a page that asks nothing of the outside, a PDF, or a part of another page."""
+
+    document: Document
+    figures: Iterable[tuple[str, Figure]]  #: By name; drawn one by one, and only once.
+    traces: tuple[Traces, ...] = ()  #: Signals to zoom into; on paper there are none.
+
+    def page(self) -> str:
+        """The page as HTML."""
+        return page_of(self.document, self._urls(), signals_of(self.traces))
+
+    def plain(self) -> dict[str, Any]:
+        """Plain data for `surae.report.part_of` and `write_blocks`."""
+        images, signals = self._urls(), signals_of(self.traces)
+        return asdict(self.document) | {"images": images, "signals": signals}
+
+    def write(self, path: PathLike) -> None:
+        """Write the page, or a PDF where `path` ends in ``.pdf``.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written, or a PDF needs typst.
+        ComputationError
+            Typst cannot set the PDF.
+        """
+        check_report(path)
+        if is_pdf(path):
+            drawn = {name: svg(figure) for name, figure in self.figures}
+            write_atomic(path, paper_of(asdict(self.document), drawn))
+        else:
+            write_atomic(path, self.page())
+
+    def _urls(self) -> dict[str, str]:
+        """Figures as data URLs."""
+        return {
+            name: data_url(png(figure, _DPI), "png")
+            if name.startswith(_MANY_LINES)
+            else data_url(svg(figure))
+            for name, figure in self.figures
+        }
 
 
-def fit_blocks(result: FitResult, assessment: Assessment, **about: Any) -> dict[str, Any]:
-    """The report of a fit as plain data for `surae.report.part_of`; arguments as of `render`."""
-    document, figures, traces = _of_fit(result, assessment, (), **about)
-    return _plain(document, _urls(figures), traces)
+def fit_report(
+    result: FitResult,
+    assessment: Assessment,
+    predictions: Sequence[Prediction] = (),
+    *,
+    versions: Mapping[str, str],
+    created: datetime,
+    quality: Sequence[Quality] = (),
+) -> Report:
+    """The report of a fit.
 
-
-def prediction_blocks(
-    assessment: Assessment, predictions: Sequence[Prediction]
-) -> tuple[tuple[SectionBlock, ...], dict[str, str]]:
-    """How other recordings are predicted, and its images."""
-    drawn = ((f"prediction-{k}", prediction_figure(p)) for k, p in enumerate(predictions))
-    return predictions_section(assessment, predictions), _urls(drawn)
-
-
-def _urls(figures: Iterable[tuple[str, Figure]]) -> dict[str, str]:
-    """Figures as data URLs."""
-    images = {}
-    for name, figure in figures:
-        kind, data = ("svg+xml", svg(figure)) if name in _DRAWN else ("png", png(figure, _DPI))
-        images[name] = data_url(data, kind)
-    return images
-
-
-def _plain(
-    document: Document, images: Mapping[str, str], traces: Sequence[Traces]
-) -> dict[str, Any]:
-    """What `surae.report.part_of` and `write_blocks` take."""
-    return asdict(document) | {"images": images, "signals": signals_of(traces)}
-
-
-def render_pdf(
-    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction], **about: Any
-) -> bytes:
-    """The report as PDF; the arguments are those of `surae.report.write_report`."""
-    require_typst()
-    document, figures, _ = _of_fit(result, assessment, predictions, **about)
-    return paper_of(asdict(document), {name: svg(figure) for name, figure in figures})
-
-
-def _of_fit(
-    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction], **about: Any
-) -> tuple[Document, Iterator[tuple[str, Figure]], tuple[Traces, ...]]:
-    """What a fit's report is made of: its document, its figures one by one, and its signals."""
-    traces = traces_of(result)
-    document = fit_document(result, assessment, traces, predictions=predictions, **about)
-    budget = budget_of(result, assessment)
+    `versions` are those of the programs that made the fit, `created` is when the report is made,
+    `predictions` are of other recordings, `quality` is what was found in each recording before it
+    was fitted. The same arguments give the same report.
+    """
+    traces, budget = traces_of(result), budget_of(result, assessment)
+    document = fit_document(
+        result, assessment, traces, budget, predictions=predictions, versions=versions,
+        created=created, quality=quality,
+    )  # fmt: skip
     figures = drawings(budget, traces, assessment, predictions)
     if isinstance(result.problem.options.geometry, GeometryTable):
         figures = chain(figures, [("geometry", geometry_figure(result.problem.options, GROUPS))])
-    return document, figures, traces
+    return Report(document, figures, traces)
+
+
+def session_page(**about: Any) -> Report:
+    """The report of a session; `about` is as of `surae.report.session.session_report`."""
+    report, joint = session_report(**about), about["joint"]
+    traces = () if joint is None else traces_of(joint[0])
+    return Report(report.document, report.figures.items(), traces)
+
+
+def predictions_report(assessment: Assessment, predictions: Sequence[Prediction]) -> Report:
+    """How other recordings are predicted, to be a part of a page."""
+    drawn = ((f"prediction-{k}", prediction_figure(p)) for k, p in enumerate(predictions))
+    return Report(Document("", "", "", "", predictions_section(assessment, predictions)), drawn)
 
 
 def drawings(
@@ -163,16 +178,6 @@ def paper_of(document: Mapping[str, Any], images: Mapping[str, bytes]) -> bytes:
             Path(folder, f"{name}.svg").write_bytes(drawn)
         markup = files("surae.report").joinpath("templates", "paper.typ").read_bytes()
         return typeset(markup, Path(folder), {**document, "images": list(images)})
-
-
-def session_blocks(**about: Any) -> dict[str, Any]:
-    """The report of a session as plain data for `surae.report.part_of` and `write_blocks`.
-
-    `about` is as of `surae.report.session.session_report`.
-    """
-    report, joint = session_report(**about), about["joint"]
-    urls = {name: data_url(svg(figure)) for name, figure in report.figures.items()}
-    return _plain(report.document, urls, () if joint is None else traces_of(joint[0]))
 
 
 def write_blocks(
