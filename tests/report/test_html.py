@@ -11,14 +11,8 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-<<<<<<< HEAD
-from surae.report import write_report
 from surae.report.explore import signals_of
-from surae.report.rendering import render
-=======
-from surae.report.explore import explorer
 from surae.report.rendering import fit_report
->>>>>>> 66df45d (A report is one record: page, PDF or part of a page; fits, sessions, cohorts and predictions make it)
 from surae.report.traces import traces_of
 from surae.report.wording import adequacy_words
 from undrawn import blank_figures

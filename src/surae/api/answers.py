@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from surae.api.fitted import Fit
 from surae.api.fitting import load
 from surae.errors import InputError
-from surae.files import PathLike, shown, write_atomic
+from surae.files import PathLike, shown
 from surae.measures.change import Change, compare_sessions
 from surae.measures.cohort import Cohort, borrowed, pool
 from surae.measures.members import measured, read_table, refitted
@@ -21,7 +21,6 @@ from surae.trials.folder import fit_in
 
 if TYPE_CHECKING:
     from surae.assessment import Prediction
-    from surae.report.clinical import ClinicalPage
 
 #: Where changes are asked unless told otherwise [deg].
 CHANGE_ANGLES = (0.0, 10.0)
@@ -161,10 +160,14 @@ def write_clinical_page(
     InputError
         The language is not known, the norms cannot be read, or the page cannot be written.
     """
-    from surae.report.clinical import clinical_html  # matplotlib
+    from surae.report.clinical import change_page, fit_page  # matplotlib
 
-    page = clinical_page(fits, language=language, angle=angle, norms=norms, told=told)
-    write_atomic(path, clinical_html(page))
+    now, sides = datetime.now().astimezone(), [(fit.result, fit.assessment) for fit in fits]
+    if told is None:
+        page = fit_page(*sides[0], created=now, language=language, angle=angle, norms=norms)
+    else:
+        page = change_page(told, sides, created=now, language=language, angle=angle)
+    page.write(path)
 
 
 def change_part(before: Fit | PathLike, after: Fit | PathLike) -> str:
@@ -246,27 +249,6 @@ def write_curve_figure(
 
     drawn = curve_of(fit.result, fit.assessment, language=language, norms=norms, width=width / 25.4)
     write_figure(path, drawn)
-
-
-def clinical_page(
-    fits: Sequence[Fit],
-    *,
-    language: str = "en",
-    angle: float = 10.0,
-    norms: PathLike | None = None,
-    told: Change | None = None,
-) -> "ClinicalPage":
-    """What the page that `write_clinical_page` writes says, as texts; parameters as there."""
-    from surae.report.clinical import change_page, fit_page  # matplotlib
-
-    now = datetime.now().astimezone()
-    if told is None:
-        fit = fits[0]
-        return fit_page(
-            fit.result, fit.assessment, created=now, language=language, angle=angle, norms=norms
-        )
-    sides = [(fit.result, fit.assessment) for fit in fits]
-    return change_page(told, sides, created=now, language=language, angle=angle)
 
 
 def check_clinical_page(path: PathLike | None) -> None:

@@ -5,19 +5,18 @@ sentences of clinical.toml, and claims no more than the measures and changes it 
 """
 
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
 from surae._version import __version__
 from surae.assessment import Adequacy, Assessment, Grade, Verdict
 from surae.assessment.parameter import percent
 from surae.errors import InputError
 from surae.estimation import FitResult
-from surae.files import PathLike, template
+from surae.files import PathLike
 from surae.formatting import NO_NUMBER, ends, of_interval, significant
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.compute import measures
@@ -27,6 +26,8 @@ from surae.measures.norms import Placed, placed, read_norms
 from surae.model.sources import SOURCES
 from surae.names import LANGUAGES
 from surae.report.document import (
+    AdequacyWords,
+    Document,
     ListBlock,
     PictureBlock,
     SectionBlock,
@@ -38,10 +39,10 @@ from surae.report.document import (
     paragraphs,
     rows_of,
 )
+from surae.report.figures import Figure, footnote
+from surae.report.figures.clinical import curve_figure, shares_figure
+from surae.report.rendering import Report
 from surae.words import JUDGEMENTS
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 class Words:
@@ -106,81 +107,40 @@ _LEADING = ("k_tri", "x0_tri", "k_tib", "x0_tib", "l0_tri", "f0")
 _MOST_NEXT, _MOST_NAMED = 3, 2
 
 
-@dataclass(frozen=True, slots=True)
-class ShownRow:
-    """One line of the table, as texts."""
-
-    name: str
-    cells: tuple[str, ...]
-    verdict: str
-    is_strong: bool
-
-
-@dataclass(frozen=True, slots=True)
-class ClinicalPage:
-    """What the page says, in one language."""
-
-    language: str  #: Of all texts.
-    #: `title`, `question`, `answer`: what is asked, and the one sentence that answers it.
-    title: str
-    question: str
-    answer: str
-    grade: str  #: Of the fit, or the worse of two.
-    adequacy: str  #: The grade in words.
-    reasons: tuple[str, ...]  #: Technical, in English.
-    heads: tuple[str, ...]  #: Of the table's columns.
-    rows: tuple[ShownRow, ...]  #: The numbers.
-    norms: tuple[str, ...]  #: How the leg lies among groups, with the source of each.
-    next: tuple[str, ...]  #: What to measure next.
-    made: str  #: When, and of how many recordings.
-    note: str  #: On multiplicity; empty for one session.
-    images: Mapping[str, str] = field(default_factory=dict)  #: Figures as data URLs.
-    words: Mapping[str, str] = field(default_factory=dict)  #: The other texts of the page.
-
-
 def fit_page(
     result: FitResult, assessment: Assessment, *, created: datetime, language: str = "en",
     angle: float = _AT, norms: PathLike | None = None,
-) -> ClinicalPage:  # fmt: skip
+) -> Report:  # fmt: skip
     """The page of one fit.
 
-    `language` is that of all sentences but the technical reasons; torque and stiffness are told at
+    `language` is that of all sentences but the technical reasons; torque and stiffness are given at
     `angle` [deg]; `norms` are a laboratory's own, in place of those of cited papers.
     """
     words = Words(language)
     of_fit = measures(result, assessment, [angle])
     beside = placed(of_fit, read_norms(norms))
     shown = [m for name in _SHOWN for m in of_fit.values() if m.name.partition("@")[0] == name]
-    return ClinicalPage(
-        language=language,
-        title=words("title"),
-        question=words("question"),
-        answer=_answer(of_fit, angle, words),
-        grade=str(of_fit.adequacy.grade),
-        adequacy=words(str(of_fit.adequacy.grade)),
-        reasons=of_fit.adequacy.reasons,
-        heads=("", words("value"), words("interval"), words("judgement")),
-        rows=tuple(_measured(m, of_fit.adequacy, words) for m in shown if m.value is not None),
-        norms=tuple(_beside(p, words) for p in beside),
-        next=_next(assessment, words) or _nothing(of_fit, shown, words),
-        made=_made(words, created, len(result.problem.inputs)),
-        note="",
-        images=_figures([("", torque_curve(result, assessment), of_fit)], beside, words),
-        words=_labels(words),
+    heads = (words("value"), words("interval"), words("judgement"))
+    rows = [_measured(m, of_fit.adequacy, words) for m in shown if m.value is not None]
+    sections = (
+        *_figure_sections([("", torque_curve(result, assessment), of_fit)], beside, words),
+        _table(heads, rows, words),
+        *_list("norms", (_beside(p, words) for p in beside), words),
+        *_list("next", _next(assessment, words) or _nothing(of_fit, shown, words), words),
     )
+    made = _made(words, created, len(result.problem.inputs))
+    return _page("", _answer(of_fit, angle, words), of_fit.adequacy, sections, made, words)
 
 
 def curve_of(
     result: FitResult, assessment: Assessment, *, language: str = "en",
     norms: PathLike | None = None, width: float = 7.2,
-) -> "Figure":  # fmt: skip
+) -> Figure:  # fmt: skip
     """The torque-angle curve of a fit by itself, as the page has it.
 
     `norms` are a laboratory's own, in place of those of cited papers; `width` is in inches. A fit
     that is not adequate says so below the curve.
     """
-    from surae.report.figures import footnote
-
     words = Words(language)
     beside = placed(measures(result, assessment, [_AT]), read_norms(norms))
     figure = _curve([("", torque_curve(result, assessment))], beside, words, width)
@@ -196,63 +156,92 @@ def change_page(
     created: datetime,
     language: str = "en",
     angle: float = _AT,
-) -> ClinicalPage:
+) -> Report:
     """The page of two sessions or legs; parameters as of `fit_page`, `sides` the fits of both."""
     words = Words(language)
     of_sides = [measures(*side, [angle]) for side in sides]
     curves = [torque_curve(*side) for side in sides]
     names = tuple(words(n) for n in (("first", "second") if change.legs else ("before", "after")))
     worst = max((side.adequacy for side in of_sides), key=lambda a: list(Grade).index(a.grade))
-    count = sum(len(side[0].problem.inputs) for side in sides)
     looked_at = sum(
         d.p is not None for d in (*change.measures.values(), *change.parameters.values())
     )
-    return ClinicalPage(
-        language=language,
-        title=words("title_legs" if change.legs else "title_change"),
-        question=words("question_legs" if change.legs else "question_change"),
-        answer=_answer_of_change(change, angle, words),
-        grade=str(worst.grade),
-        adequacy=words(str(worst.grade)),
-        reasons=worst.reasons,
-        heads=("", *names, words("difference"), words("interval"), words("judgement")),
-        rows=tuple(_differing(d, words, legs=change.legs) for d in _rows_of(change, angle)),
-        norms=(),
-        next=_next(sides[1][1], words),
-        made=_made(words, created, count),
-        note="" if change.is_withheld else words("many", count=str(looked_at)),
-        images=_figures(list(zip(names, curves, of_sides, strict=True)), (), words),
-        words=_labels(words),
+    heads = (*names, words("difference"), words("interval"), words("judgement"))
+    rows = [_differing(d, words, legs=change.legs) for d in _rows_of(change, angle)]
+    note = "" if change.is_withheld else words("many", count=str(looked_at))
+    sections = (
+        *_figure_sections(list(zip(names, curves, of_sides, strict=True)), (), words),
+        _table(heads, rows, words, note),
+        *_list("next", _next(sides[1][1], words), words),
     )
+    made = _made(words, created, sum(len(side[0].problem.inputs) for side in sides))
+    what = "_legs" if change.legs else "_change"
+    return _page(what, _answer_of_change(change, angle, words), worst, sections, made, words)
 
 
-def clinical_html(page: ClinicalPage) -> str:
-    """The page as one HTML file that asks nothing of the outside."""
-    return template("clinical.html.j2", "surae.report").render(page=page, blocks=blocks_of(page))
+#: A section, and the figure in it.
+_Section: TypeAlias = tuple[SectionBlock, Figure | None]
 
 
-def blocks_of(page: ClinicalPage) -> tuple[SectionBlock, ...]:
-    """What the answer rests on: the curve, the shares, the numbers, groups, and what is next."""
-    words = page.words
-    curve = (
-        PictureBlock("curve", words["curve"], look="curve", width=85),
-        TextBlock(words["curve_note"], "note"),
+def _page(
+    what: str,
+    answer: str,
+    adequacy: Adequacy,
+    sections: Sequence[_Section],
+    made: str,
+    words: Words,
+) -> Report:
+    """The question `what`, its answer, what the fit is worth, and what that rests on."""
+    grade = str(adequacy.grade)
+    title = words(f"title{what}")
+    document = Document(
+        kicker="",
+        heading=title,
+        under=f"{words('name')}: {'_' * 24}",
+        title=title,
+        blocks=(
+            TextBlock(words(f"question{what}"), "question"),
+            TextBlock(answer, "answer"),
+            AdequacyWords(grade, "", words(grade), adequacy.reasons),
+            *(section for section, _ in sections),
+        ),
+        footer=made,
+        language=words.language,
+        look="sheet",
     )
-    blocks = [SectionBlock(words["curve"], curve)]
-    if "shares" in page.images:
-        shares = PictureBlock("shares", words["shares"], look="shares", width=85)
-        blocks.append(SectionBlock(words["shares"], (shares,)))
-    rows: Iterator[TableRow] = (
-        (row.name, *row.cells, TableCell(row.verdict, kind="strong" if row.is_strong else ""))
-        for row in page.rows
-    )
-    table = TableBlock(words["figures"], columns(*page.heads, wide=(0,)), rows_of(rows))
-    note = paragraphs(filter(None, [page.note]), "note")
-    blocks.append(SectionBlock(words["figures"], (table, *note)))
-    for title, texts in ((words["norms"], page.norms), (words["next"], page.next)):
-        if texts:
-            blocks.append(SectionBlock(title, (ListBlock("", texts),)))
-    return tuple(blocks)
+    names = ("curve", "shares")
+    figures = [figure for _, figure in sections if figure is not None]
+    return Report(document, list(zip(names, figures, strict=False)))
+
+
+def _table(
+    heads: Sequence[str], rows: Sequence[TableRow], words: Words, note: str = ""
+) -> _Section:
+    table = TableBlock(words("figures"), columns("", *heads, wide=(0,)), rows_of(rows))
+    return SectionBlock(words("figures"), (table, *paragraphs(filter(None, [note]), "note"))), None
+
+
+def _list(key: str, texts: Iterable[str], words: Words) -> Iterator[_Section]:
+    if points := tuple(texts):
+        yield SectionBlock(words(key), (ListBlock("", points),)), None
+
+
+def _figure_sections(
+    sessions: Sequence[tuple[str, TorqueCurve, Measures]], beside: Sequence[Placed], words: Words
+) -> Iterator[_Section]:
+    """Torque against angle, and where it is known what the torque is made of."""
+    picture = PictureBlock("curve", words("curve"), width=85)
+    note = TextBlock(words("curve_note"), "note")
+    drawn = _curve([(name, curve) for name, curve, _ in sessions], beside, words)
+    yield SectionBlock(words("curve"), (picture, note)), drawn
+    shares = [
+        (name, [(words(part), of_session[part].value or 0.0) for part in _SHARES])
+        for name, _, of_session in sessions
+        if all(of_session[part].value is not None for part in _SHARES)
+    ]
+    if shares:
+        picture = PictureBlock("shares", words("shares"), look="low", width=85)
+        yield SectionBlock(words("shares"), (picture,)), shares_figure(shares)
 
 
 def _answer(of_fit: Measures, angle: float, words: Words) -> str:
@@ -321,17 +310,16 @@ def _texts(m: Measure, words: Words) -> tuple[str, str, str]:
     return value, low, high
 
 
-def _measured(m: Measure, adequacy: Adequacy, words: Words) -> ShownRow:
+def _measured(m: Measure, adequacy: Adequacy, words: Words) -> TableRow:
     value, low, high = _texts(m, words)
     unit = _unit(m.unit)
     interval = NO_NUMBER if low == NO_NUMBER else f"{low} … {high}"
     strong = m.verdict is Verdict.IDENTIFIED and adequacy.grade is not Grade.INADEQUATE
-    return ShownRow(
-        words.measure(m.name), (f"{value}{unit}", interval), words.judgement(m.verdict), strong
-    )
+    verdict = TableCell(words.judgement(m.verdict), kind="strong" if strong else "")
+    return (words.measure(m.name), f"{value}{unit}", interval, verdict)
 
 
-def _differing(d: Difference, words: Words, *, legs: bool) -> ShownRow:
+def _differing(d: Difference, words: Words, *, legs: bool) -> TableRow:
     unit = _unit(d.unit)
     both = tuple(
         NO_NUMBER if v is None else f"{words.number(significant(v, 3))}{unit}"
@@ -347,7 +335,8 @@ def _differing(d: Difference, words: Words, *, legs: bool) -> ShownRow:
     verdict = NO_NUMBER
     if judged:
         verdict = words("differs") if strong and legs else words.judgement(d.verdict)
-    return ShownRow(words.measure(d.name), (*both, *change), verdict, strong)
+    judgement = TableCell(verdict, kind="strong" if strong else "")
+    return (words.measure(d.name), *both, *change, judgement)
 
 
 def _beside(p: Placed, words: Words) -> str:
@@ -392,36 +381,12 @@ def _unit(unit: str) -> str:
     return text if text in ("", "°") else f" {text}"
 
 
-def _labels(words: Words) -> dict[str, str]:
-    keys = ("curve", "curve_note", "shares", "figures", "next", "norms", "name")
-    return {key: words(key) for key in keys}
-
-
-def _figures(
-    sessions: Sequence[tuple[str, TorqueCurve, Measures]], beside: Sequence[Placed], words: Words
-) -> dict[str, str]:
-    from surae.report.figures import data_url, svg
-    from surae.report.figures.clinical import shares_figure
-
-    shares = [
-        (name, [(words(part), of_session[part].value or 0.0) for part in _SHARES])
-        for name, _, of_session in sessions
-        if all(of_session[part].value is not None for part in _SHARES)
-    ]
-    figures = {"curve": _curve([(name, curve) for name, curve, _ in sessions], beside, words)}
-    if shares:
-        figures["shares"] = shares_figure(shares)
-    return {name: data_url(svg(figure)) for name, figure in figures.items()}
-
-
 def _curve(
     curves: Sequence[tuple[str, TorqueCurve]],
     beside: Sequence[Placed],
     words: Words,
     width: float = 7.2,
-) -> "Figure":
-    from surae.report.figures.clinical import curve_figure
-
+) -> Figure:
     labels = {key: words(key) for key in ("angle", "torque", "relaxed", "slow", "calf", "tibialis")}
     slow = [(p, words.own(p.norm.group)) for p in beside
             if p.norm.measure.startswith("slow_torque@")]  # fmt: skip

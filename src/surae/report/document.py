@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
+
 __all__ = [
     "AdequacyWords",
     "AnyCell",
@@ -205,6 +206,8 @@ class Document:
     title: str  #: The window's, or the file's.
     blocks: tuple[Block, ...]
     footer: str = ""
+    language: str = "en"
+    look: str = ""  #: ``sheet`` prints on one A4.
 
 
 def columns(
