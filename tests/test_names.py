@@ -9,7 +9,7 @@ from surae import names
 from surae.estimation import LOSSES
 from surae.model import MODELS, ModelOptions, laboratory
 from surae.model.anthropometry import FOOT_SHARE
-from surae.model.parameters import PARAMETERS
+from surae.model.parameters import OPTIONAL, OPTIONAL_PARAMETERS, PARAMETERS
 from surae.protocol import DEVICES, PROFILES, TASKS
 from surae.protocol.planning.ready import ready_protocols
 from surae.studies.populations import POPULATIONS
@@ -19,6 +19,10 @@ def test_names_are_those_of_what_they_name() -> None:
     assert set(names.MODELS) == set(MODELS)
     assert names.AUTO == laboratory.AUTO
     assert names.NUISANCES == (laboratory.ALL, laboratory.NONE)
+    optional = {p.name: p for p in OPTIONAL_PARAMETERS}
+    assert set(names.DRIVES) == {
+        group for group, of in OPTIONAL.items() if optional[of[0]].group != "measurement"
+    }
     assert set(names.LOSSES) == set(LOSSES)
     assert set(names.POPULATIONS) == set(POPULATIONS)
     assert {of for p in PARAMETERS.values() for of in (*p.known, *p.drawn)} == set(POPULATIONS)

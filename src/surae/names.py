@@ -15,6 +15,8 @@ AUTO = "auto"
 FITTED = (AUTO, *MODELS)
 #: What of the laboratory's imperfections `auto` takes in.
 NUISANCES = ("all", "none")
+#: Groups of optional parameters that drive or resist the muscles, and what a fit estimates by them.
+DRIVES = {"emd": "an EMG delay", "reflex": "a stretch reflex"}
 LOSSES = ("huber", "soft-l1", "tukey")
 POPULATIONS = ("healthy", "patient")
 NORMALISATIONS = ("session", "mvc")

@@ -9,6 +9,7 @@ from surae.filed import filed
 from surae.model.options import ModelOptions, with_geometry
 from surae.names import (
     AUTO,
+    DRIVES,
     FITTED,
     FOOT_SHARES,
     GEOMETRY_OF,
@@ -74,8 +75,8 @@ class FitSettings:
     free: tuple[str, ...] = setting(
         (), "Parameters to estimate beside those that the model frees by itself; ``\"reflex\"`` "
         "stands for all of the reflex.", type="sequence of str", metavar="NAME",
-        help="Estimate one that is fixed; emd: a delay of the EMG; reflex: all of a stretch "
-        "reflex.",
+        help="Estimate one that is fixed; "
+        f"{'; '.join(f'{drive}: {words}' for drive, words in DRIVES.items())}.",
     )  # fmt: skip
     start: Mapping[str, float] = setting(
         _none, "Where the first start begins, instead of the defaults.",

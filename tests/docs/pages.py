@@ -65,7 +65,7 @@ def snippets(page: str) -> Iterator[Snippet]:
                 command = text.split("  #")[0].strip()
                 if command:
                     yield Snippet("command", command, line + 1 + i)
-        # What is indented is part of a file: tests/test_recipe_setting.py puts it there.
+        # What is indented is part of a file: tests/test_recipes.py puts it there.
         elif not match["language"].startswith("{") and not match["text"].startswith(" "):
             yield Snippet(match["language"].strip(), match["text"], line)
 

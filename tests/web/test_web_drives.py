@@ -26,7 +26,9 @@ def names(browser) -> dict[str, dict]:
 
 
 def test_a_drive_is_in_the_table_while_it_is_mentioned(browser, recorded) -> None:
-    assert browser.get("/api/models").json()["drives"] == {"emd": ["emd"], "reflex": list(REFLEX)}
+    emd, reflex = browser.get("/api/models").json()["drives"]
+    assert emd == {"name": "emd", "label": "Estimate an EMG delay", "parameters": ["emd"]}
+    assert reflex["parameters"] == list(REFLEX)
     browser.change(recordings=[recorded], prepared=True)
     assert not names(browser).keys() & {"emd", *REFLEX}
     refused = browser.post("/api/live", json={"values": {"emd": 0.04}})

@@ -6,6 +6,7 @@ from fastapi import APIRouter, Request
 
 from surae import api
 from surae.errors import InputError
+from surae.names import DRIVES
 from surae.processes import one_line
 from surae_workbench.web.draft import described, empty_draft, parameter_table, settings_of
 from surae_workbench.web.fits import check_draft, prepared_draft
@@ -107,7 +108,10 @@ def get_models() -> dict[str, Any]:
             }
             for spec in api.MODELS.values()
         ],
-        "drives": {name: list(api.OPTIONAL[name]) for name in ("emd", "reflex")},
+        "drives": [
+            {"name": name, "label": f"Estimate {words}", "parameters": list(api.OPTIONAL[name])}
+            for name, words in DRIVES.items()
+        ],
         "settings": form(),
         "draft": empty_draft(),
     }  # fmt: skip

@@ -2,14 +2,11 @@
 
 import { field, h, replace, select } from "../core/dom.js";
 
-/** Optional drives of the muscles, by their names in the API. */
-const DRIVES = { emd: "Estimate an EMG delay", reflex: "Estimate a stretch reflex" };
-
 /** Draw the settings of a draft; `store(what, label)` keeps a change. */
 export function settingsForm(main, more, models, draft, store, recordings) {
   const shown = models.settings.filter((one) => inPlace(one, draft));
   const fields = (first) => shown.filter((one) => one.first === first).map((one) => setting(one, models.settings, draft, store));
-  replace(main, fields(true), h("div", { class: "drives" }, Object.entries(models.drives).map(([name, members]) => drive(name, members, draft.parameters, store))));
+  replace(main, fields(true), h("div", { class: "drives" }, models.drives.map((one) => drive(one, draft.parameters, store))));
   replace(more, fields(false), draft.normalise === "mvc" && contractions(recordings, draft, store));
 }
 
@@ -83,8 +80,7 @@ function contractions(recordings, draft, store) {
 }
 
 /** What may drive the muscles beside the EMG as it is: its parameters come and go together. */
-function drive(name, members, told, store) {
-  const label = DRIVES[name] ?? name;
+function drive({ name, label, parameters: members }, told, store) {
   const knob = h("input", { type: "checkbox", id: `set-${name}`, checked: members.some((one) => told[one]) });
   knob.addEventListener("change", () => {
     const each = (value) => Object.fromEntries(members.map((one) => [one, value]));
