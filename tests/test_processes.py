@@ -18,12 +18,14 @@ import numpy as np
 import pytest
 
 import surae
+import surae_thesis
 from surae import processes
 from surae.errors import ComputationError, InputError
 from surae.processes import Child, End, guarded, tell
 from surae.processes.messages import received, send
 
 PACKAGE = Path(surae.__file__).parent
+THESIS = Path(surae_thesis.__file__).parent
 SURAE = Path(sys.executable).with_name("surae")
 ME = __name__
 #: Seconds that anything may take on a computer that is busy with other things.
@@ -547,8 +549,9 @@ def test_processes_start_in_one_place_only() -> None:
         r"|loky|joblib|pthread_sigmask"
     )
     guilty = [
-        str(source.relative_to(PACKAGE))
-        for source in (*PACKAGE.rglob("*.py"), *PACKAGE.with_name("surae_thesis").rglob("*.py"))
+        str(source.relative_to(package))
+        for package in (PACKAGE, THESIS)
+        for source in package.rglob("*.py")
         if starts.search(source.read_text(encoding="utf-8"))
     ]
     assert guilty == ["processes/child.py"]

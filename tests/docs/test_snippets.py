@@ -50,7 +50,7 @@ TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), flags=
 def extras_of(folder: str = "") -> dict[str, list[str]]:
     """The extras of the package that a folder of ours is."""
     described = tomllib.loads((ROOT / folder / "pyproject.toml").read_text(encoding="utf-8"))
-    return described["project"]["optional-dependencies"]
+    return described["project"].get("optional-dependencies", {})
 
 
 EXTRAS = extras_of()
@@ -112,9 +112,9 @@ def _check_other(words: list[str]) -> None:
         assert rest[0] in TARGETS
     elif program == "pip":
         assert rest[0] == "install"
-        match = re.fullmatch(r"(surae|surae-workbench)(?:\[([a-z,]+)\])?", rest[1])
+        match = re.fullmatch(r"(surae|surae-thesis|surae-workbench)(?:\[([a-z,]+)\])?", rest[1])
         assert match, rest
-        extras = EXTRAS if match[1] == "surae" else extras_of("workbench/")
+        extras = EXTRAS if match[1] == "surae" else extras_of(f"{match[1].removeprefix('surae-')}/")
         assert set(filter(None, (match[2] or "").split(","))) <= set(extras)
     elif program == "python" and rest[0] == "-m":
         assert find_spec(f"{rest[1]}.__main__"), rest

@@ -42,7 +42,7 @@ COMMANDS = {
     "expect": ("surae.cli.expect", "Tell what a protocol will tell of each parameter."),
     "design": ("surae.cli.design", "Find the movement and effort that tell most."),
     "study": ("surae.cli.study", "Fit thousands of virtual trials over crossed factors."),
-    "reproduce": ("surae.cli.reproduce", "Compute the thesis's results again, claim by claim."),
+    "reproduce": ("surae-thesis", "Compute the thesis's results again, claim by claim."),
     "live": ("surae-workbench[live]", "Record, show and judge trials as they are measured."),
     "serve": ("surae-workbench", "Open the workbench in the browser."),
     "project": ("surae-workbench", "Copy or check a project of the workbench."),
