@@ -6,6 +6,8 @@ BIN    := $(VENV)/bin
 # through first takes from the other.
 SHARED := -n 2 --dist worksteal
 READY  := $(VENV)/.ready
+# Compiled files are kept: else every worker, and every process that a test starts, compiles anew.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test test-all check bench docs release wheel lock browser clean
 

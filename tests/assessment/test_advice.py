@@ -1,5 +1,7 @@
 """Advice goes with every parameter of every model."""
 
+import re
+
 import pytest
 
 from surae.assessment.identifiability.advice import TRADE_OFFS, trade_off
@@ -16,13 +18,9 @@ def test_every_parameter_has_advice_and_trade_offs_are_of_parameters():
         assert not known.names & known.beside
 
 
-@pytest.mark.parametrize(
-    "text", [*(p.advice for p in PARAMETERS.values()), *(t.advice for t in TRADE_OFFS)]
-)
-def test_advice_is_part_of_a_sentence(text):
-    assert text == text.strip()
-    assert not text.endswith(".")
-    assert text[0].islower()
+def test_advice_is_part_of_a_sentence():
+    every = [*(p.advice for p in PARAMETERS.values()), *(t.advice for t in TRADE_OFFS)]
+    assert [text for text in every if not re.fullmatch(r"[a-z](.*[^.\s])?", text)] == []
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 
 import surae
 from richer_legs import richer_leg
@@ -289,7 +290,7 @@ def test_data_without_noise_are_no_reason_to_fail(profile):
 def test_claims_hold_where_no_electrode_hears_another(tendons):
     """Rigid tendons, no crosstalk and no delay are limits of the priors; it once was far off."""
     claimed = held = 0
-    for seed in (1, 2, 3):
+    for seed in range(51, 57):
         subject = virtual_subject(seed=seed)
         own = subject.parameters | dict(zip(("dlt_tri", "dlt_tib"), tendons, strict=True))
         trajectory = generate(Protocol(profile="multiple-holds", rate_hz=64.0, chirp_amplitude=0.1))
@@ -298,9 +299,9 @@ def test_claims_hold_where_no_electrode_hears_another(tendons):
         )
         these = truth_in(assess(solve(make_problem([trial], "auto"))), own)
         claimed, held = claimed + these[0], held + these[1]
-    assert claimed >= 10
-    # no crosstalk at any of twelve places is not what its priors expect: 17 of 19, 23 of 23
-    assert held >= 0.85 * claimed
+    assert claimed >= 20
+    # So few true ones come once in twenty times where 93 % are, as README promises.
+    assert held >= binom.ppf(0.05, claimed, 0.93)
 
 
 @pytest.mark.slow

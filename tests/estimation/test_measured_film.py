@@ -9,6 +9,8 @@ from surae.protocol.planning.filming import covariance_if_filmed
 from surae.report.budget import what_would_help
 
 TRIALS = {"PL_50_01": "dynamometer", "PL_0_01": "repeats"}
+#: Trackers drift by a millimetre or two within seconds.
+DRIFT_MM = 2.0
 MAPPED = {"angle": ("Angle", "deg"), "torque": ("Torque", "Nm"), "emg_ta": ("EMG_TA", "V")}
 
 
@@ -65,8 +67,10 @@ def test_a_compliant_tendon_follows_the_film_and_predicts_another(compliant, mea
     assert film.rmse_mm < 1.0
     assert not _said_of_films(compliant)
     (other,) = compliant.predict(measured("PL_50_01")).fascicles
-    assert other.quality.rmse_mm < 2.0
-    assert other.quality.correlation > 0.98
+    assert other.quality.rmse_mm < DRIFT_MM
+    # Of true lengths the film would be as far: it is the truth and its tracker's drift.
+    alike = np.sqrt(1.0 - (DRIFT_MM / (1e3 * np.std(other.measured))) ** 2)
+    assert other.quality.correlation > alike
 
 
 @pytest.mark.slow

@@ -34,7 +34,7 @@ FAULTS = (
 MOTION = (("multiple-holds", 0.0, False),)
 
 
-@pytest.mark.parametrize("seed", [70000, 70001])
+@pytest.mark.parametrize("seed", [70000, pytest.param(70001, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_planted_fault_is_found(planted, name, seed) -> None:
     plant, needs = planted.FAULTS[name]

@@ -13,18 +13,20 @@ def values(n: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("n", LENGTHS)
-@pytest.mark.parametrize("width", [0, 1, 2, 3, 4, 9, 60, 250])
-def test_smooth_is_the_mean_of_the_samples_around(n: int, width: int) -> None:
-    x, half = values(n), width // 2
-    means = [x[max(i - half, 0) : i + half + 1].mean() for i in range(n)]
-    np.testing.assert_allclose(smooth(x, width), means, rtol=0.0, atol=1e-13)
+def test_smooth_is_the_mean_of_the_samples_around(n: int) -> None:
+    for width in (0, 1, 2, 3, 4, 9, 60, 250):
+        x, half = values(n), width // 2
+        means = [x[max(i - half, 0) : i + half + 1].mean() for i in range(n)]
+        np.testing.assert_allclose(
+            smooth(x, width), means, rtol=0.0, atol=1e-13, err_msg=f"{width}"
+        )
 
 
 @pytest.mark.parametrize("n", LENGTHS)
-@pytest.mark.parametrize("by", [-200, -3, -1, 0, 1, 2, 5, 300])
-def test_shifted_repeats_the_end_values(n: int, by: int) -> None:
+def test_shifted_repeats_the_end_values(n: int) -> None:
     x = values(n)
-    np.testing.assert_array_equal(shifted(x, by), x[np.clip(np.arange(n) - by, 0, n - 1)])
+    for by in (-200, -3, -1, 0, 1, 2, 5, 300):
+        np.testing.assert_array_equal(shifted(x, by), x[np.clip(np.arange(n) - by, 0, n - 1)])
 
 
 @pytest.mark.parametrize("n", LENGTHS)

@@ -108,13 +108,13 @@ WRITTEN = {
 
 
 @pytest.mark.parametrize("how", WRITTEN)
-@pytest.mark.parametrize("rate", [128.0, 256.0, 1259.259])
-@pytest.mark.parametrize("start", [0.0, 12.345678])
-def test_stamps_as_programs_write_them_are_uniform(how, rate, start):
-    made = stamped(WRITTEN[how](start + np.arange(5000) / rate))
-    assert made.uniform
-    assert made.axis.rate_hz == pytest.approx(rate, rel=2e-6)  # as 0.1 ms in 4 s tell it
-    assert made.axis.start == pytest.approx(start, abs=2e-5)
+def test_stamps_as_programs_write_them_are_uniform(how):
+    for rate in (128.0, 256.0, 1259.259):
+        for start in (0.0, 12.345678):
+            made = stamped(WRITTEN[how](start + np.arange(5000) / rate))
+            assert made.uniform
+            assert made.axis.rate_hz == pytest.approx(rate, rel=2e-6)  # as 0.1 ms in 4 s tell it
+            assert made.axis.start == pytest.approx(start, abs=2e-5)
 
 
 @pytest.mark.parametrize("how", WRITTEN)

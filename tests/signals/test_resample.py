@@ -61,13 +61,13 @@ def test_jittered_samples_are_interpolated_where_they_were_taken() -> None:
     assert np.abs(channel(time, tone(time, 5.0)).values - expected).max() > 1e-3
 
 
-@pytest.mark.parametrize("missing", [1, 2, 500, 997, 998])
 @pytest.mark.parametrize(("rate", "decimals"), [(100.0, 2), (256.0, 3), (256.0, 9), (2048.0, 9)])
-def test_gap_is_refused_with_its_time(rate: float, decimals: int, missing: int) -> None:
-    time = np.delete(np.round(stamps(rate), decimals), missing)
-    with pytest.raises(InputError, match=r"trial: angle: no samples from ") as error:
-        timing(channel(time), "trial")
-    assert f"from {time[missing - 1]:.6g} to {time[missing]:.6g} s" in str(error.value)
+def test_gap_is_refused_with_its_time(rate: float, decimals: int) -> None:
+    for missing in (1, 2, 500, 997, 998):
+        time = np.delete(np.round(stamps(rate), decimals), missing)
+        with pytest.raises(InputError, match=r"trial: angle: no samples from ") as error:
+            timing(channel(time), "trial")
+        assert f"from {time[missing - 1]:.6g} to {time[missing]:.6g} s" in str(error.value)
 
 
 def test_channel_that_is_not_a_signal() -> None:
