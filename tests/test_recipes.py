@@ -111,15 +111,14 @@ def _direction(inputs: "ModelInputs") -> FloatArray:
         "Connect the torque sensor, and record again.", "error", "Nm"),
 '''),
         ("quality/torque.py", "def limit(", '''\
-def still(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
+def still(trial: CheckedTrial) -> Iterator[Finding]:
     """A torque that never changes."""
-    torque = trial.recording.channels.get("torque")
-    if torque is None:
-        return Skipped("torque-still", "There is no torque.")
-    if np.ptp(torque.values) > 0.0:
-        return ()
-    span, value = (trial.start, trial.end), float(torque.values[0])
-    return (found("torque-still", "torque", span, value, "The torque never changes."),)
+    if trial.torque is None:
+        raise Unjudged("There is no torque.")
+    if np.ptp(trial.torque) == 0.0:
+        value = float(trial.torque[0])
+        span = trial.time[0], trial.time[-1]
+        yield found("torque-still", "torque", span, value, "The torque never changes.")
 
 
 '''),
