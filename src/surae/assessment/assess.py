@@ -62,58 +62,32 @@ class RecordingQuality(Comparable):
 @filed("baseline", "robust", rmse="rmse_Nm", covariance="correlation")
 @dataclass(frozen=True, slots=True, eq=False)
 class Assessment(Comparable):
-    """What a fit is worth.
+    """What a fit is worth."""
 
-    Attributes
-    ----------
-    vaf, rmse : float
-        Of all recordings together [%, Nm]; NaN where the model gave no finite torque.
-    vaf_weighted : float or None
-        VAF with the samples counted as the fit did, 1 − Σwe²/ΣwT² [%]; None where all that count
-        count alike.
-    parameters : mapping of str to ParameterEstimate
-        All parameters of the model, in its order.
-    covariance : Covariance
-        Of the estimates that have one, equation (33): for white residuals.
-    robust : RobustCovariance or None
-        Of the same estimates, for residuals that are correlated over time.
-    whiteness : tuple of Whiteness
-        Autocorrelation of each recording's residual, and the test of it.
-    interval : Interval
-        Which of the two the intervals and verdicts rest on.
-    interval_note : str
-        Why, in a plain sentence.
-    ipde : float or None
-        Equation (35); None, with `ipde_note` saying why, when fewer than two have a variance.
-    ipde_note : str
-        Which parameters it leaves out, or why there is none; empty when it has them all.
-    recordings : tuple of RecordingQuality
-        One for each recording.
-    adequacy : Adequacy
-        Whether the fit is good enough for any of this to mean something.
-    nuisances : mapping of str to ParameterEstimate
-        What `model="auto"` found of the laboratory; empty for a named model.
-    baseline : Baseline or None
-        Simulations that the standard errors are compared with.
-    snsem : mapping of str to (float or None)
-        Standard error over that of the simulations (thesis 2.7); empty without a baseline.
-    """
-
+    #: `vaf`, `rmse`: of all recordings together [%, Nm]; NaN where the model gave no finite torque.
     vaf: float
     rmse: float
+    #: VAF with the samples counted as the fit did, 1 − Σwe²/ΣwT² [%]; None where all that count
+    #: count alike.
     vaf_weighted: float | None
-    parameters: Mapping[str, ParameterEstimate]
-    covariance: Covariance
+    parameters: Mapping[str, ParameterEstimate]  #: All parameters of the model, in its order.
+    covariance: Covariance  #: Of the estimates that have one, equation (33): for white residuals.
+    #: Of the same estimates, for residuals that are correlated over time.
     robust: RobustCovariance | None
+    #: Autocorrelation of each recording's residual, and the test of it.
     whiteness: tuple[Whiteness, ...]
-    interval: Interval
-    interval_note: str
+    interval: Interval  #: Which of the two the intervals and verdicts rest on.
+    interval_note: str  #: Why, in a plain sentence.
+    #: Equation (35); None, with `ipde_note` saying why, when fewer than two have a variance.
     ipde: float | None
+    #: Which parameters it leaves out, or why there is none; empty when it has them all.
     ipde_note: str
-    recordings: tuple[RecordingQuality, ...]
-    adequacy: Adequacy
+    recordings: tuple[RecordingQuality, ...]  #: One for each recording.
+    adequacy: Adequacy  #: Whether the fit is good enough for any of this to mean something.
+    #: What `model="auto"` found of the laboratory; empty for a named model.
     nuisances: Mapping[str, ParameterEstimate] = field(default_factory=dict)
-    baseline: Baseline | None = None
+    baseline: Baseline | None = None  #: Simulations that the standard errors are compared with.
+    #: Standard error over that of the simulations (thesis 2.7); empty without a baseline.
     snsem: Mapping[str, float | None] = field(default_factory=dict)
 
 

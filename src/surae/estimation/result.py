@@ -101,54 +101,26 @@ class Family(Comparable):
 @filed("problem", "values", "residuals")
 @dataclass(frozen=True, slots=True, eq=False)
 class FitResult(Comparable):
-    """The best minimum found.
+    """The best minimum found."""
 
-    Attributes
-    ----------
-    problem : FitProblem
-        The question: model, options, recordings, free parameters, bounds.
-    status : {"converged", "at-bounds", "failed"}
-        Whether a minimum was reached, and whether some parameter lies at its bound there.
-    message : str
-        What happened, in one or two sentences, with advice where it failed.
-    values : mapping of str to float
-        All parameters of the model, fixed ones included.
-    residuals : tuple of ndarray
-        Measured minus modelled torque of each recording [Nm].
-    sse : float
-        Weighted sum of squared residuals, without priors [Nm²].
-    R : ndarray, shape (p, p)
-        Triangular factor of the weighted Jacobian by the free parameters: RᵀR = JᵀWJ, with what
-        priors add to it.
-    starts : tuple of Start
-        Every start, the default one first.
-    agreeing : int
-        Number of starts that ended at the best minimum.
-    seed : int
-        Seed of the random starts.
-    seconds : float
-        Wall time.
-    versions : mapping of str to str
-        Versions of surae and of what its numbers depend on.
-    outliers : Outliers or None
-        How outliers were let count less; None for least squares.
-    family : Family or None
-        How the model was chosen, and what is not known of the laboratory; None for a named model.
-    """
-
-    problem: FitProblem
+    problem: FitProblem  #: The question: model, options, recordings, free parameters, bounds.
+    #: Whether a minimum was reached, and whether some parameter lies at its bound there; one of
+    #: "converged", "at-bounds", "failed".
     status: str
-    message: str
-    values: Mapping[str, float]
-    residuals: tuple[FloatArray, ...]
-    sse: OrInfinite
+    message: str  #: What happened, in one or two sentences, with advice where it failed.
+    values: Mapping[str, float]  #: All parameters of the model, fixed ones included.
+    residuals: tuple[FloatArray, ...]  #: Measured minus modelled torque of each recording [Nm].
+    sse: OrInfinite  #: Weighted sum of squared residuals, without priors [Nm²].
+    #: Triangular factor of the weighted Jacobian by the free parameters: RᵀR = JᵀWJ, with what
+    #: priors add to it, shape (p, p).
     R: FloatArray
-    starts: tuple[Start, ...]
-    agreeing: int
-    seed: int
-    seconds: float
-    versions: Mapping[str, str]
-    outliers: Outliers | None = None
+    starts: tuple[Start, ...]  #: Every start, the default one first.
+    agreeing: int  #: Number of starts that ended at the best minimum.
+    seed: int  #: Seed of the random starts.
+    seconds: float  #: Wall time.
+    versions: Mapping[str, str]  #: Versions of surae and of what its numbers depend on.
+    outliers: Outliers | None = None  #: How outliers were let count less; None for least squares.
+    #: How the model was chosen, and what is not known of the laboratory; None for a named model.
     family: Family | None = None
 
     @property

@@ -20,35 +20,19 @@ _WRITERS = {"osim": osim, "mjcf": mjcf}
 
 @dataclass(frozen=True, slots=True)
 class ExportedModel:
-    """A model file for another simulator.
+    """A model file for another simulator."""
 
-    Attributes
-    ----------
-    to : {"osim", "mjcf"}
-        Format of the file.
-    text : str
-        The file.
-    rms : float
-        Root mean square of the difference between its torque and ours [Nm], held still over the
-        range that was moved, at rest and at four activities of each muscle group.
-    largest : float
-        The largest of our torques there [Nm].
-    moving : float or None
-        The same difference over the recordings, where tissue relaxes and muscles move; None where
-        tendons of OpenSim give way.
-    missing : tuple of str
-        Parameters of the fit that the file leaves out.
-    missing_rms : float
-        Root mean square of the torque that these make over the recordings [Nm].
-    """
-
-    to: str
-    text: str
+    to: str  #: Format of the file; one of "osim", "mjcf".
+    text: str  #: The file.
+    #: Root mean square of the difference between its torque and ours [Nm], held still over the
+    #: range that was moved, at rest and at four activities of each muscle group.
     rms: float
-    largest: float
+    largest: float  #: The largest of our torques there [Nm].
+    #: The same difference over the recordings, where tissue relaxes and muscles move; None where
+    #: tendons of OpenSim give way.
     moving: float | None
-    missing: tuple[str, ...]
-    missing_rms: float
+    missing: tuple[str, ...]  #: Parameters of the fit that the file leaves out.
+    missing_rms: float  #: Root mean square of the torque that these make over the recordings [Nm].
 
     @property
     def said(self) -> str:

@@ -45,34 +45,26 @@ class TendonLaw:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TendonState(Comparable):
-    """What muscle and tendon of both groups do over time; arrays (2, n), triceps surae first.
+    """What muscle and tendon of both groups do over time; arrays (2, n), triceps surae first."""
 
-    Attributes
-    ----------
-    muscle_length, muscle_velocity : ndarray
-        Length x [m] and lengthening velocity x' [m/s] of the muscle. The implicit integrator
-        starts at rest, in equilibrium without active force: its first velocity is zero.
-    tendon_length, elongation, tendon_velocity : ndarray
-        Length lt and elongation lt − lt0 of the tendon [m], negative where it is slack, and
-        lengthening velocity lmt' − x' [m/s].
-    tendon_force, tissue_force, active_force : ndarray
-        Force in the tendon, and the passive and active forces of the muscle that make it up [N].
-    laws : tuple of TendonLaw
-        Force against elongation of both tendons.
-    unsolved : tuple of int or None
-        Index of the first sample of each group that has no finite state: its force balance could
-        not be solved, which takes a number that is not finite; from there on everything is NaN.
-    """
-
+    #: `muscle_length`, `muscle_velocity`: length x [m] and lengthening velocity x' [m/s] of the
+    #: muscle. The implicit integrator starts at rest, in equilibrium without active force: its
+    #: first velocity is zero.
     muscle_length: FloatArray
     muscle_velocity: FloatArray
+    #: `tendon_length`, `elongation`, `tendon_velocity`: length lt and elongation lt − lt0 of the
+    #: tendon [m], negative where it is slack, and lengthening velocity lmt' − x' [m/s].
     tendon_length: FloatArray
     elongation: FloatArray
     tendon_velocity: FloatArray
+    #: `tendon_force`, `tissue_force`, `active_force`: force in the tendon, and the passive and
+    #: active forces of the muscle that make it up [N].
     tendon_force: FloatArray
     tissue_force: FloatArray
     active_force: FloatArray
-    laws: tuple[TendonLaw, TendonLaw]
+    laws: tuple[TendonLaw, TendonLaw]  #: Force against elongation of both tendons.
+    #: Index of the first sample of each group that has no finite state: its force balance could not
+    #: be solved, which takes a number that is not finite; from there on everything is NaN.
     unsolved: tuple[int | None, int | None]
 
     def columns(self) -> Mapping[str, FloatArray]:
@@ -99,30 +91,23 @@ class TorqueParts(Comparable):
     """A modelled torque split into its parts, each of shape (n,) in Nm; they add up to `total`.
 
     What the reflex makes of the neural parts is no further part of the sum.
-
-    Attributes
-    ----------
-    tissue_tri, tissue_tib : ndarray
-        Passive tissue of triceps surae and tibialis anterior, signed as in equation (1).
-    neural_tri, neural_tib : ndarray
-        Active contraction of the two groups, signed as in equation (1).
-    inertial, gravitational : ndarray
-        Foot and footplate.
-    zero : ndarray or None
-        Zero of the torque; None from a model without one.
-    reflex_tri, reflex_tib : ndarray or None
-        Of `neural_tri` and `neural_tib`, what the reflex drives; None from a model without one.
     """
 
+    #: `tissue_tri`, `tissue_tib`: passive tissue of triceps surae and tibialis anterior, signed as
+    #: in equation (1).
     tissue_tri: FloatArray
     tissue_tib: FloatArray
+    #: `neural_tri`, `neural_tib`: active contraction of the two groups, signed as in equation (1).
     neural_tri: FloatArray
     neural_tib: FloatArray
+    #: `inertial`, `gravitational`: foot and footplate.
     inertial: FloatArray
     gravitational: FloatArray
+    #: `reflex_tri`, `reflex_tib`: of `neural_tri` and `neural_tib`, what the reflex drives; None
+    #: from a model without one.
     reflex_tri: FloatArray | None = None
     reflex_tib: FloatArray | None = None
-    zero: FloatArray | None = None
+    zero: FloatArray | None = None  #: Zero of the torque; None from a model without one.
 
     @property
     def tissue(self) -> FloatArray:

@@ -23,31 +23,17 @@ _LOWEST_CUTOFF, _HIGHEST_CUTOFF = 0.02, 100.0
 
 @dataclass(frozen=True, slots=True)
 class Adaptation:
-    """What was changed for a device, and what that cost.
+    """What was changed for a device, and what that cost."""
 
-    Attributes
-    ----------
-    device : str
-        Name of the device.
-    chirp_amplitude : (float, float)
-        Amplitude asked for and used, before filtering [rad].
-    chirp_end_amplitude : float
-        What is left of it at the highest frequency, after filtering [rad].
-    cutoff_hz : float or None
-        Cut-off of the low-pass filter; None when none was needed.
-    peak_velocity, peak_acceleration : (float, float)
-        As asked for, and after adaptation [rad/s, rad/s²].
-    span : float
-        Share of the range of motion that is still reached, 0…1.
-    """
-
-    device: str
-    chirp_amplitude: tuple[float, float]
+    device: str  #: Name of the device.
+    chirp_amplitude: tuple[float, float]  #: Amplitude asked for and used, before filtering [rad].
+    #: What is left of it at the highest frequency, after filtering [rad].
     chirp_end_amplitude: float
-    cutoff_hz: float | None
+    cutoff_hz: float | None  #: Cut-off of the low-pass filter; None when none was needed.
+    #: `peak_velocity`, `peak_acceleration`: as asked for, and after adaptation [rad/s, rad/s²].
     peak_velocity: tuple[float, float]
     peak_acceleration: tuple[float, float]
-    span: float
+    span: float  #: Share of the range of motion that is still reached, 0…1.
 
     @property
     def steps(self) -> tuple[str, ...]:

@@ -17,27 +17,14 @@ VELOCITY_EDGES = np.linspace(-5.0, 5.0, 101)
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """The part of the length–velocity plane where a muscle has been; arrays read-only.
+    """The part of the length–velocity plane where a muscle has been; arrays read-only."""
 
-    Attributes
-    ----------
-    share : float
-        Share of the cells that were visited, 0…1.
-    time_share : ndarray, shape (n_velocity, n_length)
-        Share of the time spent in each cell; 0 where it never was.
-    outside : float
-        Share of the time spent outside the grid.
-    length_edges : ndarray, shape (n_length + 1,)
-        Borders of the cells [L/l0].
-    velocity_edges : ndarray, shape (n_velocity + 1,)
-        Borders of the cells [l0/s].
-    """
-
-    share: float
+    share: float  #: Share of the cells that were visited, 0…1.
+    #: Share of the time spent in each cell; 0 where it never was, shape (n_velocity, n_length).
     time_share: FloatArray
-    outside: float
-    length_edges: FloatArray
-    velocity_edges: FloatArray
+    outside: float  #: Share of the time spent outside the grid.
+    length_edges: FloatArray  #: Borders of the cells [L/l0], shape (n_length + 1,).
+    velocity_edges: FloatArray  #: Borders of the cells [l0/s], shape (n_velocity + 1,).
 
 
 def coverage(

@@ -23,40 +23,20 @@ from surae.records import from_plain
 )
 @dataclass(frozen=True, slots=True)
 class Device:
-    """A manipulator; None is a limit that isn't known.
+    """A manipulator; None is a limit that isn't known."""
 
-    Attributes
-    ----------
-    name : str
-        Name in settings and files.
-    max_velocity : float or None
-        Highest velocity that it follows [rad/s].
-    max_acceleration : float or None
-        Highest acceleration [rad/s²].
-    max_torque : float or None
-        Highest torque [Nm].
-    bandwidth : float or None
-        Highest frequency that it follows [Hz].
-    inertia : float
-        Heaviest foot and footplate [kg m²]: moving it alone must not take more than `max_torque`.
-        Default 3 kg at 0.15 m, the upper bound of the models' mass.
-    chirp_amplitudes : tuple of (str, float)
-        Largest chirp amplitude [rad] of profiles that have one of their own.
-    range_of_motion : (float, float) or None
-        Angles that it can reach [rad].
-    sources : tuple of str
-        Where the limits are from.
-    """
-
-    name: str
-    max_velocity: float | None = None
-    max_acceleration: float | None = None
-    max_torque: float | None = None
-    bandwidth: float | None = None
+    name: str  #: Name in settings and files.
+    max_velocity: float | None = None  #: Highest velocity that it follows [rad/s].
+    max_acceleration: float | None = None  #: Highest acceleration [rad/s²].
+    max_torque: float | None = None  #: Highest torque [Nm].
+    bandwidth: float | None = None  #: Highest frequency that it follows [Hz].
+    #: Heaviest foot and footplate [kg m²]: moving it alone must not take more than `max_torque`.
+    #: Default 3 kg at 0.15 m, the upper bound of the models' mass.
     inertia: float = 3.0 * 0.15**2
+    #: Largest chirp amplitude [rad] of profiles that have one of their own.
     chirp_amplitudes: tuple[tuple[str, float], ...] = ()
-    range_of_motion: tuple[float, float] | None = None
-    sources: tuple[str, ...] = ()
+    range_of_motion: tuple[float, float] | None = None  #: Angles that it can reach [rad].
+    sources: tuple[str, ...] = ()  #: Where the limits are from.
 
     def __post_init__(self) -> None:
         """Check that every limit is above zero."""

@@ -21,21 +21,11 @@ from surae.units import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """An EMG task.
+    """An EMG task."""
 
-    Attributes
-    ----------
-    name : str
-        Name in settings and files.
-    passive_until : float
-        The subject is relaxed until then [s].
-    description : str
-        One sentence.
-    """
-
-    name: str
-    passive_until: float
-    description: str
+    name: str  #: Name in settings and files.
+    passive_until: float  #: The subject is relaxed until then [s].
+    description: str  #: One sentence.
 
 
 TASKS: dict[str, Task] = {

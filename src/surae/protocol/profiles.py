@@ -79,24 +79,13 @@ PositionFunction = Callable[[FloatArray], FloatArray]
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """A position profile.
+    """A position profile."""
 
-    Attributes
-    ----------
-    name : str
-        Name in settings and files.
-    duration : float
-        Its own duration [s].
-    position : callable
-        Times [s], shape (n,), to fractions of the range of motion, shape (n,).
-    description : str
-        One sentence.
-    """
-
-    name: str
-    duration: float
+    name: str  #: Name in settings and files.
+    duration: float  #: Its own duration [s].
+    #: Times [s], shape (n,), to fractions of the range of motion, shape (n,).
     position: PositionFunction
-    description: str
+    description: str  #: One sentence.
 
 
 @cache

@@ -43,27 +43,14 @@ _SLOWEST = 0.08
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Commanded(Comparable):
-    """A commanded motion, arrays read-only.
+    """A commanded motion, arrays read-only."""
 
-    Attributes
-    ----------
-    name : str
-        Where it comes from, for messages.
-    time : ndarray, shape (n,)
-        [s].
-    angle : ndarray, shape (n,)
-        [rad].
-    effort : ndarray, shape (n, 4), or None
-        The effort that was asked for, 0…1, if the file says.
-    given : bool
-        Whether a file gave it; otherwise it was recognised in the angle.
-    """
-
-    name: str
-    time: FloatArray
-    angle: FloatArray
+    name: str  #: Where it comes from, for messages.
+    time: FloatArray  #: [s], shape (n,).
+    angle: FloatArray  #: [rad], shape (n,).
+    #: The effort that was asked for, 0…1, if the file says, shape (n, 4).
     effort: FloatArray | None = None
-    given: bool = True
+    given: bool = True  #: Whether a file gave it; otherwise it was recognised in the angle.
 
 
 def recognised(channel: Channel) -> Commanded | None:

@@ -40,21 +40,11 @@ class EmgReference:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Film(Comparable):
-    """A muscle's fascicle length over time, on the film's own clock; arrays read-only.
+    """A muscle's fascicle length over time, on the film's own clock; arrays read-only."""
 
-    Attributes
-    ----------
-    channel : str
-        ``"fascicle_tib"``, or of one muscle of the triceps: ``"fascicle_gm"`` …
-    time : ndarray, shape (k,)
-        Times of the frames in which the tracker found it [s].
-    length : ndarray, shape (k,)
-        Its length [m].
-    """
-
-    channel: str
-    time: FloatArray
-    length: FloatArray
+    channel: str  #: ``"fascicle_tib"``, or of one muscle of the triceps: ``"fascicle_gm"`` …
+    time: FloatArray  #: Times of the frames in which the tracker found it [s], shape (k,).
+    length: FloatArray  #: Its length [m], shape (k,).
 
 
 @filed(n="n", sparse=("films",))

@@ -47,23 +47,12 @@ TENDONS: dict[str, Ranges] = {
 
 @dataclass(frozen=True, slots=True)
 class VirtualSubject:
-    """A subject whose parameters are known.
+    """A subject whose parameters are known."""
 
-    Attributes
-    ----------
-    population : str
-        A name of `POPULATIONS`.
-    seed : int
-        The same population and seed always give the same subject.
-    parameters : mapping of str to float
-        The fifteen parameters of the muscle model.
-    tendons : mapping of str to float
-        Tendon parameters of the subject's own, ε0 in metres; empty for the thesis's Table 2.
-    """
-
-    population: str
-    seed: int
-    parameters: Mapping[str, float]
+    population: str  #: A name of `POPULATIONS`.
+    seed: int  #: The same population and seed always give the same subject.
+    parameters: Mapping[str, float]  #: The fifteen parameters of the muscle model.
+    #: Tendon parameters of the subject's own, ε0 in metres; empty for the thesis's Table 2.
     tendons: Mapping[str, float] = field(default_factory=dict)
 
     def truth(self, model: str, options: ModelOptions | None = None) -> dict[str, float]:
