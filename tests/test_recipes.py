@@ -28,7 +28,7 @@ FRICTION = """    UncertaintySource(
         ),
         Fill("ink", "\\\\"),
         Nuisance(
-            "friction", OPTIONAL["friction"], Belief(0.0, 1.0), "Nm", "bearings take 1 Nm; assumed",
+            "friction", OPTIONAL["friction"], Gaussian(0.0, 1.0), "Nm", "up to 1 Nm; assumed",
         ),
     ),
 """

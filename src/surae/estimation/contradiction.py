@@ -20,7 +20,7 @@ from surae.estimation.problem import FitProblem
 from surae.estimation.result import FitResult, is_at_bound
 from surae.frozen import FrozenDict
 from surae.model import adapted, get_model, with_optional
-from surae.model.laboratory import COMPLIANT, RIGID, Belief, group_of, laboratory
+from surae.model.laboratory import COMPLIANT, RIGID, Gaussian, group_of, laboratory
 from surae.signals import ModelInputs
 from surae.signals.prepare import sharpened, smoothed
 from surae.units import FloatArray
@@ -28,7 +28,7 @@ from surae.units import FloatArray
 #: Groups of nuisances that a named model is held against.
 _HELD_AGAINST = ("zero", "delay", "crosstalk")
 #: What is known of the tendons, as they are searched.
-TENDONS = {"dlt_tri": Belief(np.log(0.025), 1.0), "dlt_tib": Belief(np.log(0.010), 1.0)}
+TENDONS = {"dlt_tri": Gaussian(np.log(0.025), 1.0), "dlt_tib": Gaussian(np.log(0.010), 1.0)}
 #: Parameters that are not on a logarithm: none is no contradiction.
 _STRAIGHT = {*STRAIGHT, "pt_tri", "pt_tib"} - TENDONS.keys()
 #: Standard deviation of what has no prior: of the logarithm, or in parts of its bounds' distance.
@@ -40,7 +40,7 @@ _ORDER, _SLOW = 30, 2.0
 _SUPPORTED = 10.0
 #: How much of what filtering once more does, and of what it does less than that when done again,
 #: has been done already.
-_BLUR = (Belief(1.0, 1.0), Belief(1.0, 1.0))
+_BLUR = (Gaussian(1.0, 1.0), Gaussian(1.0, 1.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +85,7 @@ def contradiction(result: FitResult) -> Contradiction | None:
     for name in tendons.keys() - result.values.keys():  # none so far: as stiff as the model goes
         stiff = limits[free.index(name)][0]
         base[name] = stiff
-        tendons[name] = Belief(float(np.log(stiff)), float(np.exp(tendons[name].mean)) / stiff)
+        tendons[name] = Gaussian(float(np.log(stiff)), float(np.exp(tendons[name].mean)) / stiff)
     inputs = tuple(sharpened(trial) for trial in problem.inputs)
     named = replace(problem, inputs=inputs)
     richer = replace(
@@ -128,7 +128,7 @@ class _Linear:
     """
 
     def __init__(
-        self, problem: FitProblem, values: Mapping[str, float], priors: Mapping[str, Belief]
+        self, problem: FitProblem, values: Mapping[str, float], priors: Mapping[str, Gaussian]
     ) -> None:
         self.problem, names = problem, problem.spec.names
         base = dict(zip(names, problem.base.tolist(), strict=True))
@@ -139,7 +139,7 @@ class _Linear:
         self.z = np.where(log, np.log(np.maximum(own, 1e-300)), own)
         vague = np.where(log, _VAGUE, _VAGUE * (problem.upper - problem.lower))
         given = [
-            priors.get(n, Belief(float(z), float(sd)))
+            priors.get(n, Gaussian(float(z), float(sd)))
             for n, z, sd in zip(problem.free, self.z, vague, strict=True)
         ]
         self.mean = np.array([belief.mean for belief in given])
@@ -195,7 +195,7 @@ class _Linear:
 
 
 def _quadratic(
-    target: _Linear, own: list[tuple[FloatArray, NoiseModel]], zero: Belief | None
+    target: _Linear, own: list[tuple[FloatArray, NoiseModel]], zero: Gaussian | None
 ) -> Quadratic:
     """What data say around the named model: its own residual, and what the richer one can do.
 

@@ -46,7 +46,8 @@ from surae.estimation.uncertainty import (
 from surae.frozen import FrozenDict, read_only
 from surae.model import adapted, get_model, with_optional
 from surae.model.anthropometry import MASSES
-from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, Belief, group_of, laboratory
+from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
+from surae.model.sources import Gaussian
 from surae.progress import SearchProgress
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, emg_levels, quiet_levels
@@ -221,7 +222,7 @@ class _Search:
             problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz
         )
 
-    def _leg(self, problem: FitProblem) -> dict[str, Belief]:
+    def _leg(self, problem: FitProblem) -> dict[str, Gaussian]:
         """What is known of the leg's own parameters, as they are searched."""
         wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
         for name in TENDONS:  # widened, a Gaussian would believe as much in a rigid one
@@ -229,9 +230,9 @@ class _Search:
         wide |= {name: (weight, 1.0) for name, weight in self._weights.items()}
         wide |= {n: (p.median, p.spread) for n, p in problem.priors.items()}
         return {
-            name: Belief(median, spread * median)
+            name: Gaussian(median, spread * median)
             if name in STRAIGHT
-            else Belief(float(np.log(median)), spread)
+            else Gaussian(float(np.log(median)), spread)
             for name, (median, spread) in wide.items()
             if name in problem.free
         }
@@ -468,12 +469,12 @@ def _white(problem: FitProblem, part: float) -> tuple[NoiseModel, ...]:
     return tuple(models)
 
 
-def _searched(name: str, belief: Belief) -> Belief:
+def _searched(name: str, belief: Gaussian) -> Gaussian:
     """A nuisance's prior as it is searched: of what is on a logarithm, with its mean and sd."""
     if name in STRAIGHT:
         return belief
     spread = float(np.sqrt(np.log1p((belief.sd / belief.mean) ** 2)))
-    return Belief(float(np.log(belief.mean)) - 0.5 * spread**2, spread)
+    return Gaussian(float(np.log(belief.mean)) - 0.5 * spread**2, spread)
 
 
 def _needless(name: str, silent: frozenset[str], filmed: Collection[str]) -> bool:

@@ -37,7 +37,7 @@ from surae.estimation.noise import NoiseModel, level_above, noise_behind, whiten
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import simulators, stiffness_valleys
 from surae.model.activation import IntArray
-from surae.model.laboratory import Belief
+from surae.model.laboratory import Gaussian
 from surae.model.parameters import PARAMETERS
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -109,13 +109,13 @@ class LogPosterior:
     def __init__(
         self,
         problem: FitProblem,
-        priors: Mapping[str, Belief],
+        priors: Mapping[str, Gaussian],
         noise: Sequence[NoiseModel],
         latents: Sequence[Latents],
         sizes: Mapping[str, float],
         fast: float | None = None,
         *,
-        beliefs: Mapping[str, Belief] | None = None,
+        beliefs: Mapping[str, Gaussian] | None = None,
         rate_hz: float = 0.0,
     ) -> None:
         self.fast, self.rate_hz = fast, rate_hz

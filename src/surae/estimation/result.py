@@ -10,7 +10,7 @@ from surae.estimation.population import Prior
 from surae.estimation.problem import FitProblem
 from surae.filed import filed
 from surae.frozen import Comparable, FrozenDict, read_only
-from surae.model.laboratory import Belief
+from surae.model.laboratory import Gaussian
 from surae.records import OrInfinite
 from surae.units import FloatArray
 
@@ -82,7 +82,7 @@ class Family(Comparable):
     """How a model was chosen among the family, and what that leaves unsure."""
 
     candidates: tuple[Candidate, ...]  #: Models that were fitted, the chosen one first.
-    beliefs: Mapping[str, Belief]  #: Priors of the nuisances that are in the chosen model.
+    beliefs: Mapping[str, Gaussian]  #: Priors of the nuisances that are in the chosen model.
     noise: tuple[NoiseModel, ...]  #: Of each recording's torque.
     zeros: tuple[float, ...]  #: Torque zero of each recording [Nm]; empty where they share one.
     covariance: FloatArray  #: Of the problem's free parameters, everything included, shape (p, p).

@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 
 from surae.errors import InputError
-from surae.model.sources import NUISANCES, Belief, Nuisance
+from surae.model.sources import NUISANCES, Gaussian, Nuisance
 
 __all__ = [
     "ALL", "AUTO", "COMPLIANT", "DEPARTURES", "EACH_MOUNTING", "EACH_TRIAL", "GROUPS",
-    "NONE", "OUTSIDE", "RIGID", "Belief", "group_of", "laboratory", "richest",
+    "NONE", "OUTSIDE", "RIGID", "Gaussian", "group_of", "laboratory", "richest",
 ]  # fmt: skip
 
 #: The name under which the family of models is asked for, and its rigid and compliant member.
@@ -42,7 +42,7 @@ def laboratory(
     quiet: Sequence[float] | None = None,
     *,
     measured: bool = False,
-) -> dict[str, Belief]:
+) -> dict[str, Gaussian]:
     """The priors of all nuisances, by parameter.
 
     `nuisances` is ``"all"``, ``"none"``, or other priors, (mean, sd), for groups or parameters; the
@@ -75,16 +75,18 @@ def laboratory(
             if sd == 0:
                 del beliefs[each]
             else:
-                beliefs[each] = Belief(mean, sd, beliefs[each].off)
+                beliefs[each] = Gaussian(mean, sd, beliefs[each].off)
     return _of_electrodes(beliefs, quiet)
 
 
-def _of_electrodes(beliefs: dict[str, Belief], quiet: Sequence[float] | None) -> dict[str, Belief]:
+def _of_electrodes(
+    beliefs: dict[str, Gaussian], quiet: Sequence[float] | None
+) -> dict[str, Gaussian]:
     """Priors with those of EMG at rest in its unit."""
     for name, level in zip(GROUPS["rest"], quiet or (0.0,) * 4, strict=True):
         belief = beliefs.pop(name, None)
         if belief is not None and level > 0.0:
-            beliefs[name] = Belief(belief.mean * level, belief.sd * level)
+            beliefs[name] = Gaussian(belief.mean * level, belief.sd * level)
     return beliefs
 
 

@@ -22,8 +22,8 @@ class Fill(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Belief:
-    """What is known of a nuisance beforehand: a Gaussian."""
+class Gaussian:
+    """The prior of a nuisance."""
 
     #: `mean`, `sd`: in the parameter's unit.
     mean: float
@@ -37,19 +37,19 @@ class Nuisance:
 
     group: str  #: Its name in `nuisances`.
     parameters: tuple[str, ...]
-    prior: Belief
+    prior: Gaussian
     unit: str  #: What the prior is in, for readers.
     because: str  #: Where the prior comes from.
     #: What makes it another: the next trial, or electrodes and foot mounted anew.
     anew: Literal["never", "trial", "mounting"] = "never"
     of_leg: bool = False  #: Whether it belongs to the leg, and not to what measures it.
     #: Priors of single parameters that differ from `prior`.
-    own: Mapping[str, Belief] = field(default_factory=FrozenDict)
+    own: Mapping[str, Gaussian] = field(default_factory=FrozenDict)
     #: Priors where the geometry is the person's own, see `geometry_of` of a fit.
-    measured: Mapping[str, Belief] = field(default_factory=FrozenDict)
+    measured: Mapping[str, Gaussian] = field(default_factory=FrozenDict)
     departs: bool = False  #: Whether it is in the model only where the data ask for it.
 
-    def prior_of(self, parameter: str) -> Belief:
+    def prior_of(self, parameter: str) -> Gaussian:
         """What is known of one of its parameters."""
         return self.own.get(parameter, self.prior)
 
@@ -127,7 +127,7 @@ _SOURCES = (
         ),
         Fill("ink"),
         Nuisance(
-            "zero", OPTIONAL["torque_zero"], Belief(0.0, 10.0), "Nm",
+            "zero", OPTIONAL["torque_zero"], Gaussian(0.0, 10.0), "Nm",
             "a dynamometer’s zero was off by 12 to 19 Nm with a foot strapped in", anew="trial",
         ),
     ),
@@ -141,7 +141,7 @@ _SOURCES = (
         ),
         Fill("surface", "/"),
         Nuisance(
-            "delay", OPTIONAL["emd"], Belief(0.03, 0.03), "s",
+            "delay", OPTIONAL["emd"], Gaussian(0.03, 0.03), "s",
             "20 to 100 ms from EMG to force (Cavanagh and Komi 1979)", of_leg=True,
         ),
     ),
@@ -155,7 +155,7 @@ _SOURCES = (
         ),
         Fill("series-1"),
         Nuisance(
-            "crosstalk", OPTIONAL["crosstalk"], Belief(0.04, 0.03), "",
+            "crosstalk", OPTIONAL["crosstalk"], Gaussian(0.04, 0.03), "",
             "3 to 10 % of a neighbour’s rectified EMG (De Luca and Merletti 1988)", anew="mounting",
         ),
     ),
@@ -169,7 +169,7 @@ _SOURCES = (
         ),
         Fill("surface", "|"),
         Nuisance(
-            "axis", OPTIONAL["axis"], Belief(0.0, 0.01), "m",
+            "axis", OPTIONAL["axis"], Gaussian(0.0, 0.01), "m",
             "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting", departs=True,
         ),
     ),
@@ -193,7 +193,7 @@ _SOURCES = (
         ),
         Fill("series-1", "-"),
         Nuisance(
-            "rest", OPTIONAL["emg_rest"], Belief(0.0, 1.0), "of the level at rest",
+            "rest", OPTIONAL["emg_rest"], Gaussian(0.0, 1.0), "of the level at rest",
             "the level that the electrode shows at its quietest: an envelope is never below zero, "
             "so that noise alone lifts it", anew="trial",
         ),
@@ -208,9 +208,9 @@ _SOURCES = (
         ),
         Fill("surface", "."),
         Nuisance(
-            "shape", (*OPTIONAL["emg_shape"], *OPTIONAL["emg_power"]), Belief(-0.5, 1.0), "",
+            "shape", (*OPTIONAL["emg_shape"], *OPTIONAL["emg_power"]), Gaussian(-0.5, 1.0), "",
             "between −3 and 0, and powers of 0.5 to 1 (Lloyd and Besier 2003)", departs=True,
-            own=FrozenDict({"emg_power": Belief(0.0, 0.25)}),
+            own=FrozenDict({"emg_power": Gaussian(0.0, 0.25)}),
         ),
     ),
     UncertaintySource(
@@ -223,7 +223,7 @@ _SOURCES = (
         ),
         Fill("surface", "\\"),
         Nuisance(
-            "toe", ("pt_tri", "pt_tib"), Belief(0.3, 0.1, off=0.3), "",
+            "toe", ("pt_tri", "pt_tib"), Gaussian(0.3, 0.1, off=0.3), "",
             "Table 2 of the thesis, after Thelen (2003); the spread is assumed", of_leg=True,
         ),
         leg=("dlt_tri", "dlt_tib"),
@@ -259,12 +259,12 @@ _SOURCES = (
         Fill("series-1", "."),
         Nuisance(
             "film", tuple(name for at in FILMED for name in OPTIONAL[f"film_{at}"]),
-            Belief(0.0, 0.06), "",
+            Gaussian(0.0, 0.06), "",
             "fascicles of one muscle differ by some millimetres and percent, those of the three "
             "calf muscles by more; assumed", anew="mounting",
             own=FrozenDict(
-                {f"film_zero_{at}": Belief(0.0, 0.006) for at in FILMED}
-                | {"film_scale_tib": Belief(0.0, 0.03), "film_zero_tib": Belief(0.0, 0.004)}
+                {f"film_zero_{at}": Gaussian(0.0, 0.006) for at in FILMED}
+                | {"film_scale_tib": Gaussian(0.0, 0.03), "film_zero_tib": Gaussian(0.0, 0.004)}
             ),
         ),
     ),
@@ -318,9 +318,9 @@ _SOURCES = (
         ),
         Fill("ink", "x"),
         Nuisance(
-            "plate", OPTIONAL["plate"], Belief(0.0, 5.0), "Nm",
+            "plate", OPTIONAL["plate"], Gaussian(0.0, 5.0), "Nm",
             "plates of 1 to 3 kg, their centre 5 to 15 cm from the axis; assumed", departs=True,
-            own=FrozenDict({"plate_inertia": Belief(0.0, 0.03)}),
+            own=FrozenDict({"plate_inertia": Gaussian(0.0, 0.03)}),
         ),
     ),
     UncertaintySource(
@@ -333,7 +333,7 @@ _SOURCES = (
         ),
         Fill("series-6", "/"),
         Nuisance(
-            "give", OPTIONAL["plate_give"], Belief(0.0, 8e-4), "rad/Nm",
+            "give", OPTIONAL["plate_give"], Gaussian(0.0, 8e-4), "rad/Nm",
             "a heel lifts by 2 to 6° in strong contractions (Karamanidis et al. 2005)",
             anew="mounting", departs=True,
         ),
@@ -348,18 +348,18 @@ _SOURCES = (
         ),
         Fill("series-2"),
         Nuisance(
-            "arm", OPTIONAL["arm"], Belief(0.0, 0.15), "",
+            "arm", OPTIONAL["arm"], Gaussian(0.0, 0.15), "",
             "moment arms differ by 6 to 12 % between adults (Maganaris et al. 1998, 1999)",
             of_leg=True, departs=True,
             own=FrozenDict(
-                {f"arm_scale_{g}": Belief(0.0, 0.06) for g in ("tri", "tib")}
-                | {f"path_scale_{g}": Belief(0.0, 0.1) for g in ("tri", "tib")}
+                {f"arm_scale_{g}": Gaussian(0.0, 0.06) for g in ("tri", "tib")}
+                | {f"path_scale_{g}": Gaussian(0.0, 0.1) for g in ("tri", "tib")}
             ),
             # two readers of one image differ by 3 %; what else is assumed
             measured=FrozenDict(
-                {f"{of}_{g}": Belief(0.0, 0.03) for of in ("arm_scale", "path_scale")
+                {f"{of}_{g}": Gaussian(0.0, 0.03) for of in ("arm_scale", "path_scale")
                  for g in ("tri", "tib")}
-                | {f"{of}_{g}": Belief(0.0, 0.05) for of in ("arm_slope", "arm_bend")
+                | {f"{of}_{g}": Gaussian(0.0, 0.05) for of in ("arm_slope", "arm_bend")
                    for g in ("tri", "tib")}
             ),
         ),
@@ -374,9 +374,9 @@ _SOURCES = (
         ),
         Fill("series-2", "-"),
         Nuisance(
-            "length", OPTIONAL["length_zero"], Belief(0.0, 0.005), "m",
+            "length", OPTIONAL["length_zero"], Gaussian(0.0, 0.005), "m",
             "fascicles are 10 to 20 % off what size predicts (Ward et al. 2009)", of_leg=True,
-            measured=FrozenDict({f"length_zero_{g}": Belief(0.0, 0.0025) for g in ("tri", "tib")}),
+            measured=FrozenDict(dict.fromkeys(OPTIONAL["length_zero"], Gaussian(0.0, 0.0025))),
         ),
     ),
     UncertaintySource(
@@ -389,12 +389,12 @@ _SOURCES = (
         ),
         Fill("series-3", "x"),
         Nuisance(
-            "curves", OPTIONAL["curves"], Belief(0.0, 0.35), "",
+            "curves", OPTIONAL["curves"], Gaussian(0.0, 0.35), "",
             "widths and asymptotes of human muscles differ by a third (Zajac 1989; Thelen 2003)",
             of_leg=True, departs=True,
             own=FrozenDict(
-                {"fv_speed": Belief(0.0, 0.25)}
-                | {name: Belief(0.0, 0.3) for name in ("fv_curve", "fv_stretch")}
+                {"fv_speed": Gaussian(0.0, 0.25)}
+                | {name: Gaussian(0.0, 0.3) for name in ("fv_curve", "fv_stretch")}
             ),
         ),
     ),
@@ -408,9 +408,9 @@ _SOURCES = (
         ),
         Fill("series-1", "|"),
         Nuisance(
-            "reflex", OPTIONAL["reflex"], Belief(0.0, 2000.0), "N·s/m",
+            "reflex", OPTIONAL["reflex"], Gaussian(0.0, 2000.0), "N·s/m",
             "some Nm at a stretch of 3 rad/s; assumed", of_leg=True, departs=True,
-            own=FrozenDict({"reflex_delay": Belief(0.05, 0.015, off=0.05)}),
+            own=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}),
         ),
     ),
     UncertaintySource(

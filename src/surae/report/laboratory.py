@@ -8,7 +8,7 @@ from surae.estimation import FitResult
 from surae.estimation.each import trial_spread
 from surae.formatting import NO_NUMBER, estimate, significant
 from surae.model import get_model
-from surae.model.laboratory import Belief, group_of
+from surae.model.laboratory import Gaussian, group_of
 from surae.model.sources import NUISANCES
 from surae.report.document import (
     Block,
@@ -67,7 +67,7 @@ def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[Secti
     return (SectionBlock("The laboratory’s imperfections", tuple(blocks), "laboratory", "page"),)
 
 
-def _row(p: ParameterEstimate, belief: Belief) -> TableRow:
+def _row(p: ParameterEstimate, belief: Gaussian) -> TableRow:
     factor, unit = _UNITS.get(p.unit, (1.0, p.unit))
     if p.unit == "-" and group_of(p.name) in ("crosstalk", "drift"):
         factor, unit = 100.0, "%"
@@ -78,7 +78,7 @@ def _row(p: ParameterEstimate, belief: Belief) -> TableRow:
     return (name, f"{mean} ± {sd}", text.value, text.interval, unit, _origin(p, belief))
 
 
-def _origin(p: ParameterEstimate, belief: Belief) -> str:
+def _origin(p: ParameterEstimate, belief: Gaussian) -> str:
     """Whether a value comes from the data or from what was assumed."""
     if p.at_bound:
         none = p.value == belief.off

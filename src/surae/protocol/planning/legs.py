@@ -10,7 +10,7 @@ from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
 from surae.model import ModelOptions, ModelSpec, get_model, with_optional
-from surae.model.laboratory import AUTO, COMPLIANT, NONE, Belief, group_of, laboratory, richest
+from surae.model.laboratory import AUTO, COMPLIANT, NONE, Gaussian, group_of, laboratory, richest
 from surae.normal import standard_error_of
 from surae.signals import ModelInputs, emg_levels
 from surae.studies.leg import EMG_FULL, EMG_REST
@@ -37,7 +37,7 @@ class Legs(Comparable):
     spec: ModelSpec  #: The model, with its nuisances.
     options: ModelOptions  #: Its switches.
     free: tuple[str, ...]  #: What a fit would estimate: parameters of the leg, then nuisances.
-    beliefs: Mapping[str, Belief]  #: Priors of the nuisances.
+    beliefs: Mapping[str, Gaussian]  #: Priors of the nuisances.
     values: FloatArray  #: Parameter vectors in the model's order, shape (n_legs, n_parameters).
     #: `emg_rest`, `emg_full`: EMG envelope of TA, GL, SOL, GM at rest and at the largest effort, in
     #: `emg_unit`, shape (4,).
@@ -147,7 +147,7 @@ def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int
 
 def _asked(
     model: str, nuisances: str | Mapping[str, tuple[float, float]] | None
-) -> tuple[ModelSpec, dict[str, Belief], tuple[str, ...]]:
+) -> tuple[ModelSpec, dict[str, Gaussian], tuple[str, ...]]:
     """The model with its nuisances, their priors, and what is free."""
     base = get_model(richest(model))
     if nuisances is None:
