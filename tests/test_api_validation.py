@@ -59,12 +59,8 @@ def test_excluding_the_bursts_does_as_well(walk, struck) -> None:
 
 
 def test_walking_does_not_predict_running(walk, run) -> None:
-    predictions = surae.leave_one_out([walk, run], starts=1)
-    first, second = predictions.predictions
-    assert surae.fit(run, "muscle", starts=1).predict(walk).vaf == pytest.approx(first.vaf)
-    assert first.vaf < 90
-    assert second.vaf < 60
-    assert min(first.vaf, second.vaf) < predictions.pooled.vaf < max(first.vaf, second.vaf)
+    assert surae.fit(run, "muscle", starts=1).predict(walk).vaf < 90
+    assert surae.fit(walk, "muscle", starts=1).predict(run).vaf < 60
 
 
 def test_peaks_are_followed_more_closely_when_they_count_more(walk) -> None:

@@ -13,7 +13,6 @@ from surae.api import example as example
 from surae.api import expect as expect
 from surae.api import export as export
 from surae.api import fit as fit
-from surae.api import leave_one_out as leave_one_out
 from surae.api import load as load
 from surae.api import load_session as load_session
 from surae.api import measure_next as measure_next

@@ -1,4 +1,4 @@
-"""Predictions of other recordings, one by one and each from all the others."""
+"""Predictions of other recordings."""
 
 from dataclasses import replace
 
@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from surae.assessment.residual import rmse, vaf
-from surae.assessment.validation import leave_one_out, pooled, predict_others
+from surae.assessment.validation import pooled, predict_others
 from surae.errors import InputError
-from surae.estimation import FitSettings
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
 
@@ -88,35 +87,3 @@ def test_what_does_not_carry_over(fitted, others) -> None:
         predict_others(fitted, [replace(others[0], emg_unit="1")])
     with pytest.raises(InputError, match="no EMG of muscle 'sol', whose weight the fit estimated"):
         predict_others(fitted, [replace(others[0], missing_emg=("sol",))])
-
-
-def test_every_recording_is_predicted_from_all_the_others(noisy, others) -> None:
-    told = []
-    found = leave_one_out(
-        [noisy, *others],
-        FitSettings(model="muscle", starts=1),
-        lambda name, done, total: told.append((name, done, total)),
-    )
-    names = [[one.name for one in left.fit.problem.inputs] for left in found.recordings]
-    each = [noisy.name, *(other.name for other in others)]
-    assert names == [each[1:], [each[0], each[2]], each[:2]]
-    assert told == [(noisy.name, 0, 3), (others[0].name, 1, 3), (others[1].name, 2, 3)]
-    assert [one.name for one in found.predictions] == [noisy.name, *(o.name for o in others)]
-    assert min(one.vaf for one in found.predictions) > 99.5
-    assert found.pooled == pooled(found.predictions)
-    for left_out in found.recordings:
-        assert left_out.fit.problem.n == sum(len(x) for x in left_out.fit.residuals)
-
-
-def test_one_recording_cannot_be_left_out(noisy) -> None:
-    with pytest.raises(InputError, match="needs at least two"):
-        leave_one_out([noisy], FitSettings())
-
-
-def test_ctrl_c_stops_leaving_out(noisy, others, fitted, monkeypatch) -> None:
-    stopped = replace(
-        fitted, starts=(*fitted.starts[:-1], replace(fitted.starts[-1], outcome="interrupted"))
-    )
-    monkeypatch.setattr("surae.assessment.validation.solve", lambda _: stopped)
-    with pytest.raises(KeyboardInterrupt):
-        leave_one_out([noisy, *others], FitSettings())

@@ -75,4 +75,4 @@ def test_wrong_use_is_one_line(files, run, arguments, says):
 
 def test_validation_has_no_normalisation_of_its_own(files, run):
     done = run("validate", "fit.json", "trial.csv", "--normalise", "session")
-    refused(done, "--normalise has no effect without --leave-one-out")
+    refused(done, "--normalise")

@@ -69,7 +69,7 @@ def test_pages_show_nothing_from_outside_hosts():
 
 
 def test_help_names_every_model():
-    from surae.cli.options import MODEL_NAMES
+    from surae import names
     from surae.model import MODELS
 
-    assert set(MODEL_NAMES.replace(" or ", ", ").split(", ")) == set(MODELS)
+    assert set(names.MODELS) == set(MODELS)

@@ -151,18 +151,6 @@ def test_weights_of_a_draft_may_be_given_in_part() -> None:
     assert of_draft(weights={"windows": []}) == FitSettings(weights=surae.Weighting())
 
 
-@pytest.mark.parametrize("name", sorted(set(REACHED) - {"model"}))
-def test_leave_one_out_takes_every_field(name, trial, monkeypatch) -> None:
-    keywords, options, _ = REACHED[name]
-    function = "surae.api.validation.leave_one_out_of"
-    of_python = asked(monkeypatch, function, lambda: surae.leave_one_out([trial], **keywords))
-    line = ["validate", "--leave-one-out", str(trial), str(trial.with_name("second.csv"))]
-    line += options.split()
-    of_command = asked(monkeypatch, function, lambda: group.main(line, standalone_mode=False))
-    assert getattr(of_python, name) == getattr(FitSettings.of(**keywords), name)
-    assert of_command == of_python
-
-
 def together(names: set[str]) -> tuple[dict[str, Any], list[str], dict[str, Any]]:
     """Several fields at once: keywords, options, and the change of a draft."""
     keywords: dict[str, Any] = {}
@@ -225,7 +213,6 @@ def test_help_and_completion_name_every_field() -> None:
     every = {f.name for kind in (FitSettings, ModelOptions) for f in fields(kind)} - {"model"}
     for function in (
         surae.fit,
-        surae.leave_one_out,
         surae.Session.fit,
         surae.Session.fit_together,
         surae.Session.run,

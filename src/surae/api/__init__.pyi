@@ -37,10 +37,8 @@ from surae.api.sessions import session as session
 from surae.api.simulation import simulate as simulate
 from surae.api.simulation import simulate_parts as simulate_parts
 from surae.api.simulation import simulate_tendon as simulate_tendon
-from surae.api.validation import leave_one_out as leave_one_out
 from surae.api.validation import validate as validate
 from surae.assessment import Adequacy as Adequacy
-from surae.assessment import PooledPrediction as PooledPrediction
 from surae.assessment import Prediction as Prediction
 from surae.assessment.assess import assess as assess
 from surae.assessment.fascicles import FascicleQuality as FascicleQuality

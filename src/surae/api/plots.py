@@ -4,16 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
-import numpy as np
-
 from surae.assessment.assess import Assessment
 from surae.errors import InputError
 from surae.estimation import FitResult
-from surae.recording import MUSCLES
 from surae.working_folder import ignoring
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from surae.report.traces import Traces
 
@@ -38,38 +36,27 @@ class Plots:
 
     def __call__(self, recording: int = 0) -> "Sequence[Axes]":
         """EMG, angle, torque and its parts against time, one below the other."""
-        from surae.report.figures.style import WIDTH, dress, heading, trace
+        from surae.report.figures.torque import torque_figure
 
         traces = self._traces(recording)
-        from matplotlib import pyplot
-
-        figure, panels = pyplot.subplots(4, 1, sharex=True, figsize=(WIDTH, 8.0),
-                                         layout="constrained")  # fmt: skip
-        emg, angle, torque, parts = panels
-        figure.suptitle(traces.name, fontsize=10)
-        volts = traces.emg_unit == "V"
-        for column, muscle in enumerate(MUSCLES):
-            if muscle not in traces.missing_emg:
-                trace(emg, traces.time, traces.emg[:, column] * (1e6 if volts else 1.0),
-                      label=muscle.upper(), linewidth=0.7)  # fmt: skip
-        dress(emg, f"EMG [{'µV' if volts else '-'}]")
-        heading(emg, "EMG envelopes")
-        emg.legend(fontsize=8, frameon=False)
-        dress(angle, "Angle [°]")
-        heading(angle, "Ankle angle, dorsiflexion positive")
-        trace(angle, traces.time, np.degrees(traces.angle), linewidth=1.0)
-        _torque(torque, traces)
-        _parts(parts, traces)
-        torque.set_xlabel("")
-        return list(panels)
+        return list(torque_figure(traces, figure=_figure()).axes)
 
     def torque(self, recording: int = 0, *, ax: "Axes | None" = None) -> "Axes":
         """Measured and modelled torque against time."""
-        return _torque(_axes(ax), self._traces(recording))
+        from surae.report.figures.torque import draw_torque
+
+        axes, traces = _axes(ax), self._traces(recording)
+        draw_torque((axes,), traces)
+        axes.set_xlabel("Time [s]")
+        return axes
 
     def parts(self, recording: int = 0, *, ax: "Axes | None" = None) -> "Axes":
         """What the modelled torque is made of, against time."""
-        return _parts(_axes(ax), self._traces(recording))
+        from surae.report.figures.torque import draw_parts
+
+        axes, traces = _axes(ax), self._traces(recording)
+        draw_parts((axes,), traces)
+        return axes
 
     def residuals(self, recording: int = 0, *, ax: "Axes | None" = None) -> "Axes":
         """Measured minus modelled torque against time."""
@@ -83,16 +70,12 @@ class Plots:
 
     def film(self, recording: int = 0) -> "Sequence[Axes]":
         """A filmed fascicle beside the model's, over time and against force."""
-        from surae.report.figures.film import HEIGHT, film_figure
-        from surae.report.figures.style import WIDTH
+        from surae.report.figures.film import film_figure
 
         traces = self._traces(recording)
         if not traces.films:
             raise InputError(f"{traces.name} has no film: map a channel such as fascicle_tib")
-        from matplotlib import pyplot
-
-        figure = pyplot.figure(figsize=(WIDTH, HEIGHT), layout="constrained")
-        return list(film_figure(traces, traces.films[0], figure).axes)
+        return list(film_figure(traces, traces.films[0], _figure()).axes)
 
     def parameters(self, *, ax: "Axes | None" = None) -> "Axes":
         """Every estimate with its 95 % interval, between its bounds (0 and 1 of the axis).
@@ -143,34 +126,17 @@ def numbered(recordings: Sequence[T], number: int) -> T:
     return recordings[number]
 
 
-def _torque(axes: "Axes", traces: "Traces") -> "Axes":
-    from surae.report.figures.style import BLUE, GREY, dress, legend, shade_excluded, trace
-
-    dress(axes, "Torque [Nm]", "Time [s]")
-    trace(axes, traces.time, traces.measured, label="measured", color=GREY, linewidth=3.0)
-    trace(axes, traces.time, traces.modelled, label="modelled", color=BLUE, linewidth=1.0)
-    shade_excluded(axes, traces.time, traces.excluded)
-    legend(axes, 3)
-    return axes
-
-
-def _parts(axes: "Axes", traces: "Traces") -> "Axes":
-    from surae.report.figures.style import dress, legend, trace
-
-    dress(axes, "Torque [Nm]", "Time [s]")
-    names = ("tissue", "neural", "inertial", "gravitational", "reflex", "zero")
-    shown = [name for name in names if getattr(traces.parts, name, None) is not None]
-    for name in shown:
-        trace(axes, traces.time, getattr(traces.parts, name), label=name, linewidth=1.2)
-    legend(axes, len(shown))
-    return axes
+def _figure() -> "Figure":
+    """A new figure that pyplot shows."""
+    with ignoring("matplotlibrc"):
+        from matplotlib import pyplot
+    return pyplot.figure(layout="constrained")
 
 
 def _axes(given: "Axes | None") -> "Axes":
     """The axes to draw on, of a new figure where none are given."""
     if given is not None:
         return given
-    with ignoring("matplotlibrc"):
-        from matplotlib import pyplot
-    axes: Axes = pyplot.subplots(figsize=(8.4, 3.6), layout="constrained")[1]
-    return axes
+    figure = _figure()
+    figure.set_size_inches(8.4, 3.6)
+    return figure.subplots()

@@ -77,7 +77,7 @@ def normalise(
     Returns
     -------
     tuple of ModelInputs
-        For `fit`, `compare`, `leave_one_out`, …; weights g then come out in N.
+        For `fit`; weights g then come out in N.
 
     Raises
     ------

@@ -9,10 +9,9 @@ from surae.assessment.adequacy import Adequacy, judge_prediction
 from surae.assessment.fascicles import Fascicles, followed
 from surae.assessment.residual import rmse, vaf
 from surae.errors import InputError
-from surae.estimation import FitResult, FitSettings, make_problem, solve
+from surae.estimation import FitResult
 from surae.frozen import Comparable
 from surae.model import ModelOptions, ModelSpec, check_finite_torque
-from surae.progress import NamedProgress
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -149,47 +148,3 @@ def predict(
             )
         )
     return tuple(predictions)
-
-
-@dataclass(frozen=True, slots=True)
-class LeftOut:
-    """One recording left out: the fit of the others, and how it predicts this one."""
-
-    prediction: Prediction
-    fit: FitResult
-
-
-@dataclass(frozen=True, slots=True)
-class LeaveOneOut:
-    """How well recordings of one leg predict each other."""
-
-    recordings: tuple[LeftOut, ...]  #: In the order they were given.
-    pooled: PooledPrediction  #: VAF, RMSE and bias over all predictions together.
-
-    @property
-    def predictions(self) -> tuple[Prediction, ...]:
-        """The predictions without their fits."""
-        return tuple(left.prediction for left in self.recordings)
-
-
-def leave_one_out(
-    inputs: Sequence[ModelInputs], settings: FitSettings, progress: NamedProgress | None = None
-) -> LeaveOneOut:
-    """Predict every recording with a fit of all the others.
-
-    There are at least two recordings of one leg, as `FitSettings.inputs` gives them; `progress` is
-    called before every fit. A fit that is stopped ends it: a prediction with its parameters would
-    be worth nothing.
-    """
-    if len(inputs) < 2:
-        raise InputError("leaving one recording out needs at least two; give more")
-    predictions = []
-    for number, held in enumerate(inputs):
-        if progress is not None:
-            progress(held.name, number, len(inputs))
-        result = solve(make_problem([*inputs[:number], *inputs[number + 1 :]], settings))
-        if result.starts[-1].outcome == "interrupted":
-            raise KeyboardInterrupt
-        (prediction,) = predict_others(result, [held])
-        predictions.append(LeftOut(prediction, result))
-    return LeaveOneOut(tuple(predictions), pooled([left.prediction for left in predictions]))

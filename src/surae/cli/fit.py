@@ -23,7 +23,7 @@ from surae.files import shown
 @click.command("fit")
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
 @MAPPING
-@request_options()
+@request_options
 @click.option(
     "--strict", is_flag=True, help="Refuse recordings in which `surae check` finds errors."
 )

@@ -19,9 +19,13 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-MODEL_NAMES = f"{', '.join(names.MODELS[:-1])} or {names.MODELS[-1]}"
 #: More threads than these are slips of the keyboard.
-MOST_WORKERS = 1000
+_MOST_WORKERS = 1000
+
+
+def or_(words: Sequence[str]) -> str:
+    """Words as a sentence has them."""
+    return f"{', '.join(words[:-1])} or {words[-1]}"
 
 
 def number(where: str, text: str) -> float:
@@ -201,16 +205,11 @@ def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, A
     return values
 
 
-def flag(name: str) -> str:
-    """The option of a setting of `surae fit`, by its field's name."""
-    records = {each.name: record.option for each, record in settings_of(api.FitSettings)}
-    return f"--{records.get(name) or name}".replace("_", "-")
-
-
+EXCLUDE = click.option("--exclude", type=Span(), multiple=True, metavar="START:END",
+                       help="Seconds to leave out; either may be left away.")  # fmt: skip
 #: What `weights` is made of, and its frequent value of `loss`.
 _WEIGHTS = (
-    click.option("--exclude", type=Span(), multiple=True, metavar="START:END",
-                 help="Seconds to leave out of the fit; either may be left away."),
+    EXCLUDE,
     click.option("--weight", type=Span(weight=True), multiple=True, metavar="START:END:W",
                  help="Seconds whose samples count W times."),
     click.option("--weight-peaks", type=Number(), metavar="P",
@@ -302,13 +301,10 @@ def figure_options(function: F) -> F:
     return figure(width(function))
 
 
-WORKERS = Whole(1, MOST_WORKERS)
-
-
 def workers_option(what: str, *, many: str = "all processors") -> Callable[[F], F]:
     """How many of something are made at a time; by default as `many` says."""
     help = f"{what} at a time.  [default: {many}]"
-    return click.option("--workers", type=WORKERS, metavar="N", help=help)
+    return click.option("--workers", type=Whole(1, _MOST_WORKERS), metavar="N", help=help)
 
 
 def server_options(port: int) -> Callable[[F], F]:
@@ -349,10 +345,6 @@ def engine_of(dask: str | None, workers: int | None, kind: str | None = None) ->
     return Engine("dask", address=dask)
 
 
-SEED = click.option("--seed", type=Whole(0), default=0, metavar="N",
-                    help="Of what is random.  [default: 0]")  # fmt: skip
-
-
 def _collected(options: Sequence[Callable[[Any], Any]]) -> Callable[[F], F]:
     """Add options; those that are used arrive together, by name, as the keyword `options`."""
 
@@ -382,14 +374,9 @@ def settings_options(*requests: Any, without: Sequence[str] = ()) -> Callable[[F
     return _collected(made)
 
 
-#: Adds the switches of the models.
-model_options = settings_options(api.ModelOptions)
-
-
-def request_options(*without: str) -> Callable[[F], F]:
-    """Add what a fit may be asked, which `request` reads, and its --mvc; `without` some fields."""
-    every = options_of(api.FitSettings, *without)
-    return lambda function: _collected([*every, *options_of(api.ModelOptions)])(_MVC(function))
+def request_options(function: F) -> F:
+    """Add what a fit may be asked, which `request` reads, and its --mvc."""
+    return settings_options(api.FitSettings, api.ModelOptions)(_MVC(function))
 
 
 def request(options: Mapping[str, Any]) -> "api.FitSettings":

@@ -1,42 +1,23 @@
 """`surae protocol`."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
 
 from surae import api
-from surae.cli.options import Number, Picture, flag_of, settings_options
+from surae.cli.options import Number, Picture, flag_of, or_, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line
 from surae.errors import InputError
 from surae.files import shown
-from surae.names import CHIRP_RATE, DESIGNED, DEVICES, PROFILES
+from surae.names import DESIGNED, DEVICES, PROFILES
 from surae.requests import MotionSettings
 from surae.setting import settings_of
 
 Command = Callable[..., Any]
-
-
-def or_(names: Sequence[str]) -> str:
-    """Names as a sentence has them."""
-    return f"{', '.join(names[:-1])} or {names[-1]}"
-
-
-#: Instead of --chirp-rate; `chirp_rise` reads both.
-CHIRP_FACTOR = click.option("--chirp-factor", type=Number(), metavar="S",
-                            help="Instead, the thesis's s of A·sin(s·t²): S/π Hz/s.")  # fmt: skip
-
-
-def chirp_rise(rate: float | None, factor: float | None) -> float:
-    """Rise of the chirp's frequency [Hz/s] from --chirp-rate or --chirp-factor."""
-    if rate is not None and factor is not None:
-        raise InputError("--chirp-rate and --chirp-factor say the same; give one of them")
-    if factor is not None:
-        return api.chirp_rate(factor)
-    return CHIRP_RATE if rate is None else rate
 
 
 def device_options(function: Command) -> Command:
@@ -62,7 +43,8 @@ def device_options(function: Command) -> Command:
 )
 @click.argument("name", metavar="NAME")
 @settings_options(MotionSettings)
-@CHIRP_FACTOR
+@click.option("--chirp-factor", type=Number(), metavar="S",
+              help="Instead of --chirp-rate, the thesis's s of A·sin(s·t²): S/π Hz/s.")  # fmt: skip
 @device_options
 @click.option("--despite", metavar="REASON",
               help="Why efforts and range stay as they are though legs would ask more torque than "
@@ -86,7 +68,10 @@ def command(
         if each.name in options and each.name not in ("range_of_motion", "rate_hz")
     )
     own += ["--chirp-factor"] * (chirp_factor is not None)
-    options["chirp_rate"] = chirp_rise(options.get("chirp_rate"), chirp_factor)
+    if chirp_factor is not None:
+        if "chirp_rate" in options:
+            raise InputError("--chirp-rate and --chirp-factor say the same; give one of them")
+        options["chirp_rate"] = api.chirp_rate(chirp_factor)
     limiting, no_adapt = device_of(device, without_limits), "adapt" in options
     if no_adapt and limiting is None:
         raise InputError("--no-adapt has no effect without the limits of a device")

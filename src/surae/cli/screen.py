@@ -35,18 +35,17 @@ def show_fit(fit: "api.Fit") -> None:
     out = _console()
     wide, narrow = out.width >= _WIDE, out.width < _NARROW
     heads = ["parameter", "value", "95 % interval", "unit", "rep." if narrow else "repeats",
-             "verdict", *["snSEM"] * bool(fit.snsem), *["meaning"] * wide]  # fmt: skip
+             "verdict", *["meaning"] * wide]  # fmt: skip
     rows: list[tuple[str | Text, ...]] = []
     for p in api.shown_parameters(fit.assessment):
-        text, ratio = api.estimate(p.value, p.trusted_sem, p.ci95), fit.snsem.get(p.name)
-        against = ["–" if ratio is None else api.significant(ratio, 3)] if fit.snsem else []
+        text = api.estimate(p.value, p.trusted_sem, p.ci95)
         rows.append((
             p.name, text.value, text.interval, p.unit, api.repeatable(p), _verdict(str(p.verdict)),
-            *against, *([p.meaning] if wide else []),
+            *([p.meaning] if wide else []),
         ))  # fmt: skip
     show_line(fit.result.problem.spec.title)
     show_adequacy(fit.adequacy)
-    right = {"value", "95 % interval", "snSEM"}
+    right = {"value", "95 % interval"}
     _show_table(out, heads, rows, {*heads} - right, {"95 % interval"} if narrow else ())
     for line in (*_notes(fit, out.width), *_unknown(fit, out.width)):
         show_line(line)
@@ -126,16 +125,13 @@ def _requests(fit: "api.Fit") -> list[str]:
     return lines
 
 
-def show_predictions(
-    predictions: "Sequence[api.Prediction]",
-    paths: Sequence[str],
-    together: "api.PooledPrediction | None" = None,
-) -> None:
-    """How well recordings are predicted, each under the path it was given by, and all together."""
+def show_predictions(predictions: "Sequence[api.Prediction]", paths: Sequence[str]) -> None:
+    """How well recordings are predicted, each under the path it was given by."""
     named = list(zip(map(shown, paths), predictions, strict=True))
-    rows = [(name, *_figures(prediction)) for name, prediction in named]
-    if together is not None:
-        rows.append(("all together", *_figures(together)))
+    rows = [
+        (name, api.percentage(p.vaf), api.significant(p.rmse, 3), api.significant(p.bias, 3))
+        for name, p in named
+    ]
     heads = ("recording", "VAF [%]", "RMSE [Nm]", "bias [Nm]")
     _show_table(_console(), heads, rows, {"recording"}, {"recording"})
     for name, prediction in named:
@@ -157,14 +153,6 @@ def show_films(name: str, films: "Sequence[api.FascicleQuality]") -> None:
         if film.noise_mm is not None:
             parts.append(f"tracker noise {api.significant(film.noise_mm, 2)} mm")
         show_line(f"{name}: {film.channel}: {', '.join(parts)}, {film.n} frames")
-
-
-def _figures(prediction: "api.Prediction | api.PooledPrediction") -> tuple[str, str, str]:
-    return (
-        api.percentage(prediction.vaf),
-        api.significant(prediction.rmse, 3),
-        api.significant(prediction.bias, 3),
-    )
 
 
 def show_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -22,7 +22,7 @@ from surae.files import shown
 @click.command("session")
 @click.argument("recordings", metavar="FILES|DIR", nargs=-1, required=True)
 @MAPPING
-@request_options()
+@request_options
 @click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
 @click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
 @click.option("--before", metavar="DIR", help="Results of an earlier visit, to show what changed.")

@@ -5,7 +5,7 @@ from typing import Any
 import click
 
 from surae import api, names
-from surae.cli.options import MODEL_NAMES, model_options
+from surae.cli.options import or_, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_line
@@ -16,11 +16,11 @@ from surae.files import shown
 @click.command("simulate")
 @click.argument("recording", metavar="IN.csv")
 @click.option("--model", type=click.Choice(names.MODELS), metavar="M",
-              help=f"{MODEL_NAMES}.  [default: that of FIT.json, else muscle]")  # fmt: skip
+              help=f"{or_(names.MODELS)}.  [default: that of FIT.json, else muscle]")  # fmt: skip
 @click.option("--parameters", required=True, metavar="P.json",
               help='{"parameters": {"m": 2.0, …}} or a FIT.json.')  # fmt: skip
 @click.option("--output", required=True, metavar="OUT.csv", help="Where the torque goes.")
-@model_options
+@settings_options(api.ModelOptions)
 def command(
     recording: str, model: str | None, parameters: str, output: str, options: dict[str, Any]
 ) -> None:

@@ -210,11 +210,6 @@ def evaluate(
     )
 
 
-def deviation(gradient: FloatArray, covariance: FloatArray) -> float:
-    """Standard deviation of what has this gradient."""
-    return math.sqrt(max(float(gradient @ covariance @ gradient), 0.0))
-
-
 def _step(spread: Spread, j: int) -> float:
     if spread.log[j]:
         return _STEP
@@ -271,7 +266,7 @@ def _measure(
     if lost:
         return replace(bare, note=f"no interval: the recordings do not tell {', '.join(lost)}")
     g = evaluated.gradient
-    sd, again = deviation(g, spread.total), deviation(g, 2.0 * spread.repeat)
+    sd, again = spread.sd(g), spread.sd(g, 2.0 * spread.repeat)
     if result.family is None:
         again = sd  # as of its parameters: a named model does not know what trials share
     half, method = NORMAL * sd, "linear"

@@ -7,7 +7,7 @@ import numpy as np
 from surae.assessment import Assessment
 from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
-from surae.measures.compute import Evaluated, MeasurePoint, deviation, evaluate
+from surae.measures.compute import Evaluated, MeasurePoint, evaluate
 from surae.measures.leg import measured_range
 from surae.measures.spread import Spread, spread_of
 from surae.measures.table import DEFINITIONS
@@ -64,4 +64,4 @@ def _deviation(evaluated: Evaluated, spread: Spread) -> float:
     lost = any(
         g != 0.0 and n in spread.lost for n, g in zip(spread.names, evaluated.gradient, strict=True)
     )
-    return np.nan if evaluated.missing or lost else deviation(evaluated.gradient, spread.total)
+    return np.nan if evaluated.missing or lost else spread.sd(evaluated.gradient)

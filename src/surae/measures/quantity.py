@@ -9,12 +9,15 @@ import numpy as np
 from surae.assessment import Adequacy, Assessment, Grade
 from surae.estimation import FitResult
 from surae.frozen import FrozenDict
-from surae.measures.compute import ANGLES, deviation, extrapolated, judged_measures
+from surae.measures.compute import ANGLES, extrapolated, judged_measures
 from surae.measures.spread import spread_of
 from surae.measures.table import ELECTRODES
 from surae.model.laboratory import group_of
 from surae.normal import standard_error_of
 from surae.records import OrNaN
+
+#: Where there is no interval.
+_NONE = (np.nan, np.nan, np.nan)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,45 +71,38 @@ def quantities(
     )
     by_name: dict[str, Quantity] = {}
     for evaluated, m in judged_measures(result, assessment, spread, angles):
-        g, why = evaluated.gradient, inadequate
         alone = evaluated.point.definition.alone
         if alone == ELECTRODES and has_reference:
             alone = ""
         if m.value is None or m.ci95 is None:
-            total = session = model = np.nan
-            why = why or m.note
+            deviations, why = _NONE, inadequate or m.note
         else:
-            total, session, model = (
-                deviation(g, V) for V in (spread.total, spread.session, spread.model)
-            )
+            deviations = spread.deviations(evaluated.gradient)
             # where the measure bends too much for the covariance, draws are wider or narrower
-            bent = standard_error_of(m.ci95) / total if total > 0.0 else 1.0
-            total, session, model = (max(bent, 1.0) * sd for sd in (total, session, model))
-            why = why or alone or extrapolated(evaluated, result)
+            total, session, model = deviations
+            bent = max(standard_error_of(m.ci95) / total if total > 0.0 else 1.0, 1.0)
+            deviations = bent * total, bent * session, bent * model
+            why = inadequate or alone or extrapolated(evaluated, result)
         between = bool(alone) and alone != ELECTRODES and why == alone
         by_name[m.name] = Quantity(
-            m.name, m.unit, m.meaning, "measure", m.value, total, session, model, why,
+            m.name, m.unit, m.meaning, "measure", m.value, *deviations, why,
             is_comparable_between_legs=between,
         )  # fmt: skip
-    scale = np.where(spread.log, spread.values, 1.0)
-    for j, name in enumerate(spread.names):
+    own = np.diag(np.where(spread.log, spread.values, 1.0))
+    for name, gradient in zip(spread.names, own, strict=True):
         if group_of(name) is not None or name not in assessment.parameters:
             continue
-        p = assessment.parameters[name]
-        why = inadequate
+        p, why = assessment.parameters[name], ""
         if p.at_bound:
-            why = why or "it lies at its bound"
+            why = "it lies at its bound"
         elif p.ci95 is None:
-            why = why or p.note
+            why = p.note
         elif name in problem.spec.weights and not has_reference:
-            why = why or ELECTRODES
-        total, session, model = (
-            np.nan if p.ci95 is None else float(scale[j] * np.sqrt(max(V[j, j], 0.0)))
-            for V in (spread.total, spread.session, spread.model)
-        )
+            why = ELECTRODES
+        deviations = _NONE if p.ci95 is None else spread.deviations(gradient)
         by_name[name] = Quantity(
-            name, p.unit, p.meaning, "parameter", p.value, total, session, model, why, p.at_bound,
-            (p.lower, p.upper),
+            name, p.unit, p.meaning, "parameter", p.value, *deviations, inadequate or why,
+            p.at_bound, (p.lower, p.upper),
         )  # fmt: skip
     options = {n: v for n, v in problem.options.as_dict().items() if n != "emg_ref"}
     return Quantities(

@@ -4,6 +4,7 @@ A measure is made of several parameters that trade off, so that their covariance
 their intervals: stiffness and slack length apart are weak where the torque they make is well known.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -50,6 +51,21 @@ class Spread(Comparable):
         """Value of one parameter, moved by so much as it is searched, bounds or not."""
         value = float(self.values[j])
         return value * float(np.exp(by)) if self.log[j] else value + by
+
+    def sd(self, gradient: FloatArray, covariance: FloatArray | None = None) -> float:
+        """Standard deviation of what has this gradient by the searched coordinates, shape (p,).
+
+        `covariance` is one of the spread's, by default `total`.
+        """
+        V = self.total if covariance is None else covariance
+        return math.sqrt(max(float(gradient @ V @ gradient), 0.0))
+
+    def deviations(self, gradient: FloatArray) -> tuple[float, float, float]:
+        """The same in all, between sessions, and between models."""
+        total, session, model = (
+            self.sd(gradient, V) for V in (self.total, self.session, self.model)
+        )
+        return total, session, model
 
     def draws(self, count: int, seed: int) -> FloatArray:
         """Values of possible legs, shape (count, p), each with its opposite."""

@@ -6,12 +6,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.assessment.fascicles import Fascicles
-from surae.report.figures.style import BLUE, GREY, INK, dress, heading, legend, new_figure
+from surae.report.figures.style import BLUE, GREY, INK, WIDTH, dress, heading, legend, new_figure
 from surae.report.traces import Traces
 from surae.units import FloatArray
 
 #: Of the figure [inch].
-HEIGHT = 8.2
+_HEIGHT = 8.2
 _MILLI = 1e3
 #: Wide and pale below thin and dark: told apart without colour.
 _FILMED: dict[str, Any] = {"color": GREY, "linewidth": 3.0, "label": "filmed"}
@@ -24,7 +24,8 @@ def film_figure(traces: Traces, film: Fascicles, figure: Figure | None = None) -
     What the film shows is wide and pale, the model thin and dark; force is the model's. It is drawn
     on a new figure, or the one given.
     """
-    figure = new_figure(HEIGHT) if figure is None else figure
+    figure = new_figure(_HEIGHT) if figure is None else figure
+    figure.set_size_inches(WIDTH, _HEIGHT)
     grid = figure.add_gridspec(5, 2, height_ratios=[1.0, 1.2, 1.2, 0.04, 1.7])
     stretch = figure.add_subplot(grid[2, :])
     torque, length = (figure.add_subplot(grid[row, :], sharex=stretch) for row in (0, 1))

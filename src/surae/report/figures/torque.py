@@ -43,18 +43,20 @@ _MEASURED: _Look = {"color": GREY, "linewidth": 3.0}
 _MODELLED: _Look = {"color": BLUE, "linewidth": 1.0}
 
 
-def torque_figure(traces: Traces, *, width: float = WIDTH) -> Figure:
+def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None = None) -> Figure:
     """Figure like 18–20 of the thesis: what went in, what came out, and what it is made of.
 
     The EMG that was recorded, a strip each on one scale; angle; torque; torque parts. A movement
     that repeats itself has a second column, where there is room (`width` [inch]): mean and standard
-    deviation over the cycle.
+    deviation over the cycle. It is drawn on a new figure, or the one given.
     """
     cycles = find_cycles(traces.angle, traces.rate_hz, traces.counted)
     muscles = [muscle for muscle in MUSCLES if muscle not in traces.missing_emg]
     heights = [_STRIP] * len(muscles) + [_ANGLE, _TORQUE, _TORQUE]
     both = cycles is not None and width > _BOTH
-    figure = new_figure((_ROOM + sum(heights)) * _height(width), width=width)
+    height = (_ROOM + sum(heights)) * _height(width)
+    figure = new_figure(height, width=width) if figure is None else figure
+    figure.set_size_inches(width, height)
     grid = figure.subplots(
         len(heights), 2 if both else 1, squeeze=False, sharex="col", sharey="row",
         gridspec_kw={"height_ratios": heights, "width_ratios": (3, 2) if both else (1,)},
@@ -62,8 +64,8 @@ def torque_figure(traces: Traces, *, width: float = WIDTH) -> Figure:
     rows: list[_Row] = [tuple(row) for row in grid]
     _emg(rows[: len(muscles)], traces, muscles, cycles)
     _angle(rows[-3], traces, cycles)
-    _torque(rows[-2], traces, cycles)
-    _parts(rows[-1], traces, cycles)
+    draw_torque(rows[-2], traces, cycles)
+    draw_parts(rows[-1], traces, cycles)
     rows[-1][0].set_xlim(*_shown(traces, cycles))
     if cycles is not None and len(cycles.spans) > _SHOWN:
         rows[-1][0].set_xlabel(f"Time [s], {_SHOWN} of {len(cycles.spans)} cycles")
@@ -150,7 +152,8 @@ def _angle(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
     dress_degrees(row[-1])
 
 
-def _torque(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
+def draw_torque(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:
+    """Measured and modelled torque against time, and over the cycle where there is a column."""
     _dress(row, "Torque [Nm]")
     heading(row[0], "Torque, triceps positive")
     _draw(row, traces, cycles, traces.measured, _MEASURED, "measured")
@@ -159,7 +162,8 @@ def _torque(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
     legend(row[0], 3)
 
 
-def _parts(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
+def draw_parts(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:
+    """What the modelled torque is made of, likewise."""
     _dress(row, "Torque [Nm]", "Time [s]")
     heading(row[0], "Parts of the modelled torque")
     parts = traces.parts
