@@ -117,7 +117,7 @@ class LegSettings(Request):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExpectSettings(LegSettings):
-    """What a protocol is expected to tell, and of whom; see `surae.expect`."""
+    """Whose protocol is judged, and by how many legs; see `surae.expect`."""
 
     legs: int = setting(20, "How many legs are drawn.", least=1, most=10_000,
                         help="How many legs are drawn.")  # fmt: skip

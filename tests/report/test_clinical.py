@@ -69,7 +69,7 @@ def test_one_sentence_answers_and_holds_its_numbers(fit) -> None:
 
 def test_an_inadequate_fit_gives_no_answer_and_no_known_number(fit) -> None:
     told = page(judged(fit, Grade.INADEQUATE))
-    assert answer(told) == "These recordings do not tell how stiff this ankle is."
+    assert answer(told) == "These recordings do not show how stiff this ankle is."
     assert not strong(told)
     assert not any(b.title == sentences()["norms"]["en"] for b in told.document.blocks[3:])
     assert "the ankle hardly moves" in told.page()
@@ -193,5 +193,8 @@ def test_the_commands_write_it(fit, tmp_path, monkeypatch) -> None:
     assert made.exit_code == 0, made.output
     assert "no change shown" in made.output
     assert "Holm" in made.output
-    refused = runner.invoke(group, ["measures", files[0], "--report", str(tmp_path / "p.pdf")])
+    made = runner.invoke(group, ["measures", files[0], "--report", str(tmp_path / "p.pdf")])
+    assert made.exit_code == 0, made.output
+    assert (tmp_path / "p.pdf").read_bytes().startswith(b"%PDF-")
+    refused = runner.invoke(group, ["measures", files[0], "--report", str(tmp_path / "p.txt")])
     assert isinstance(refused.exception, InputError)

@@ -54,7 +54,7 @@ def test_advice_only_where_something_is_to_be_done(plain):
     for row in parts.rows(section, 1).values():
         identified = row["Verdict"].badge[1] == "identified"
         assert (row["What to do"].text == "") == identified, row
-    assert "What this torque tells apart" in plain.words
+    assert "Which parameters this torque separates" in plain.words
     assert section.blocks[0].text in plain.words
 
 

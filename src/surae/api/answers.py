@@ -1,4 +1,4 @@
-"""Answers of more than one fit: what changed in a leg, and what many legs tell together."""
+"""Answers of more than one fit: changes of a leg, and cohorts."""
 
 from collections.abc import Sequence
 from datetime import datetime
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from surae.api.fitted import Fit
 from surae.api.fitting import load
 from surae.errors import InputError
-from surae.files import PathLike, shown
+from surae.files import PathLike
 from surae.measures.change import Change, compare_sessions
 from surae.measures.cohort import Cohort, borrowed, pool
 from surae.measures.members import measured, read_table, refitted
@@ -22,7 +22,7 @@ from surae.trials.folder import fit_in
 if TYPE_CHECKING:
     from surae.assessment import Prediction
 
-#: Where changes are asked unless told otherwise [deg].
+#: Angles of changes by default [deg].
 CHANGE_ANGLES = (0.0, 10.0)
 
 
@@ -41,7 +41,7 @@ def change(
     before, after : Fit or path
         Fits, files of fits, or folders of sessions (`surae session`), whose joint fit is taken.
     baselines : sequence of Fit or path
-        Further sessions of the leg from before anything changed; they tell how much sessions
+        Further sessions of the leg from before anything changed; they show how much sessions
         differ by themselves.
     {settings}
 
@@ -75,7 +75,7 @@ def cohort(
     progress: Progress | None = None,
     **asked: Any,
 ) -> Cohort:
-    """What many legs tell together: groups, differences, change, and each leg among them.
+    """Groups of legs, their differences and changes, and each leg among them.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def write_cohort_page(path: PathLike, told: Cohort) -> None:
     Parameters
     ----------
     path : path
-        An HTML file.
+        HTML, or a PDF where it ends in ``.pdf``.
     told : Cohort
         As `cohort` made it.
 
@@ -143,13 +143,13 @@ def write_clinical_page(
     Parameters
     ----------
     path : path
-        An HTML file; it prints on one A4.
+        HTML, which prints on one A4, or a PDF where it ends in ``.pdf``.
     fits : sequence of Fit
         One, or the two of `told`.
     language : {"en", "nl", "de", "fr"}
         Of the page.
     angle : float
-        Where torque and stiffness are told [deg].
+        Where torque and stiffness are given [deg].
     norms : path, optional
         A laboratory's own norms, in place of those of cited papers.
     told : Change, optional
@@ -249,18 +249,6 @@ def write_curve_figure(
 
     drawn = curve_of(fit.result, fit.assessment, language=language, norms=norms, width=width / 25.4)
     write_figure(path, drawn)
-
-
-def check_clinical_page(path: PathLike | None) -> None:
-    """Refuse a page that could not be made, before the work instead of after it.
-
-    Raises
-    ------
-    InputError
-        Its name is not that of a page.
-    """
-    if path is not None and Path(path).suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"{shown(path)}: the page for clinicians is .html; print it from there")
 
 
 def fit_of(given: Fit | PathLike) -> Fit:

@@ -1,4 +1,4 @@
-"""Protocols that tell most: designed for a device, and what to measure after a fit."""
+"""Informative protocols: designed for a device, and what to measure after a fit."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -40,7 +40,7 @@ def design(
     progress: SearchProgress | None = None,
     **asked: Any,
 ) -> Design:
-    """Find the movement and effort that tell most, within the limits of a device and a subject.
+    """Design the most informative protocol within the limits of a device and a subject.
 
     The same arguments give the same design. Ctrl-C keeps the best until then.
 
@@ -62,7 +62,7 @@ def design(
     Returns
     -------
     Design
-        The protocol, what it will tell, and what was given up for device and subject.
+        The protocol, what to expect of it, and what was given up for device and subject.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def design_session(
     Returns
     -------
     SessionPlan
-        The trials, what they will tell together, and which kinds are worth their minutes.
+        The trials, what to expect of them together, and which kinds are worth their minutes.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What a protocol will tell, before anybody is measured."""
+"""How well a protocol determines parameters, before anybody is measured."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar

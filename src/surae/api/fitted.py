@@ -120,7 +120,7 @@ class Fit(Tabular):
 
     @property
     def settings(self) -> FitSettings:
-        """What was asked; `surae.fit` takes it to ask the same of other recordings."""
+        """The settings; `surae.fit` takes them to fit other recordings alike."""
         return self.result.problem.settings
 
     @property
@@ -259,7 +259,7 @@ class Fit(Tabular):
         Parameters
         ----------
         angles : sequence of float
-            Where torque and stiffness are asked [deg], dorsiflexion positive.
+            Where torque and stiffness are given [deg], dorsiflexion positive.
 
         Returns
         -------

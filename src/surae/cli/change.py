@@ -30,7 +30,7 @@ def command(
     language: str,
     options: dict[str, Any],
 ) -> None:
-    """Tell what has changed in a leg between two sessions, or what differs between two legs.
+    """Compare a leg between two sessions, or the two legs of a person.
 
     BEFORE and AFTER are files of fits or folders of sessions. What both sessions of a leg are wrong
     in alike cancels; of two legs (--legs) nothing does. A change is claimed only where it is beyond
@@ -40,7 +40,7 @@ def command(
     check_outputs(outputs, [before, after, *baselines])
     spare_fits(outputs)
 
-    api.check_clinical_page(report)
+    api.check_report(report)
     with compilation_notice():
         change = api.change(before, after, baselines=baselines, **options)
 

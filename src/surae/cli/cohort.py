@@ -28,18 +28,18 @@ def command(
     report: str | None,
     options: dict[str, Any],
 ) -> None:
-    """Tell what many legs have in common, how groups differ, and what changed over sessions.
+    """Compare groups of legs, sessions of each leg, and every leg with its group.
 
     COHORT.csv has the columns fit (a FIT.json or the folder of a session) and subject, and as far
     as there are side, group and session; other columns are clinical scales. Every leg counts as
-    much as its interval allows; what is missing or at a bound is told.
+    much as its interval allows; legs left out, and why, are listed.
     """
     engine = engine_of(dask, workers)
     outputs = {"--output": output, "--report": report}
     check_outputs(outputs, [table])
     spare_fits(outputs)
 
-    api.check_clinical_page(report)
+    api.check_report(report)
     with work() as progress, compilation_notice():
         cohort = api.cohort(
             table, **options, engine=engine, progress=partial(progress.parts, "legs"),

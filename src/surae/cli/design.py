@@ -43,7 +43,7 @@ def command(
     figure: str | None,
     options: dict[str, Any],
 ) -> None:
-    """Find the movement and effort that tell most of a leg, within a device's limits.
+    """Design the most informative protocol within a device's limits: movement and effort.
 
     The same options find the same protocol. Ctrl-C keeps the best so far.
     """

@@ -26,7 +26,7 @@ def command(
     output: str | None,
     options: dict[str, Any],
 ) -> None:
-    """Tell what a protocol will tell of each parameter, before anybody is measured.
+    """Predict how well a protocol determines each parameter, before anybody is measured.
 
     Standard errors come from the information of the torque at virtual legs; what no model can
     describe is not in them.

@@ -12,7 +12,7 @@ from surae.cli.screen import show_answer, show_files, show_line
 @click.command("measures")
 @click.argument("fitted", metavar="FIT.json|DIR")
 @click.option("--angle", "angles", type=Number(), multiple=True, metavar="DEG",
-              help="Where torque and stiffness are told; may be repeated.  "
+              help="Where torque and stiffness are given; may be repeated.  "
               "[default: −10, 0, 10]")  # fmt: skip
 @click.option("--norms", metavar="N.toml", help="Your own norms in place of published ones.")
 @click.option("--output", metavar="M.json|csv", help="Write the measures.")
@@ -29,7 +29,7 @@ def command(
     figure: str | None,
     width: float,
 ) -> None:
-    """Tell what a fit says of the leg in a clinician's units, and how far it may be believed.
+    """Compute stiffness, torque and more of a fitted leg in Nm and degrees, with intervals.
 
     Torque and stiffness at rest, what relaxes, how strong and how fast the muscles are, and what
     the torque of the recordings is made of. Dorsiflexion is positive.
@@ -38,7 +38,7 @@ def command(
     check_outputs(outputs, [fitted])
     spare_fits(outputs)
 
-    api.check_clinical_page(report)
+    api.check_report(report)
     beside = api.read_norms(norms)
 
     fit = api.fit_of(fitted)

@@ -30,7 +30,7 @@ def check_recordings(recordings: Sequence[str]) -> None:
 
 
 def spare_fits(outputs: Mapping[str, str | None]) -> None:
-    """Refuse to replace a fit by what is told of fits."""
+    """Refuse to replace a fit by a result made from fits."""
     for option, path in outputs.items():
         if path is not None and Path(path).is_file():
             with Path(path).open("rb") as file:

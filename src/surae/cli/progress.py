@@ -23,7 +23,7 @@ class StoppedError(SuraeError):
 
 
 class Work:
-    """Tells how far a piece of work is; says nothing where there is no terminal."""
+    """Shows how far a piece of work is; nothing where there is no terminal."""
 
     def __init__(self, bar: "Progress | None" = None, task: "TaskID | None" = None) -> None:
         self._bar, self._task = bar, task
@@ -36,7 +36,7 @@ class Work:
             self._bar.update(self._task, description=shown, completed=done, total=total)
 
     def starts(self, done: int, total: int, best: float) -> None:
-        """Say how many starts of a fit are done; the sum of squares tells a user nothing."""
+        """Say how many starts of a fit are done; users need no sum of squares."""
         del best
         self.describe(f"fitting: start {min(done + 1, total)} of {total}", done, total)
 

@@ -41,7 +41,7 @@ def command(
     """Fit the trials of one leg: each, all together, and each predicted by the others.
 
     FILES are data files or a folder of them; --mapping says which column is which signal, for all.
-    Trials that hold still or are of maximal effort are used for what they can tell. A file that
+    Trials that hold still or are of maximal effort are used as references. A file that
     cannot be read is reported and the others go on. OUT/ then holds report.html, table.csv,
     fits/TRIAL.json and joint.json; the same command again takes fits that are there already.
     Ctrl-C keeps what is complete.

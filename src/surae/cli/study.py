@@ -77,10 +77,10 @@ def run_command(
     show_line(f"table: surae study export {shown(store)} --output TABLE.csv")
 
 
-@command.command("status", short_help="Tell how far it is, also while it runs.")
+@command.command("status", short_help="Show how far it is, also while it runs.")
 @click.argument("store", metavar="S.db")
 def status_command(store: str) -> None:
-    """Tell how far a study is, also while it runs."""
+    """Show how far a study is, also while it runs."""
     with api.Store(store) as opened:
         now = opened.status()
     part = f" ({100 * now.done / now.calls:.0f} %)" if now.calls else ""

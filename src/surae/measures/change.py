@@ -8,8 +8,9 @@ each has its own delay, tendon and skin.
 
 Many differences are looked at, and one of twenty would be beyond its 95 % interval by chance alone.
 The p-values are Holm's (1979), with weights: torque and stiffness at rest, which is what a
-treatment is mostly after, have half of the 5 % to themselves, all else the other half. All together
-claim a change that is none in 5 % of comparisons at most. Intervals are each for itself.
+treatment is mostly after, have half of the 5 % to themselves, all else the other half. At most
+5 % of comparisons without any change claim one. Intervals aren't corrected for multiple
+comparisons.
 
 A spread between sessions that repeated baselines show is known as badly as they are few: what it
 adds has Student's t, with the degrees of freedom of Welch and Satterthwaite.
@@ -94,7 +95,7 @@ class Change(Tabular, Saved):
     multiplicity : str
         How many were looked at, and what that does to the claims.
     baselines : int
-        Repeated baselines that told the spread between sessions; 0 without.
+        Repeated baselines from which the spread between sessions was estimated; 0 without.
     legs : bool
         Whether they are two legs, and not two sessions of one.
     is_withheld : bool

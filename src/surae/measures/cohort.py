@@ -145,7 +145,7 @@ class Cohort(Saved):
 
 
 def pool(members: Sequence[CohortMember]) -> Cohort:
-    """Everything that a cohort tells."""
+    """All groups, differences and changes of a cohort."""
     sessions = sessions_of(members)
     first = [each[0] for each in sessions.values()]
     known = [m.quantities for m in members if m.quantities is not None]

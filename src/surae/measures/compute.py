@@ -264,7 +264,7 @@ def _measure(
         return replace(bare, verdict=Verdict.FIXED, note="it rests on nothing that was estimated")
     lost = [n for n in touched if n in spread.lost]
     if lost:
-        return replace(bare, note=f"no interval: the recordings do not tell {', '.join(lost)}")
+        return replace(bare, note=f"no interval: the recordings do not determine {', '.join(lost)}")
     g = evaluated.gradient
     sd, again = spread.sd(g), spread.sd(g, 2.0 * spread.repeat)
     if result.family is None:

@@ -92,9 +92,9 @@ def sentences() -> dict[str, dict[str, str]]:
     return tomllib.loads(text)
 
 
-#: The angle that the answer speaks of unless others were asked [deg].
+#: The angle of the answer by default [deg].
 _AT = 10.0
-#: Measures of the page, in this order, where they are told at the answer's angle.
+#: Measures of the page, in this order, where they are given at the answer's angle.
 _SHOWN = (
     "passive_torque", "passive_stiffness", "slow_torque", "slow_stiffness", "neutral_angle",
     "relaxed_share", "active_torque_max_tri", "active_torque_max_tib", "optimal_angle_tri",

@@ -1,4 +1,4 @@
-"""What the data tell apart, and what to do about the rest, as text."""
+"""Which parameters the data separate, and what to do about the rest, as text."""
 
 from surae.assessment import Assessment, Verdict
 from surae.assessment.assess import described, variance_inflation
@@ -36,7 +36,7 @@ _NOTE = (
 
 def identifiability_section(result: FitResult, assessment: Assessment) -> SectionBlock:
     """Weak combinations, and what each parameter needs; verdicts are the assessment's."""
-    title, inflation = "What this torque tells apart", variance_inflation(assessment)
+    title, inflation = "Which parameters this torque separates", variance_inflation(assessment)
     identified = identifiability(result, variance_inflation=inflation.common)
     if not identified.parameters:
         why = TextBlock("The model gives no finite torque here.")
@@ -59,13 +59,13 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> Sectio
     text = (
         f"Condition number of the scaled information matrix: {condition}. Collinearity index "
         f"of all parameters that are not at a bound: {gamma}; sets from {COLLINEAR:g} on are "
-        "hardly told apart."
+        "nearly collinear."
     )
     text += _noise(inflation.common, inflation.reason)
     text += f" Smallest such sets: {'; '.join(sets)}." if sets else ""
     directions = TableBlock(
         "Combinations of parameters that are known least",
-        columns("Together", "Known to ±", "A change that this torque cannot tell", numbers=(1,),
+        columns("Together", "Known to ±", "A change that this torque cannot show", numbers=(1,),
                 wide=(0, 2)),
         rows_of(map(_direction, shown)),
         "directions",

@@ -23,7 +23,7 @@ def emphasis_text(result: FitResult, assessment: Assessment) -> str:
     """A paragraph of the summary; empty where every sample counts as any other."""
     texts = []
     if any(recording.emphasised for recording in result.problem.inputs):
-        texts.append("The fit was told to follow some samples more closely than others.")
+        texts.append("Some samples count more than others in this fit.")
     if result.outliers is not None:
         share = 100 * result.outliers.share
         texts.append(

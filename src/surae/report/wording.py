@@ -121,7 +121,7 @@ def _counted(assessment: Assessment) -> str:
         subject = "The weak one is" if len(weak) == 1 else f"The {len(weak)} weak ones are"
         text += (
             f" {subject} an indication, not a measurement: fix what is known otherwise, or measure "
-            "a movement that tells more."
+            "a more informative movement."
         )
     if unknown:
         text += f" This torque leaves {_listed(unknown)} undetermined: fix what is known."
