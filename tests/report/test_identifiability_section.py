@@ -43,7 +43,7 @@ def test_the_rows_are_the_figures(toe):
     assert len(directions) == 6
     known = f"{100 * identified.directions[0].uncertainty:.2g}\u00a0%"
     assert directions[0]["Known to ±"].text == known
-    change = directions[0]["A change that this torque cannot tell"].text
+    change = directions[0]["A change that this torque cannot show"].text
     assert change.startswith("pt_tib +")
     assert "dlt_tib −" in change
     assert "Smallest such sets: " in parts.text(section)
