@@ -64,7 +64,8 @@ class SpringSimulator(TiedModel):
 ADDED: dict[str, list[tuple[str, str, str]]] = {
     "a model": [
         ("model/spring.py", "", SPRING),
-        ("model/parameters.py", "_ELECTRODES = {", '''SPRING_PARAMETERS: tuple[Parameter, ...] = (
+        ("model/parameters.py", "#: Crosstalk: part", '''\
+SPRING_PARAMETERS: tuple[Parameter, ...] = (
     _BY_NAME["m"],
     _P("s_tri", "N/m", "spring of the triceps", "passive", 1e3, 0.0, 1e5, False, advice=_HOLD),
     _P("s_tib", "N/m", "spring of the tibialis", "passive", 1e3, 0.0, 1e5, False, advice=_HOLD),

@@ -7,12 +7,11 @@ import numpy as np
 from surae.diagnosis.quick import percent, quick_fit
 from surae.frozen import read_only
 from surae.quality import Finding
-from surae.quality.finding import muscle_name
 from surae.quality.kinds import found
 from surae.quality.numeric import quantile, quantiles
 from surae.quality.registry import unfit
 from surae.quality.trial import signals_of
-from surae.recording import MUSCLES, Recording
+from surae.recording import MUSCLE_NAMES, MUSCLES, Recording
 
 #: Torque of an ankle [Nm] and duration [s] and rate [Hz] of a trial: least and most.
 _TORQUES, _SECONDS, _RATES = (1.0, 400.0), (2.0, 3600.0), (20.0, 50_000.0)
@@ -118,7 +117,7 @@ def _emg_unit(recording: Recording) -> _Righted | None:
     others = [top for role, top in tops.items() if role != largest]
     channel, top = recording.channels[largest], tops[largest]
     span = float(channel.time[0]), float(channel.time[-1])
-    muscle = muscle_name(largest.removeprefix("emg_"))
+    muscle = MUSCLE_NAMES[largest.removeprefix("emg_")]
     if others and top > _MUSCLES * max(others):
         factor = 1e-6 if top > 1e4 * max(others) else 1e-3
         unit = "µV" if factor == 1e-6 else "mV"

@@ -10,6 +10,7 @@ import numpy as np
 
 from surae.frozen import FrozenDict
 from surae.model.options import ModelOptions
+from surae.recording import FILMED, MUSCLE_NAMES, MUSCLES
 from surae.units import FloatArray
 
 if TYPE_CHECKING:
@@ -178,11 +179,9 @@ MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
         _P(f"g{number}", "N/V", f"EMG weight, {muscle}", "active", 1e6, 0.0, 2e7, positive=False,
            wide=Known(median, 1.0, _ELECTRODES_GIVE), drawn=_people(drawn),
            advice=f"more effort of the {muscle.removesuffix(' anterior')}")
-        for number, muscle, median, drawn in (
-            (1, "tibialis anterior", 6e5, (4e5, 8e5)),
-            (2, "gastrocnemius lateralis", 1e6, (6e5, 1.2e6)),
-            (3, "soleus", 1e6, (9e5, 1.7e6)),
-            (4, "gastrocnemius medialis", 1e6, (7e5, 1.3e6)),
+        for number, muscle, median, drawn in zip(
+            (1, 2, 3, 4), MUSCLE_NAMES.values(), (6e5, 1e6, 1e6, 1e6),
+            ((4e5, 8e5), (6e5, 1.2e6), (9e5, 1.7e6), (7e5, 1.3e6)), strict=True,
         )
     ),
     _P("l0_tri", "m", "optimal length, triceps surae", "active", 0.042, 0.020, 0.070,
@@ -249,23 +248,14 @@ TENDON_PARAMETERS: tuple[Parameter, ...] = (
        wide=Known(1.4e3, 0.3, _TABLE), advice=_STRAIN),
 )  # fmt: skip
 
-_ELECTRODES = {
-    "ta": "tibialis anterior",
-    "gl": "gastrocnemius lateralis",
-    "sol": "soleus",
-    "gm": "gastrocnemius medialis",
-}
 #: Crosstalk: part of a muscle's envelope that the electrode of another hears, by their channels.
 CROSSTALK: dict[tuple[int, int], str] = {
     (i, j): f"xt_{hears}_{of}"
-    for i, hears in enumerate(_ELECTRODES)
-    for j, of in enumerate(_ELECTRODES)
+    for i, hears in enumerate(MUSCLES)
+    for j, of in enumerate(MUSCLES)
     if i != j
 }
-_NAMES = tuple(_ELECTRODES)
 _GROUPS = {"tri": "triceps surae", "tib": "tibialis anterior"}
-#: Muscles whose fascicles may be filmed, as their channels are named.
-FILMED = {"tib": _GROUPS["tib"]} | {at: _ELECTRODES[at] for at in _NAMES[1:]}
 
 
 def _measurement(
@@ -333,19 +323,19 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
            advice="faster and shorter stretches at rest, held for half a second after each"),
     ),
     "crosstalk": tuple(
-        _M(name, "-", f"crosstalk of {_NAMES[of]} at {_NAMES[hears]}", 0.0, 0.3,
+        _M(name, "-", f"crosstalk of {MUSCLES[of]} at {MUSCLES[hears]}", 0.0, 0.3,
            "efforts of one muscle at a time, which show what the other electrodes hear of it")
         for (hears, of), name in CROSSTALK.items()
     ),
     "emg_rest": tuple(
         _M(f"emg_rest_{at}", "V", f"EMG at rest, {muscle}", -1e-4, 1e-4,
            "a part in which all muscles are at rest")
-        for at, muscle in _ELECTRODES.items()
+        for at, muscle in MUSCLE_NAMES.items()
     ),
     "emg_drift": tuple(
         _M(f"emg_drift_{at}", "-", f"drift of the EMG, {muscle}", -0.5, 0.5,
            "the same efforts early and late in the trial")
-        for at, muscle in _ELECTRODES.items()
+        for at, muscle in MUSCLE_NAMES.items()
     ),
     "emg_shape": (_M("emg_shape", "-", "curvature of force over EMG", -5.0, 1.0, _LEVELS),),
     "torque_zero": (
@@ -404,7 +394,7 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
                 ("zero", "m", "filmed fascicle's length beyond the muscle's", 0.03),
             )
         )
-        for at, muscle in FILMED.items()
+        for at, muscle in zip(FILMED, MUSCLE_NAMES.values(), strict=True)
     },
 }  # fmt: skip
 OPTIONAL_PARAMETERS: tuple[Parameter, ...] = tuple(chain(*_OPTIONAL.values()))

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 from surae.frozen import FrozenDict
-from surae.model.parameters import FILMED, OPTIONAL
+from surae.model.parameters import OPTIONAL
+from surae.recording import FILMED
 from surae.words import Text
 
 

@@ -5,12 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from surae.quality.emg import REST_VOLTS
-from surae.quality.finding import Finding, Unjudged, muscle_name
+from surae.quality.finding import Finding, Unjudged
 from surae.quality.kinds import found
 from surae.quality.numeric import BoolArray, quantile, quantiles, runs, smooth, span_of
 from surae.quality.reflex import Reflex, reflex
 from surae.quality.trial import CheckedTrial
-from surae.recording import MUSCLES
+from surae.recording import MUSCLE_NAMES, MUSCLES
 from surae.units import FloatArray
 
 #: Activity as a part of the largest in the trial that a relaxed muscle stays below, and as a
@@ -57,7 +57,7 @@ def passive_part(trial: CheckedTrial) -> Iterator[Finding]:
         level = float(envelope[active].max())
         yield found(
             "passive-not-passive", channel.role, span_of(trial.time, where), level / top,
-            f"The {muscle_name(muscle)} is active for {seconds:.2g} s of the passive part, up "
+            f"The {MUSCLE_NAMES[muscle]} is active for {seconds:.2g} s of the passive part, up "
             f"to {100 * level / top:.2g} % of its largest activity.",
         )  # fmt: skip
 
@@ -110,7 +110,7 @@ def _rest(unit: str) -> float:
 
 
 def _side(trial: CheckedTrial, name: str, muscles: tuple[str, ...]) -> Finding:
-    long = "triceps surae" if name == "triceps" else muscle_name("ta")
+    long = "triceps surae" if name == "triceps" else MUSCLE_NAMES["ta"]
     lost = "g2 to g4 and l0_tri" if name == "triceps" else "g1 and l0_tib"
     top = max(quantile(trial.slow[m], 0.98) for m in muscles)
     return found(

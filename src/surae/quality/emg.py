@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from surae.quality.finding import Finding, muscle_name, quantity, weight_of
+from surae.quality.finding import Finding, quantity, weight_of
 from surae.quality.kinds import found
 from surae.quality.numeric import equal_runs, quantile, runs, smooth, span_of
 from surae.quality.trial import CheckedTrial
-from surae.recording import MUSCLES, Channel
+from surae.recording import MUSCLE_NAMES, MUSCLES, Channel
 from surae.recording.emg_kind import emg_contradictions
 
 #: A muscle that never exceeds this [V] is at rest: maximal efforts give 2e-4 V and more.
@@ -74,7 +74,7 @@ def missing(trial: CheckedTrial) -> Iterator[Finding]:
         is_fixed = weight in trial.recording.fixed
         yield found(
             "emg-missing", role, trial.span, None,
-            f"There is no EMG of the {muscle_name(muscle)}"
+            f"There is no EMG of the {MUSCLE_NAMES[muscle]}"
             + (f"; its weight {weight} is fixed." if is_fixed else "."),
             severity="info" if is_fixed else "warning",
             advice="Read the weights of the other muscles with care: they take over what it does."
@@ -122,7 +122,7 @@ def _flat(channel: Channel, state: str, first: int = 0, last: int = -1) -> Findi
     whole, muscle = (start, end) == span_of(channel.time), channel.role.removeprefix("emg_")
     return found(
         "emg-flat", channel.role, (start, end), end - start,
-        f"The EMG of the {muscle_name(muscle)} {state}.", severity="error" if whole else "warning",
+        f"The EMG of the {MUSCLE_NAMES[muscle]} {state}.", severity="error" if whole else "warning",
         advice=f"Check electrode and cable; fix {weight_of(muscle)} at 0 if the muscle was at "
         "rest, else record again."
         if whole
@@ -151,7 +151,7 @@ def clipped(trial: CheckedTrial) -> Iterator[Finding]:
             share = count / len(values)
             yield found(
                 "emg-clipped", channel.role, span_of(channel.time, where), share,
-                f"{count} samples of the EMG of the {muscle_name(muscle)} stop at "
+                f"{count} samples of the EMG of the {MUSCLE_NAMES[muscle]} stop at "
                 f"{quantity(float(values[where[0]]), channel)}.",
                 severity="warning" if share < 1e-3 else "error",
             )  # fmt: skip
@@ -183,7 +183,7 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
             continue
         yield found(
             "emg-offset", channel.role, span_of(channel.time), level,
-            f"The EMG of the {muscle_name(muscle)} {rest} {quantity(level, channel)} instead "
+            f"The EMG of the {MUSCLE_NAMES[muscle]} {rest} {quantity(level, channel)} instead "
             f"of 0 ({100 * ratio:.2g} % of its "
             + ("standard deviation)." if trial.emg_kind == "raw" else "highest)."),
             severity="warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
@@ -219,7 +219,7 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
             "emg-artefact", channel.role, span_of(channel.time, where), float(size[worst]),
             f"{len(spans)} "
             + ("artefact" if len(spans) == 1 else "artefacts")
-            + f" in the EMG of the {muscle_name(muscle)}, the largest of "
+            + f" in the EMG of the {MUSCLE_NAMES[muscle]}, the largest of "
             f"{quantity(float(size[worst]), channel)} at {channel.time[worst]:.3f} s.",
             unit=channel.unit,
             advice="Fasten cable and electrode; "

@@ -4,11 +4,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from surae.quality.finding import Finding, Unjudged, muscle_name
+from surae.quality.finding import Finding, Unjudged
 from surae.quality.kinds import found
 from surae.quality.numeric import correlation, shifted, smooth
 from surae.quality.torque_model import LONGEST
 from surae.quality.trial import CheckedTrial
+from surae.recording import MUSCLE_NAMES
 
 #: Lag of all EMG for the torque [s]. The true activation may be 30 ms faster or slower than the
 #: one assumed; clean virtual trials stay within 60 ms.
@@ -62,7 +63,7 @@ def electrode_lag(trial: CheckedTrial) -> Iterator[Finding]:
 def _finding(trial: CheckedTrial, muscle: str, lag: float, beside: str) -> Finding:
     return found(
         "electrode-lag", f"emg_{muscle}", trial.span, lag,
-        f"The EMG of the {muscle_name(muscle)} is {1e3 * abs(lag):.0f} ms "
+        f"The EMG of the {MUSCLE_NAMES[muscle]} is {1e3 * abs(lag):.0f} ms "
         f"{'later' if lag > 0.0 else 'earlier'} than {beside}.",
     )  # fmt: skip
 

@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from surae.quality.finding import Finding, Unjudged, muscle_name, quantity
+from surae.quality.finding import Finding, Unjudged, quantity
 from surae.quality.kinds import found
 from surae.quality.numeric import runs, span_of
 from surae.quality.trial import CheckedTrial
-from surae.recording import Channel
+from surae.recording import MUSCLE_NAMES, Channel
 from surae.units import FloatArray
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -48,7 +48,7 @@ def hum(trial: CheckedTrial) -> Iterator[Finding]:
         heard = True
         yield found(
             "mains-hum", channel.role, span_of(channel.time), amplitude,
-            f"The EMG of the {muscle_name(muscle)} holds a hum of {frequency:.1f} Hz with an "
+            f"The EMG of the {MUSCLE_NAMES[muscle]} holds a hum of {frequency:.1f} Hz with an "
             f"amplitude of {quantity(amplitude, channel)} ({amplitude / rms:.2g} of its "
             "standard deviation).",
             severity="warning" if amplitude < rms else "error", unit=channel.unit,
@@ -127,7 +127,7 @@ def _off(channel: Channel) -> Finding | None:
     if now < _TIMES * before or first == 0 or (count - last) * _PIECE >= _SHORTEST:
         return None  # one that hears its muscle again has not come off
     start = float(channel.time[first * size])
-    muscle = muscle_name(channel.role.removeprefix("emg_"))
+    muscle = MUSCLE_NAMES[channel.role.removeprefix("emg_")]
     return found(
         "electrode-off", channel.role,
         (start, channel.time[min(last * size, len(channel.time) - 1)]), now,

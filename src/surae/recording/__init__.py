@@ -8,6 +8,7 @@ from surae.recording.reading import read
 from surae.recording.recording import (
     FILM_ROLES,
     FILMED,
+    MUSCLE_NAMES,
     MUSCLES,
     ROLES,
     Channel,
@@ -20,6 +21,7 @@ __all__ = [
     "FILMED",
     "FILM_ROLES",
     "MUSCLES",
+    "MUSCLE_NAMES",
     "ROLES",
     "Channel",
     "InspectedChannel",

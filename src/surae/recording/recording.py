@@ -16,9 +16,14 @@ from surae.units import SI, FloatArray, kind
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: Muscles in the order of the equations: tibialis anterior, gastrocnemius lateralis, soleus,
-#: gastrocnemius medialis (model equations 12 and 13).
-MUSCLES = ("ta", "gl", "sol", "gm")
+#: Muscles by the names of their channels, in the order of the equations (12) and (13).
+MUSCLE_NAMES = {
+    "ta": "tibialis anterior",
+    "gl": "gastrocnemius lateralis",
+    "sol": "soleus",
+    "gm": "gastrocnemius medialis",
+}
+MUSCLES = tuple(MUSCLE_NAMES)
 
 #: Muscles whose fascicles are filmed: the tibialis, and those of the triceps.
 FILMED = ("tib", "gl", "sol", "gm")

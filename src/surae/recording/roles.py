@@ -29,7 +29,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from surae.errors import InputError
-from surae.recording.recording import FILMED, ROLES
+from surae.recording.recording import FILMED, MUSCLE_NAMES, MUSCLES, ROLES
 from surae.units import FACTORS, kind, plain, spelled, to_si
 
 #: Column names of the time, and their factor to seconds.
@@ -348,7 +348,7 @@ def _muscle(said: set[str], words: tuple[str, ...]) -> _Found | None:
         return match
     short = next((word for word in words if word in _SHORT), None)
     if short is not None:
-        rule = f"{short.upper()}, short for {_FULL[_SHORT[short]]}"
+        rule = f"{short.upper()}, short for {MUSCLE_NAMES[_SHORT[short][4:]]}"
         rule += " (not gluteus?)" if short == "gm" else ""
         if said & _EMG:
             return (_SHORT[short],), "named", f"{rule}, with EMG"
@@ -368,12 +368,6 @@ def _in_full(vocabulary: set[str], words: tuple[str, ...]) -> _Found | None:
     return None if whole is None else ((_WHOLE[whole],), "named", f"the muscle {whole}")
 
 
-_FULL = {
-    "emg_ta": "tibialis anterior",
-    "emg_gl": "gastrocnemius lateralis",
-    "emg_sol": "soleus",
-    "emg_gm": "gastrocnemius medialis",
-}
 _TWO_WORDS = (
     (_GASTROCNEMIUS, _LATERAL, "emg_gl", "gastrocnemius and lateralis"),
     (_GASTROCNEMIUS, _MEDIAL, "emg_gm", "gastrocnemius and medialis"),
@@ -382,5 +376,5 @@ _TWO_WORDS = (
 _VAGUE: tuple[tuple[set[str], tuple[str, ...], str], ...] = (
     (_GASTROCNEMIUS, ("emg_gl", "emg_gm"), "gastrocnemius, but not which head"),
     (_TIBIALIS, ("emg_ta",), "tibialis, but not whether anterior"),
-    (_EMG, tuple(_FULL), "an EMG, but not of which muscle"),
+    (_EMG, tuple(f"emg_{muscle}" for muscle in MUSCLES), "an EMG, but not of which muscle"),
 )

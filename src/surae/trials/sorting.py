@@ -15,11 +15,10 @@ import numpy as np
 from surae.diagnosis import STILL
 from surae.errors import InputError
 from surae.filed import filed
-from surae.quality.finding import muscle_name
 from surae.quality.numeric import quantile, smooth
 from surae.quality.registry import unfit
 from surae.quality.trial import Signals, signals_of
-from surae.recording import MUSCLES, Recording
+from surae.recording import MUSCLE_NAMES, MUSCLES, Recording
 from surae.recording.described import EFFORTS, TrialDescription
 from surae.recording.roles import words_of
 from surae.records import FileName
@@ -191,7 +190,7 @@ def _effort(
             if not trial.moves and harder and own[muscle].top >= _HARDER * max(harder):
                 times = own[muscle].top / max(harder)
                 return "maximal", (
-                    f"the {muscle_name(muscle)} is {times:.2g} times as active as in any trial "
+                    f"the {MUSCLE_NAMES[muscle]} is {times:.2g} times as active as in any trial "
                     "that moves"
                 )
     if not shares:
@@ -199,8 +198,8 @@ def _effort(
     muscle = max(shares, key=lambda m: shares[m])
     percent = 100 * shares[muscle]
     text = (
-        f"the {muscle_name(muscle)} reaches {percent:.0f} % of its largest activity in the session"
+        f"the {MUSCLE_NAMES[muscle]} reaches {percent:.0f} % of its largest activity in the session"
         if percent >= 1.0
-        else f"the {muscle_name(muscle)} stays below 1 % of its largest activity in the session"
+        else f"the {MUSCLE_NAMES[muscle]} stays below 1 % of its largest activity in the session"
     )
     return ("active" if shares[muscle] > _RELAXED else "passive"), text
