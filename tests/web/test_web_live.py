@@ -13,18 +13,18 @@ from .conftest import least
 
 def test_a_slider_gives_the_torque_of_simulate(browser, recorded, trial) -> None:
     browser.change(recordings=[recorded], prepared=True, sliders={"k_tri": 180.0})
-    body = {"values": {"l0_tri": 0.047}, "points": 2000, "parts": True}
+    body = {"values": {"l0_tri": 0.047}, "points": 2000}
     answer = browser.post("/api/live", json=body).json()
     table = browser.get("/api/draft/parameters").json()["parameters"]
     values = {row["name"]: row["slider"] for row in table} | {"l0_tri": 0.047}
     assert values["k_tri"] == 180.0
     torque = surae.simulate("muscle", values, trial)
     assert answer["modelled"] == pytest.approx(torque.tolist(), rel=1e-5, abs=1e-5)
-    parts = np.sum([answer["parts"][name] for name in answer["parts"]], axis=0)
-    assert parts == pytest.approx(torque, rel=1e-4, abs=1e-4)
     measured = surae.read(trial).channels["torque"].values
     error = measured - torque
-    assert answer["vaf"] == pytest.approx(100 * (1 - np.sum(error**2) / np.sum(measured**2)))
+    assert answer["r2"] == pytest.approx(
+        100 * (1 - np.sum(error**2) / np.sum((measured - measured.mean()) ** 2))
+    )
     assert browser.get("/api/draft").json()["draft"]["sliders"] == {"k_tri": 180.0}
 
 
@@ -33,10 +33,11 @@ def test_sliders_are_quick(browser, recorded, model) -> None:
     browser.change(recordings=[recorded], prepared=True, model=model)
 
     def milliseconds() -> float:
-        answers = [
-            browser.post("/api/live", json={"values": {"k_tri": 150.0 + i}}) for i in range(8)
+        seconds = [
+            browser.post("/api/live", json={"values": {"k_tri": 150.0 + i}}).elapsed.total_seconds()
+            for i in range(8)
         ]
-        return float(np.median([answer.json()["milliseconds"] for answer in answers]))
+        return 1e3 * float(np.median(seconds))
 
     assert least(milliseconds, 50.0) < 50.0
 
@@ -61,7 +62,7 @@ def test_values_that_overflow_are_no_server_error(browser, recorded) -> None:
     body = {"values": {"k_tri": 1e12, "x0_tri": 1e-9}}
     answer = browser.post("/api/live", json=body)
     assert answer.status_code == 200
-    assert answer.json()["vaf"] is None
+    assert answer.json()["r2"] is None
 
 
 def test_a_draft_is_a_request() -> None:

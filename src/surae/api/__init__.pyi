@@ -45,6 +45,7 @@ from surae.assessment.likelihood.profile import check_profiled as check_profiled
 from surae.assessment.likelihood.profiles import Profiles as Profiles
 from surae.assessment.parameter import ParameterEstimate as ParameterEstimate
 from surae.assessment.posterior.sample import Posterior as Posterior
+from surae.assessment.residual import centred_r2 as centred_r2
 from surae.assessment.saved.parameters_json import read_parameters as read_parameters
 from surae.estimation import make_problem as make_problem
 from surae.estimation import solve as solve

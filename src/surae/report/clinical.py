@@ -244,6 +244,24 @@ def _figure_sections(
         yield SectionBlock(words("shares"), (picture,)), shares_figure(shares)
 
 
+def numbers_section(of_fit: Measures, angle: float) -> SectionBlock:
+    """The measures that are known, torque and stiffness at an angle [deg], in words."""
+    words, at = Words("en"), f"@{angle:g}deg"
+    known = [
+        _measured(m, of_fit.adequacy, words)
+        for name in _SHOWN
+        for m in of_fit.values()
+        if m.name.partition("@")[0] == name
+        and (m.name.endswith(at) or not m.name.endswith("deg"))
+        and m.value is not None
+        and m.ci95 is not None
+        and m.verdict is not Verdict.UNDETERMINED
+    ]
+    heads = (words("value"), words("interval"), words("judgement"))
+    (table,) = _table(heads, known, words)[0].blocks
+    return SectionBlock("Measures", (table,), "measures")
+
+
 def _answer(of_fit: Measures, angle: float, words: Words) -> str:
     torque = of_fit[f"passive_torque@{angle:g}deg"]
     stiffness = of_fit[f"passive_stiffness@{angle:g}deg"]

@@ -70,6 +70,7 @@ class LegAnswers:
     blocks: tuple[Block, ...]
     figures: Mapping[str, Figure]
     measures: Measures | None
+    at: float  #: The angle of torque and stiffness [deg].
 
 
 def leg_answers(
@@ -129,7 +130,7 @@ def leg_answers(
         SectionBlock("Can I trust it?", _trust(joint, contradicted, holds, stretches), "trust",
                      "card"),
     )  # fmt: skip
-    return LegAnswers(cards, figures, of_fit)
+    return LegAnswers(cards, figures, of_fit, at)
 
 
 def _measured(

@@ -11,6 +11,7 @@ from surae.formatting import NO_NUMBER, estimate, of_interval, percentage, signe
 from surae.measures import Measure, Measures
 from surae.quality import Finding, Quality
 from surae.report.budget import budget_of, budget_section
+from surae.report.clinical import numbers_section
 from surae.report.document import (
     Block,
     Document,
@@ -135,7 +136,10 @@ def session_report(
         figures["torques"] = fit_figure(
             shown[0], [f"R² {percentage(each.r2)} %" for each in shown[1].recordings]
         )
-        details += [_torques_section(), *_measures_section(answers.measures)]
+        details.append(_torques_section())
+        if answers.measures is not None:
+            details.append(numbers_section(answers.measures, answers.at))
+            research.append(_measures_section(answers.measures))
         for number, trial in enumerate(traces_of(shown[0])):
             for place, film in enumerate(trial.films):
                 drawn = f"film-{number}-{place}"
@@ -214,6 +218,7 @@ def _torques_section() -> SectionBlock:
         "torques",
         "Measured torque of each trial, and the model’s.",
         "Measured torque (wide, pale) and the model’s (thin, dark), with its R².",
+        "here",
     )
     return SectionBlock("Torque", (picture,), "torques")
 
@@ -226,9 +231,9 @@ def _signals_section(joined: Sequence[str]) -> SectionBlock:
     return SectionBlock("Signals", blocks, "signals", "explorer")
 
 
-def _measures_section(of_fit: Measures | None) -> tuple[SectionBlock, ...]:
+def _measures_section(of_fit: Measures) -> SectionBlock:
     """Every measure that is known, and how many are not."""
-    every = [] if of_fit is None else list(of_fit.values())
+    every = list(of_fit.values())
     rows: Iterator[TableRow] = (
         (
             TableCell(m.name, kind="code", meaning=m.meaning),
@@ -243,7 +248,7 @@ def _measures_section(of_fit: Measures | None) -> tuple[SectionBlock, ...]:
     unknown = sum(not is_known(m) for m in every)
     note = f"{unknown} other measures are not known from these trials; surae measures lists why."
     table = TableBlock("Measures that are known", heads, rows_of(rows))
-    return (SectionBlock("Measures", (table, TextBlock(note, "note")), "measures"),)
+    return SectionBlock("All measures", (table, TextBlock(note, "note")), "all-measures")
 
 
 def _measured(m: Measure) -> tuple[str, str]:

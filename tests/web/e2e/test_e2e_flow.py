@@ -133,7 +133,7 @@ def test_sliders_move_the_torque_and_undo_takes_them_back(desk: Desk, csv: Path)
     desk.api("PATCH", "/api/draft", {"change": change, "label": "choose"})
     page = desk.go("/fit")
     figures = page.locator("#live-figures")
-    before = figures.filter(has_text="VAF").inner_text()  # read in the moment it is there
+    before = figures.filter(has_text="R²").inner_text()  # read in the moment it is there
     slider = page.get_by_label("Slider of m", exact=True)
     slider.focus()
     slider.press("PageUp")
@@ -141,7 +141,7 @@ def test_sliders_move_the_torque_and_undo_takes_them_back(desk: Desk, csv: Path)
     page.get_by_role("button", name=re.compile("Undo: slide m")).wait_for()
 
     page.reload()
-    page.get_by_text("VAF").wait_for()
+    page.get_by_text("R²").wait_for()
     assert "m" in desk.api("GET", "/api/draft")["draft"]["sliders"]
     page.get_by_role("heading", name="Parameters").click()
     page.keyboard.press("Control+z")
@@ -163,7 +163,7 @@ def test_a_file_that_cannot_be_read_says_so(desk: Desk, tmp_path: Path) -> None:
 
 def test_a_stopped_fit_keeps_the_best_and_a_reload_goes_on(desk: Desk, csv: Path) -> None:
     page = start_fit(desk, desk.add(csv), 1000)
-    page.locator("#job-line").get_by_text(re.compile("VAF")).wait_for()
+    page.locator("#job-line").get_by_text(re.compile("R²")).wait_for()
     page.reload()
     page.locator("#job-line").get_by_text(re.compile("start .* of 1000")).wait_for()
     page.get_by_role("button", name="Stop, keep the best").click()
@@ -266,12 +266,12 @@ def test_all_survives_a_restart_of_the_server(browser: Any, csv: Path, tmp_path:
     port = int(first.address.rsplit(":", 1)[-1])
     desk = Desk(browser, first)
     page = start_fit(desk, desk.add(csv), 1000)
-    page.locator("#job-line").get_by_text(re.compile("VAF")).wait_for()
+    page.locator("#job-line").get_by_text(re.compile("R²")).wait_for()
     first.stop()
     second = Server(tmp_path / "project", port)
     page.get_by_text("The server was stopped during the fit.").wait_for()
     page.reload()
-    page.get_by_text("VAF").first.wait_for()
+    page.get_by_text("R²").first.wait_for()
     expect(page.locator("#recordings input:checked")).to_have_count(1)
     desk.close()
     second.stop()

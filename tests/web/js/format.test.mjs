@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { bytes, estimate, interval, number, percent, quantity, shownAs, unitText, vaf } from "./js/core/format.js";
+import { bytes, estimate, interval, number, percent, quantity, shownAs, unitText, r2 } from "./js/core/format.js";
 
 test("a number has the digits asked for, a true minus sign and powers in print style", () => {
   assert.equal(number(0.045312), "0.04531");
@@ -38,9 +38,9 @@ test("an interval that is open at an end is none", () => {
 });
 
 test("a VAF never rounds up to a perfect hundred", () => {
-  assert.equal(vaf(99.9999), "99.999 %");
-  assert.equal(vaf(98.25), "98.3 %");
-  assert.equal(vaf(-3.21), "−3.2 %");
+  assert.equal(r2(99.9999), "99.999 %");
+  assert.equal(r2(98.25), "98.3 %");
+  assert.equal(r2(-3.21), "−3.2 %");
   assert.equal(percent(null), "—");
 });
 

@@ -59,15 +59,14 @@ class FitProgress:
             self._simulators[key] = [
                 spec.simulator(recording, self._options) for recording in self._inputs
             ]
-        traces, left, whole = [], 0.0, 0.0
+        traces, pairs_of = [], list[tuple[FloatArray, FloatArray]]()
         pairs = zip(self._ids, self._inputs, self._simulators[key], strict=True)
         for id_, recording, simulator in pairs:
             with np.errstate(all="ignore"):
                 torque = simulator.torque(values)
             measured = np.zeros(recording.n) if recording.torque is None else recording.torque
             counts = recording.counts
-            left += float(np.sum((measured - torque)[counts] ** 2))
-            whole += float(np.sum(measured[counts] ** 2))
+            pairs_of.append((measured[counts], (measured - torque)[counts]))
             shown = Pyramid(recording.time, measured).window(None, None, self._points)
             traces.append(
                 {
@@ -79,7 +78,7 @@ class FitProgress:
                     ),
                 }
             )
-        vaf = 100.0 * (1.0 - left / whole) if whole > 0 and np.isfinite(left) else None
+        r2 = api.centred_r2(pairs_of)
         tell(
             {
                 "phase": "fitting",
@@ -87,7 +86,7 @@ class FitProgress:
                 "starts": self._starts,
                 "iteration": self._iteration,
                 "model": spec.name,
-                "vaf": vaf,
+                "r2": r2 if np.isfinite(r2) else None,
                 "sse": sse if np.isfinite(sse) else None,
                 "values": dict(zip(spec.names, plain(values), strict=True)),
                 "traces": traces,

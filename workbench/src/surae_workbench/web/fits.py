@@ -140,16 +140,23 @@ def model_title(name: str) -> str:
 def fit_summary(bench: "Workbench", fit: Thing) -> dict[str, Any]:
     """A fit in lists."""
     first = bench.database.get("recording", fit["recordings"][0], deleted=True)
-    keys = ("name", "model", "status", "vaf", "ipde", "seconds", "recordings", "names", "starts",
-            "agreeing")  # fmt: skip
+    keys = ("name", "status", "recordings", "names")
     return {
         "id": fit["id"],
         **{key: fit[key] for key in keys},
+        "r2": fit.get("r2"),
         "title": model_title(fit["model"]),
         "created": when(fit["created"]),
         "older": _older(bench, fit),
         "subject": None if first is None else first["subject"],
     }
+
+
+def main_fit(bench: "Workbench", session: Thing) -> str | None:
+    """The fit that stands for a leg, if it is still there: of all together, or the only one."""
+    fits = session["fits"]
+    id_ = fits.get("joint") or (next(iter(fits.values())) if len(fits) == 1 else None)
+    return id_ if id_ and bench.database.get("fit", id_) else None
 
 
 def _older(bench: "Workbench", fit: Thing) -> list[str]:

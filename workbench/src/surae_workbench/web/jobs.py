@@ -16,7 +16,7 @@ from typing import Any
 from surae.errors import SuraeError
 from surae.processes import Child, where
 from surae_workbench.web.cleanup import JOBS
-from surae_workbench.web.database import ACTIVE, new_id
+from surae_workbench.web.database import new_id
 from surae_workbench.web.events import Events
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import Project, when
@@ -114,8 +114,8 @@ class Jobs:
     ) -> Thing:
         """Ask for a job.
 
-        `label` is what lists call it; `task` is what the worker is given, kept so that the job can
-        be restarted; `about` is the thing that it is about.
+        `label` is what lists call it; `task` is what the worker is given; `about` is the thing
+        that it is about.
         """
         if kind not in self._kinds:
             raise RefusedError(409, f"this surae has no jobs of kind {kind!r}; it stays as it is")
@@ -155,13 +155,6 @@ class Jobs:
             else:
                 raise RefusedError(409, f"this job has ended already: {job['state']}")
         return self._project.need("job", id_)
-
-    def restart(self, id_: str, session: BrowserSession) -> Thing:
-        """Ask again for what a job that was not done was asked for."""
-        job = self._project.need("job", id_)
-        if job["state"] in (*ACTIVE, "done"):
-            raise RefusedError(409, f"this job is {job['state']}: only others can be restarted")
-        return self.submit(job["kind"], job["label"], session, job["task"], job["about"])
 
     def of(self, about: str) -> list[Thing]:
         """Jobs about a thing that wait or are at work."""
@@ -288,5 +281,5 @@ class Jobs:
         for job in self._project.database.active():
             self._project.change(
                 "job", job["id"], state="interrupted", ended=time.time(),
-                message="the server ended meanwhile; restart it",
+                message="the server ended meanwhile; ask for it again",
             )  # fmt: skip

@@ -85,6 +85,8 @@ class _Fit(_Row):
     model: str
     status: str
     vaf: float | None
+    r2: float | None = None
+    grade: str | None = None
     ipde: float | None
     seconds: float
     recordings: Annotated[list[_Id], Field(min_length=1)]

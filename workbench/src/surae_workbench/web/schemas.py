@@ -267,10 +267,7 @@ class LiveRequest(Strict):
 
     recording: Id | None = None
     values: Numbers = {}
-    parts: bool = False
     points: Points = 1000
-    start: Seconds | None = None
-    end: Seconds | None = None
 
 
 class FitRequest(Strict):

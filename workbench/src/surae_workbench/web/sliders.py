@@ -1,7 +1,6 @@
 """The modelled torque under the sliders, at once."""
 
 import threading
-import time
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,12 +10,11 @@ from surae import api
 from surae.errors import InputError
 from surae.units import FloatArray
 from surae_workbench.web.caches import Cache
-from surae_workbench.web.curves import plain, within
+from surae_workbench.web.curves import plain
 from surae_workbench.web.draft import Draft, spec_of, values_of
 
 #: Longest signals that a slider simulates at their full rate; longer ones are thinned.
 _RIGID, _COMPLIANT = 400_000, 12_000
-PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "gravitational")
 
 #: Memory for simulators [bytes].
 _KEPT = 300e6
@@ -31,17 +29,13 @@ def live(
     values: Mapping[str, float],
     *,
     points: int,
-    parts: bool,
-    start: float | None,
-    end: float | None,
     key: object,
 ) -> dict[str, Any]:
     """The torque of a draft's model with some values changed.
 
     `values` are by parameter, all others and the model the draft's; at most so many `points` are
-    given, from `start` to `end` [s], with the torque's `parts` or without; `key` names `inputs`.
+    given; `key` names `inputs`.
     """
-    begin = time.perf_counter()
     spec, options = spec_of(draft), api.ModelOptions.of(**draft["options"])
     for name in values:
         if name not in spec.names:
@@ -60,31 +54,22 @@ def live(
 
     fewer_inputs, simulator, lock = _simulators.get((key, spec.name, spec.names, options), tie)
     with lock, np.errstate(all="ignore"):
-        if parts:
-            split = simulator.parts(vector)
-            torque = split.total
-        else:
-            torque = simulator.torque(vector)
-    part = within(fewer_inputs.time, start, end)
-    step = max(-(-(part.stop - part.start) // points), 1)
-    shown = slice(part.start, part.stop, step)
-    vaf = rmse = None
+        torque = simulator.torque(vector)
+    shown = slice(None, None, max(-(-fewer_inputs.n // points), 1))
+    r2 = rmse = None
     measured = fewer_inputs.torque
     if measured is not None:
         counted = _counted(fewer_inputs.time, draft["exclusions"].get(_recording(key), []))
         error = (measured - torque)[counted]
-        power = float(np.sum(measured[counted] ** 2))
-        left = float(np.sum(error**2))
-        if np.isfinite(left) and power > 0:
-            vaf, rmse = 100.0 * (1.0 - left / power), float(np.sqrt(left / len(error)))
+        followed = api.centred_r2([(measured[counted], error)])
+        if np.isfinite(followed):
+            r2, rmse = followed, float(np.sqrt(np.mean(error**2)))
     return {
         "t": plain(fewer_inputs.time[shown]),
         "modelled": plain(torque[shown]),
         "measured": None if measured is None else plain(measured[shown]),
-        "parts": {name: plain(getattr(split, name)[shown]) for name in PARTS} if parts else None,
-        "vaf": vaf,
+        "r2": r2,
         "rmse": rmse,
-        "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
     }
 
 

@@ -108,6 +108,8 @@ def summary(fitted: "api.Fit") -> dict[str, Any]:
     return {
         "model": fitted.result.problem.spec.name,
         "status": fitted.status,
+        "grade": str(fitted.adequacy.grade),
+        "r2": fitted.adequacy.r2 if isfinite(fitted.adequacy.r2) else None,
         "vaf": fitted.vaf if isfinite(fitted.vaf) else None,
         "ipde": fitted.ipde,
         "seconds": fitted.result.seconds,

@@ -130,7 +130,7 @@ def post_live(body: LiveRequest, bench: Bench, browser: Browser) -> dict[str, An
         _, every = prepared_draft(bench, draft)
         inputs = api.normalised(inputs, every[0].emg_reference)
     shown = live(
-        inputs, draft, body.values, points=body.points, parts=body.parts, start=body.start,
-        end=body.end, key=(id_, settings.prepared, settings.preparation, inputs.emg_reference),
+        inputs, draft, body.values, points=body.points,
+        key=(id_, settings.prepared, settings.preparation, inputs.emg_reference),
     )  # fmt: skip
     return {"recording": id_, **shown}

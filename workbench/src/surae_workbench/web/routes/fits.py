@@ -63,7 +63,8 @@ def get_fits(
         if subject in (None, owners.get(row["recordings"][0]))
         and (recording is None or recording in row["recordings"])
     ]
-    values = {key: itemgetter(key) for key in ("name", "status", "vaf", "created")} | {
+    values: dict[str, Any] = {key: itemgetter(key) for key in ("name", "status", "created")} | {
+        "r2": lambda row: row.get("r2"),
         "title": lambda row: model_title(row["model"]),
         "subject": lambda row: codes.get(owners.get(row["recordings"][0])),
     }

@@ -1,4 +1,4 @@
-"""Jobs: how they stand, what happens to them, stopped and asked for again."""
+"""Jobs: how they stand, what happens to them, and stopping them."""
 
 from collections.abc import AsyncIterator
 from typing import Any
@@ -23,12 +23,6 @@ def get_jobs(bench: Bench, browser: Browser, active: bool = False) -> dict[str, 
     return {"jobs": [bench.jobs.shown(job, browser, traces=False) for job in shown[:500]]}
 
 
-@router.get("/queue")
-def get_queue(bench: Bench) -> dict[str, Any]:
-    """How many requests wait for files to be read."""
-    return {"waiting": bench.workers.waiting}
-
-
 @router.get("/jobs/{id}")
 def get_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Tell how one job stands."""
@@ -39,12 +33,6 @@ def get_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
 def cancel_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Stop it; a fit keeps the best so far."""
     return bench.jobs.shown(bench.jobs.cancel(id), browser)
-
-
-@router.post("/jobs/{id}/restart", status_code=202)
-def restart_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
-    """Ask again for what was not done; the answer is a new job."""
-    return bench.jobs.shown(bench.jobs.restart(id, browser), browser)
 
 
 @router.get("/jobs/{id}/events", response_class=StreamingResponse, responses=_STREAM)
@@ -81,7 +69,7 @@ async def all_events(bench: Bench, browser: Browser) -> StreamingResponse:
 
     def first() -> list[tuple[str, Any]]:
         jobs = (bench.jobs.shown(job, browser, traces=False) for job in bench.database.active())
-        queue = [("queue", get_queue(bench))] if bench.workers.waiting else []
+        queue = [("queue", {"waiting": bench.workers.waiting})] if bench.workers.waiting else []
         return [*queue, *(("job", job) for job in jobs)]
 
     bench.events.refuse_more(browser.key)

@@ -1,7 +1,5 @@
 """Subjects and recordings: what they are, how they look, what is wrong with them."""
 
-import json
-import math
 from collections import Counter
 from operator import itemgetter
 from typing import Annotated, Any, Literal
@@ -10,7 +8,7 @@ import numpy as np
 from fastapi import APIRouter, Query, Response
 
 from surae import api
-from surae_workbench.web.curves import Pyramid, Window
+from surae_workbench.web.curves import Pyramid
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import when
 from surae_workbench.web.remap import present_mapping, proposals
@@ -191,10 +189,7 @@ def get_quality(id: PathId, bench: Bench) -> dict[str, Any]:
     return {"findings": proposals(recording["findings"], channels)}
 
 
-@router.get(
-    "/recordings/{id}/window",
-    responses={200: {"content": {"application/json": {}, "application/octet-stream": {}}}},
-)
+@router.get("/recordings/{id}/window")
 def get_window(
     id: PathId,
     bench: Bench,
@@ -203,8 +198,7 @@ def get_window(
     end: Instant = None,
     points: Annotated[Points, Query()] = 2000,
     view: Literal["raw", "prepared"] = "raw",
-    format: Literal["json", "binary"] = "json",
-) -> Response:
+) -> dict[str, Any]:
     """A part of its signals, by few enough points that a plot is smooth."""
     if start is not None and end is not None and start > end:
         raise RefusedError(400, f"start {start:g} s lies after end {end:g} s; exchange them")
@@ -220,14 +214,16 @@ def get_window(
         "start": min(float(t[0]) for t in times) if start is None else start,
         "end": max(float(t[-1]) for t in times) if end is None else end,
     }
-    if format == "json":
-        signals_ = [
-            {**_header(name, units[name], w), "t": w.time.tolist(), "v": w.values.tolist()}
+    return {
+        **span,
+        "signals": [
+            {
+                "role": name, "unit": units[name], "n": w.n, "reduced": w.reduced,
+                "t": w.time.tolist(), "v": w.values.tolist(),
+            }
             for name, w in windows.items()
-        ]
-        body = json.dumps({**span, "signals": signals_}, allow_nan=False)
-        return Response(body, media_type="application/json")
-    return Response(_binary(span, windows, units), media_type="application/octet-stream")
+        ],
+    }  # fmt: skip
 
 
 def _raw(bench: Workbench, id_: str) -> dict[str, tuple[Pyramid, str]]:
@@ -251,30 +247,3 @@ def _prepared(bench: Workbench, id_: str) -> dict[str, tuple[Pyramid, str]]:
         "acceleration": (inputs.acceleration, "rad/s2"),
     }
     return {role: (Pyramid(inputs.time, values), unit) for role, (values, unit) in signals.items()}
-
-
-def _header(role: str, unit: str, window: Window) -> dict[str, Any]:
-    return {"role": role, "unit": unit, "n": window.n, "reduced": window.reduced}
-
-
-def _binary(span: dict[str, float], windows: dict[str, Window], units: dict[str, str]) -> bytes:
-    """A JSON header with its length, then for each signal times (float64) and values (float32)."""
-    parts: list[bytes] = []
-    headers = []
-    at = 0
-    for name, window in windows.items():
-        time = window.time.astype("<f8").tobytes()
-        values = window.values.astype("<f4").tobytes()
-        values += b"\0" * (-len(values) % 8)
-        header = _header(name, units[name], window)
-        headers.append({**header, "points": len(window.time), "t_at": at, "v_at": at + len(time)})
-        parts += [time, values]
-        at += len(time) + len(values)
-    # Offsets are counted from the start of the body, so they depend on the header's own length:
-    # it is padded to a length that is known before.
-    size = 8 * math.ceil((len(json.dumps(headers)) + 40 * len(headers) + 200) / 8)
-    for header in headers:
-        header["t_at"] += 4 + 4 + size
-        header["v_at"] += 4 + 4 + size
-    text = json.dumps({**span, "signals": headers}, allow_nan=False).ljust(size + 4)
-    return len(text).to_bytes(4, "little") + text.encode() + b"".join(parts)

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query, Response
 
 from surae import api
 from surae_workbench.web.database import new_id
-from surae_workbench.web.fits import add_fit, check_draft, fit_summary, versions_of
+from surae_workbench.web.fits import add_fit, check_draft, fit_summary, main_fit, versions_of
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import unique_name, when
 from surae_workbench.web.routes.common import (
@@ -74,7 +74,7 @@ def get_change(
     """What changed since another visit, as the report shows it."""
     files = []
     for each in (before, id):
-        fit = _main(bench, bench.project.need("session", each))
+        fit = main_fit(bench, bench.project.need("session", each))
         if fit is None:
             raise RefusedError(404, "this visit has no fit of all trials to compare")
         files.append(str(bench.project.path("fits", fit, ".json")))
@@ -207,15 +207,8 @@ def session_summary(bench: Workbench, session: Thing) -> dict[str, Any]:
         "trials": len(session["recordings"]),
         "fits": len([name for name in session["fits"] if name != "joint"]),
         "grade": None if adequacy is None else adequacy["grade"],
-        "fit": _main(bench, session),
+        "fit": main_fit(bench, session),
     }
-
-
-def _main(bench: Workbench, session: Thing) -> str | None:
-    """The fit that stands for the leg, if it is still there: of all together, or the only one."""
-    fits = session["fits"]
-    id_ = fits.get("joint") or (next(iter(fits.values())) if len(fits) == 1 else None)
-    return id_ if id_ and bench.database.get("fit", id_) else None
 
 
 def session_detail(bench: Workbench, session: Thing) -> dict[str, Any]:

@@ -45,8 +45,8 @@ export function interval(range, sem, value) {
 export const percent = (value, digits = 3) =>
   value === null || value === undefined ? NONE : `${number(value, digits)} %`;
 
-/** A VAF never rounds up to a perfect 100. */
-export function vaf(value) {
+/** An R² never rounds up to a perfect 100. */
+export function r2(value) {
   if (value === null || value === undefined) return NONE;
   return value > 99.9 ? `${minus((Math.floor(value * 1000) / 1000).toFixed(3))} %` : `${minus(value.toFixed(1))} %`;
 }
@@ -80,7 +80,12 @@ const ROLES = {
   velocity: "Angular velocity",
   acceleration: "Angular acceleration",
 };
-export const roleText = (role) => ROLES[role] ?? role;
+const MUSCLES = { tib: "tibialis", gl: "gastrocnemius lateralis", sol: "soleus", gm: "gastrocnemius medialis" };
+const FILMED = { fascicle: "Fascicle length", pennation: "Pennation" };
+export function roleText(role) {
+  const [kind, muscle] = role.split("_");
+  return ROLES[role] ?? (FILMED[kind] ? `${FILMED[kind]}, ${MUSCLES[muscle]}` : role);
+}
 export const EMG = ["emg_ta", "emg_gl", "emg_sol", "emg_gm"];
 export const EMG_SHORT = ["TA", "GL", "SOL", "GM"];
 

@@ -4,7 +4,7 @@ import { get, post } from "../core/api.js";
 import { byId, empty, h, replace, tick } from "../core/dom.js";
 import { change, draft, onDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
-import { number, seconds, vaf } from "../core/format.js";
+import { number, seconds, r2 } from "../core/format.js";
 import { attempt, calm, complain } from "../core/notice.js";
 import { latest, perFrame } from "../core/pace.js";
 import { torquePlot } from "../plot/torque.js";
@@ -44,7 +44,7 @@ const draw = latest(async () => {
     if (job) return;
     plot.show(seen.t, seen.measured, seen.modelled);
     byId("live-figures").textContent = [
-      seen.vaf === null ? "" : `VAF ${vaf(seen.vaf)}`,
+      seen.r2 === null ? "" : `R² ${r2(seen.r2)}`,
       seen.rmse === null ? "" : `RMSE ${number(seen.rmse, 3)} Nm`,
     ].filter(Boolean).join(" · ");
     calm(box.parameters);
@@ -133,7 +133,7 @@ const progress = perFrame((told) => {
     PHASES[told.phase] ?? told.phase,
     told.start && `start ${told.start} of ${told.starts}`,
     told.iteration !== undefined && told.iteration !== null && `iteration ${told.iteration}`,
-    told.vaf !== undefined && told.vaf !== null && `VAF ${vaf(told.vaf)}`,
+    told.r2 !== undefined && told.r2 !== null && `R² ${r2(told.r2)}`,
   ].filter(Boolean).join(" · ");
   if (told.phase !== phase) {
     phase = told.phase;
@@ -142,7 +142,7 @@ const progress = perFrame((told) => {
   const trace = told.traces?.find((one) => one.recording === shown) ?? told.traces?.[0];
   if (trace?.modelled) {
     plot.show(trace.t, trace.measured, trace.modelled);
-    byId("live-figures").textContent = told.vaf === null || told.vaf === undefined ? "" : `VAF ${vaf(told.vaf)}`;
+    byId("live-figures").textContent = told.r2 === null || told.r2 === undefined ? "" : `R² ${r2(told.r2)}`;
   }
   if (told.values) {
     reached = told.values;

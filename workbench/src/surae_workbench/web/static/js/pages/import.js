@@ -145,6 +145,7 @@ function joined(read) {
 
 async function showMapping() {
   const files = trials.length ? [trials[0]] : [...inspected.values()].filter((one) => included.has(one.id) || uses(one.id));
+  if (trials.length && trials.every((one) => one.ready)) byId("columns").open = false;
   byId("import").textContent = trials.length ? `Import ${trials.length} recordings` : "Import this recording";
   for (const own of ["name", "trial"]) byId(own).closest("label").hidden = trials.length > 0; // each has its own
   replace(byId("mapping"), mappingTable(mapping, files, units, changed));

@@ -4,7 +4,7 @@ import { get, patch, post } from "../core/api.js";
 import { button, byId, empty, h, replace, select } from "../core/dom.js";
 import { change } from "../core/draft.js";
 import { onChanged, onJob } from "../core/events.js";
-import { quantity, seconds, vaf, when } from "../core/format.js";
+import { quantity, seconds, r2, when } from "../core/format.js";
 import { attempt, complain } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
@@ -40,25 +40,25 @@ const pages = Object.fromEntries(["recordings", "fits"].map((kind) => [kind, pag
 const recordingsTable = sortable("Trials of the project", [
   { key: "name", title: "Trial", value: (r) => r.name, show: (r) => h("a", { href: `/recordings/${r.id}` }, r.name) },
   { key: "subject", title: "Subject", value: (r) => code(r.subject), show: subjectOf },
-  { key: "side", title: "Side", value: (r) => r.side, show: (r) => r.side ?? "—" },
-  { key: "trial", title: "Number, condition", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || "—" },
+  { key: "side", look: "minor", title: "Side", value: (r) => r.side, show: (r) => r.side ?? "—" },
+  { key: "trial", look: "minor", title: "Number, condition", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || "—" },
   { key: "duration_s", title: "Length", numeric: true, value: (r) => r.duration_s, show: (r) => seconds(r.duration_s) },
-  { key: "fits", title: "Fits", numeric: true, value: (r) => r.fits, show: (r) => String(r.fits) },
-  { key: "created", title: "Imported", value: (r) => r.created, show: (r) => when(r.created) },
+  { key: "fits", look: "research", title: "Fits", numeric: true, value: (r) => r.fits, show: (r) => String(r.fits) },
+  { key: "created", look: "minor", title: "Imported", value: (r) => r.created, show: (r) => when(r.created) },
   {
     title: "",
     show: (r) =>
-      h("div", { class: "button-row" }, button("Fit", () => useForFit(r), { class: "small", "aria-label": `Fit ${r.name}` }), drop("recordings", r, r.name)),
+      h("div", { class: "button-row" }, button("Fit", () => useForFit(r), { class: "small research", "aria-label": `Fit ${r.name}` }), drop("recordings", r, r.name)),
   },
 ], pages.recordings.order);
 
 const legsTable = sortable("Legs of the project", [
   { title: "Leg and visit", value: (s) => s.name, show: (s) => h("a", { href: `/sessions/${s.id}` }, s.name) },
   { title: "Subject", value: (s) => code(s.subject), show: (s) => code(s.subject) ?? "—" },
-  { title: "Side", value: (s) => s.side, show: (s) => s.side ?? "—" },
-  { title: "Trials", numeric: true, value: (s) => s.trials, show: (s) => String(s.trials) },
-  { title: "All together", value: (s) => s.grade, show: (s) => s.grade ?? "no fit" },
-  { title: "Analysed", value: (s) => s.created, show: (s) => when(s.created) },
+  { look: "minor", title: "Side", value: (s) => s.side, show: (s) => s.side ?? "—" },
+  { look: "minor", title: "Trials", numeric: true, value: (s) => s.trials, show: (s) => String(s.trials) },
+  { title: "Fit", value: (s) => s.grade, show: (s) => (s.grade ? mark(s.grade) : "none") },
+  { look: "minor", title: "Analysed", value: (s) => s.created, show: (s) => when(s.created) },
   { title: "", show: (s) => drop("sessions", s, s.name, ", and none of its fits") },
 ]);
 
@@ -67,7 +67,7 @@ const fitsTable = sortable("Fits of the project", [
   { key: "title", title: "Model", value: (f) => f.title, show: (f) => f.title },
   { key: "subject", title: "Subject", value: (f) => code(f.subject), show: (f) => code(f.subject) ?? "—" },
   { key: "status", title: "Status", value: (f) => f.status, show: (f) => [status(f.status), older(f)] },
-  { key: "vaf", title: "VAF", numeric: true, value: (f) => f.vaf, show: (f) => vaf(f.vaf) },
+  { key: "r2", title: "R²", numeric: true, value: (f) => f.r2, show: (f) => r2(f.r2) },
   { key: "created", title: "Made", value: (f) => f.created, show: (f) => when(f.created) },
   { title: "", show: (f) => drop("fits", f, f.name) },
 ], pages.fits.order);
@@ -77,7 +77,7 @@ const subjectsTable = sortable("All subjects of the project", [
   { title: "Group", value: (p) => p.group, show: (p) => p.group || "—" },
   { title: "Body mass", numeric: true, value: (p) => p.body_mass, show: (p) => quantity(p.body_mass, "kg", 3) },
   { title: "Recordings", numeric: true, value: (p) => p.recordings, show: (p) => String(p.recordings) },
-  { title: "Fits", numeric: true, value: (p) => p.fits, show: (p) => String(p.fits) },
+  { look: "research", title: "Fits", numeric: true, value: (p) => p.fits, show: (p) => String(p.fits) },
   { title: "Notes", value: (p) => p.notes, show: (p) => p.notes || "—" },
   {
     title: "",

@@ -4,7 +4,7 @@ import { get, patch, query } from "../core/api.js";
 import { button, byId, field, h, replace, select, table } from "../core/dom.js";
 import { change, draft, onDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
-import { number, rate, roleText, seconds, span, unitText, vaf } from "../core/format.js";
+import { number, rate, roleText, seconds, span, unitText, r2 } from "../core/format.js";
 import { attempt, calm, complain, headline, onClick } from "../core/notice.js";
 import { signalPlots } from "../plot/signals.js";
 import { describe, mend } from "../ui/describe.js";
@@ -122,7 +122,7 @@ async function showFits() {
   replace(
     byId("fits"),
     fits.length
-      ? h("ul", { class: "list" }, fits.map((fit) => h("li", {}, h("a", { href: `/fits/${fit.id}` }, fit.name), status(fit.status), older(fit), h("span", { class: "muted" }, `VAF ${vaf(fit.vaf)}`))))
+      ? h("ul", { class: "list" }, fits.map((fit) => h("li", {}, h("a", { href: `/fits/${fit.id}` }, fit.name), status(fit.status), older(fit), h("span", { class: "muted" }, `R² ${r2(fit.r2)}`))))
       : h("p", { class: "muted" }, "None yet: choose “Fit this recording”."),
   );
 }

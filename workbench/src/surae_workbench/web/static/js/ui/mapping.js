@@ -15,12 +15,18 @@ const NEEDED = ["angle", "torque", ...EMG];
  */
 export function mappingTable(mapping, files, { roles, units }, changed) {
   const all = roles.length ? roles : NEEDED;
-  return table(
-    "Channels, units, signs",
+  const usual = (role) => NEEDED.includes(role) || role in mapping.channels;
+  const others = all.filter((role) => !usual(role));
+  const part = (some, label, caption) => table(
+    label,
     ["Signal", "Column", "Unit", "Sign", "Scale", "Offset", "Range in the file", "Preview"],
-    all.map((role) => cells(role, mapping, files, units[role] ?? [], changed)),
-    { class: "mapping", caption: "Angle: dorsiflexion positive. Torque: positive where the triceps pulls. Turn a sign where the file has it the other way. A value is sign · (scale · number + offset), in the unit." },
+    some.map((role) => cells(role, mapping, files, units[role] ?? [], changed)),
+    { class: "mapping", caption },
   );
+  return [
+    part(all.filter(usual), "Channels, units, signs", "Angle: dorsiflexion positive. Torque: positive where the triceps pulls. Turn a sign where the file has it the other way. A value is sign · (scale · number + offset), in the unit."),
+    others.length > 0 && h("details", {}, h("summary", {}, "Other signals: velocity, ultrasound"), part(others, "Other signals", "Signals that a file may have too")),
+  ];
 }
 
 function cells(role, mapping, files, units, changed) {

@@ -8,7 +8,7 @@ import { attempt, tell } from "../core/notice.js";
  * A sortable table.
  *
  * @param caption what it shows
- * @param columns [{key, title, value: row => number|string|null, show: row => node, numeric}]
+ * @param columns [{key, title, value: row => number|string|null, show: row => node, numeric, look}]; `look` has classes
  * @param byServer where the server sorts: called with a column's key and whether downwards
  * @returns {element, update(rows)}
  */
@@ -24,7 +24,8 @@ export function sortable(caption, columns, byServer = null) {
     const title = column.value
       ? h("button", { type: "button", class: "sort", on: { click: () => order(column) } }, column.title)
       : column.title;
-    column.head = h("th", { scope: "col", class: column.numeric ? "num" : null }, title);
+    column.look = [column.numeric && "num", column.look].filter(Boolean).join(" ") || null;
+    column.head = h("th", { scope: "col", class: column.look }, title);
     if (!column.title) column.head.append(h("span", { class: "sr" }, column.label ?? "Actions"));
     head.append(column.head);
   }
@@ -54,7 +55,7 @@ export function sortable(caption, columns, byServer = null) {
           "tr",
           {},
           columns.map((column, index) =>
-            h(index === 0 ? "th" : "td", { scope: index === 0 ? "row" : null, class: column.numeric ? "num" : null }, column.show(row)),
+            h(index === 0 ? "th" : "td", { scope: index === 0 ? "row" : null, class: column.look }, column.show(row)),
           ),
         ),
       ),
