@@ -35,7 +35,6 @@ from surae.report.figures.film import film_figure
 from surae.report.figures.geometry import geometry_figure
 from surae.report.recordings import GROUPS
 from surae.report.sections import predictions_section
-from surae.report.session import session_report
 from surae.report.traces import Traces, traces_of
 from surae.report.typeset import check_report, is_pdf, typeset
 
@@ -119,6 +118,8 @@ def fit_report(
 
 def session_page(**about: Any) -> Report:
     """The report of a session; `about` is as of `surae.report.session.session_report`."""
+    from surae.report.session import session_report  # its numbers are those of a `Report`
+
     report, joint = session_report(**about), about["joint"]
     traces = () if joint is None else traces_of(joint[0])
     return Report(report.document, report.figures.items(), traces)
