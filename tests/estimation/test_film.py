@@ -64,14 +64,14 @@ def point(posterior):
 
 
 def _residuals(posterior, z, c, w):
-    return np.concatenate([rows[2] for rows in posterior.film_rows(z, c, w, 0)])
+    return np.concatenate([rows.residual for rows in posterior.observed.rows(z, c, w, 0)[1:]])
 
 
 @pytest.mark.parametrize("of", ["z", "c"])
 def test_derivatives_are_those_of_the_residual(point, of) -> None:
     posterior, z, c, w = point
     exact = np.concatenate(
-        [rows[0 if of == "z" else 1] for rows in posterior.film_rows(z, c, w, 0)], axis=1
+        [getattr(rows, f"by_{of}") for rows in posterior.observed.rows(z, c, w, 0)[1:]], axis=1
     )
     own = {"z": z, "c": c}
     for j in range(0, len(own[of]), 1 if of == "z" else 7):
@@ -91,16 +91,17 @@ def test_derivatives_are_those_of_the_residual(point, of) -> None:
 
 def test_fast_gains_reach_the_frames(point) -> None:
     posterior, z, c, w = point
-    films = posterior.film_rows(z, c, w, 0)
+    films = posterior.observed.rows(z, c, w, 0)[1:]
     j = len(w) // 2
     moved = w.copy()
     moved[j] += 1e-3
     after = _residuals(posterior, z, c, moved)
     before = _residuals(posterior, z, c, w)
     exact = []
-    for _, _, residual, (columns, first) in films:
-        whole = np.zeros(len(residual))
-        stop = min(len(residual), first[j] + columns.shape[1])
+    for rows in films:
+        columns, first = rows.fast, rows.first
+        whole = np.zeros(len(rows.residual))
+        stop = min(len(whole), first[j] + columns.shape[1])
         whole[first[j] : stop] = columns[j, : stop - first[j]]
         exact.append(whole)
     numeric = (after - before) / 1e-3
@@ -121,7 +122,7 @@ def test_a_film_tells_the_length_of_its_muscle(filmed, posterior) -> None:
     spread = []
     for each in (blind, posterior.having(latents=latents)):
         z = each.start({})
-        H, _ = each.reduced(z, each.blocks(z, each.still(), each.expected()))
+        H, _ = each.reduced(each.blocks(z, each.still(), each.expected()))
         V = np.linalg.inv(H + np.diag(each.weight**2))
         spread.append(np.sqrt(V[each.names.index("dlt_tib"), each.names.index("dlt_tib")]))
     assert spread[1] < 0.7 * spread[0]
@@ -180,7 +181,7 @@ def test_a_joint_fit_has_one_zero_of_each_film(filmed) -> None:
     assert joint.names.count("film_zero_tib") == 1
     z, c, w = joint.start({}), joint.still(), joint.expected()
     for number in range(2):
-        films = joint.film_rows(z, c[number], w[number], number)
-        seen = {view.channel: rows[0][at].any() for view, rows in
+        films = joint.observed.rows(z, c[number], w[number], number)[1:]
+        seen = {view.channel: rows.by_z[at].any() for view, rows in
                 zip(joint.latents[number].films, films, strict=True)}  # fmt: skip
         assert seen == {"fascicle_gm": False, "fascicle_tib": True}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from surae.estimation.learning import level_where_filtered
 from surae.estimation.noise import noise_behind, noise_of
-from surae.estimation.posterior import level_where_filtered
 from surae.frozen import read_only
 from surae.protocol import Protocol, generate
 from surae.signals.prepare import smoothed

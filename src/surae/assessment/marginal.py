@@ -9,7 +9,7 @@ from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.parameter import IDENTIFIED, Interval, ParameterEstimate, Verdict, percent
 from surae.assessment.uncertainty.budget import Budget, budgets
 from surae.estimation import FitProblem
-from surae.estimation.posterior import straight
+from surae.estimation.coordinates import straight
 from surae.estimation.residuals import stiffness_valleys
 from surae.estimation.result import Family
 from surae.model.laboratory import group_of

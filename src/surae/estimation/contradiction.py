@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surae.estimation.coordinates import STRAIGHT
 from surae.estimation.evidence import Quadratic
 from surae.estimation.noise import NoiseModel, noise_behind, whitened
-from surae.estimation.posterior import STRAIGHT
 from surae.estimation.problem import FitProblem
 from surae.estimation.result import FitResult, is_at_bound
 from surae.frozen import FrozenDict

@@ -16,15 +16,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surae.estimation.coordinates import STRAIGHT
 from surae.estimation.evidence import Subset, subsets
 from surae.estimation.film import TRAVEL, group_of_film, names_of_film
 from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.latent import SOURCES, Latents
+from surae.estimation.learning import effort_ratio, learnt_films, learnt_noise, learnt_sizes
 from surae.estimation.least_squares import Outcome
 from surae.estimation.noise import NoiseModel
 from surae.estimation.population import WIDENED, wide_priors
-from surae.estimation.posterior import STRAIGHT, Block, LogPosterior, Point
+from surae.estimation.posterior import LogPosterior, Point
 from surae.estimation.problem import FitProblem
 from surae.estimation.result import (
     TENDONS,
@@ -39,7 +41,6 @@ from surae.estimation.uncertainty import (
     UNSUPPORTED,
     between_subsets,
     between_trials,
-    covariance_at,
     dynamics,
     shifts_by_source,
 )
@@ -248,8 +249,9 @@ class _Search:
             post = post.having(noise=_white(self._asked, _TEMPERS[1]))
             point = post.descend(point.z, point.c, evaluations=10, tolerance=0.3)
             post = post.having(sizes=_BEGIN)
+            point = post.again(point)
             for _ in range(2):
-                post = post.having(noise=post.learnt_noise(point, white=True))
+                post = post.having(noise=learnt_noise(post, point, white=True))
                 point = post.descend(point.z, point.c, evaluations=12, tolerance=0.3)
             spent = point.cost + sum(
                 recording.n * np.log(noise.variance)
@@ -269,9 +271,9 @@ class _Search:
         for _ in range(rounds):
             sizes = _LEAST
             if not self._perfect:
-                learnt = post.learnt_sizes(point)
+                learnt = learnt_sizes(post, point)
                 sizes = {s: float(np.clip(learnt[s], _LEAST[s], _MOST[s])) for s in SOURCES}
-            noise, latents = post.learnt_noise(point, white=white), post.learnt_films(point)
+            noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
             post = post.having(noise=noise, sizes=sizes, latents=latents)
             point = post.descend(point.z, point.c, point.w, evaluations=evaluations, tolerance=0.1)
         return post, point
@@ -287,7 +289,7 @@ class _Search:
             full.start(post.by_name(point.z)), point.c, evaluations=10, tolerance=0.3
         )
         full, point = self._learnt(full, point, 2)
-        if full.effort_ratio(point) > _LOUDER:  # which departures there are would hide behind it
+        if effort_ratio(full, point) > _LOUDER:  # which departures there are would hide behind it
             full, point = self._with_drive_errors(full, point, _ERRORS)
         positions: dict[str, list[int]] = {}
         off: dict[int, float] = {}
@@ -331,8 +333,7 @@ def _summed(
 ) -> FitResult:  # fmt: skip
     """The fit at a mode, and what makes it unsure."""
     post, point = choice.posterior, choice.point
-    blocks = post.blocks(point.z, point.c, point.w)
-    V = covariance_at(post, point, blocks)
+    blocks, V = point.blocks, post.covariance(point)
     shifts = shifts_by_source(post, blocks, V)
     shifts["model"] = np.concatenate(
         [
@@ -349,7 +350,7 @@ def _summed(
     covariance = sum((by.T @ by for by in spread.values()), np.zeros((len(problem.free),) * 2))
     values = dict(zip(problem.spec.names, post.values(point.z).tolist(), strict=True))
     residuals = tuple(
-        read_only(-post.plain_residual(point.z, recording, number))
+        read_only(-post.observed.plain_residual(point.z, recording, number))
         for number, recording in enumerate(inputs)
     )
     roots = [1.0 if recording.weight is None else recording.weight for recording in inputs]
@@ -398,20 +399,18 @@ def _summed(
                     if group_of(n) is None
                 }
             ),
-            recordings=_each(post, point, blocks, change) if len(inputs) > 1 else (),
+            recordings=_each(post, point, change) if len(inputs) > 1 else (),
         ),
     )  # fmt: skip
 
 
-def _each(
-    post: LogPosterior, point: Point, blocks: Sequence[Block], change: FloatArray
-) -> tuple[OfRecording, ...]:
+def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecording, ...]:
     """What each recording says by itself, from its quadratic at the common mode."""
     own = []
     prior = post.weight**2
-    for b in blocks:
-        V = np.linalg.inv(b.A - b.B @ b.solved + np.diag(prior))
-        z = point.z - V @ (b.g - b.solved.T @ b.gc + prior * (point.z - post.mean))
+    for b in point.blocks:
+        V = np.linalg.inv(b.H + np.diag(prior))
+        z = point.z - V @ (b.g + prior * (point.z - post.mean))
         sd = np.sqrt(np.diag(change @ V @ change.T))
         values = post.by_name(np.clip(z, post.lower, post.upper))
         leg = [j for j, n in enumerate(post.problem.free) if group_of(n) is None]

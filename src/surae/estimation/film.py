@@ -5,8 +5,7 @@
 l is the length of the muscle group in the model, path and tendon included. A fascicle is one of
 many, deeper or shallower and pennate: it has a scale and a zero of its own, which are parameters
 (`film_scale_tib`, `film_zero_tib` …) and the same in all trials of a mounting. Trackers drift by a
-millimetre or two within seconds; what is left is correlated from frame to frame and is whitened as
-the noise of the torque is.
+millimetre or two within seconds; what is left counts as the noise of the torque does.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.estimation.noise import NoiseModel, noise_behind, whitened
+from surae.estimation.noise import NoiseModel, noise_behind
 from surae.model.activation import IntArray
 from surae.signals import Film, ModelInputs
 from surae.units import FloatArray
@@ -77,10 +76,7 @@ class FilmView:
         return np.asarray(here + self.part * (rows[..., self.before + 1] - here))
 
     def short(self, columns: FloatArray, first: IntArray) -> tuple[FloatArray, IntArray]:
-        """Columns that begin at samples `first`, (j, size), at the frames from their first on.
-
-        They get as long as the noise model needs, and are whitened.
-        """
+        """Columns that begin at samples `first`, (j, size), at the frames from their first on."""
         size = columns.shape[1]
         position = self.before + self.part
         begin = np.searchsorted(position, first)
@@ -92,7 +88,6 @@ class FilmView:
         here = np.take_along_axis(columns, low, axis=1)
         after = np.take_along_axis(columns, low + 1, axis=1)
         values = np.where(inside, here + (since - low) * (after - here), 0.0)
-        values = whitened(values, self.noise)
         return np.ascontiguousarray(np.where(at < len(position), values, 0.0)), begin
 
 

@@ -7,11 +7,13 @@ theirs reach the parameters by −D⁻¹·Bᵀ. Every source is rows of shifts, 
 to its covariance.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from surae.estimation.evidence import Subset, root
 from surae.estimation.latent import SOURCES
-from surae.estimation.posterior import Block, LogPosterior, Point
+from surae.estimation.posterior import Block, LogPosterior
 from surae.model.laboratory import group_of
 from surae.model.sources import source_of
 from surae.units import FloatArray
@@ -26,16 +28,8 @@ _CALLED = {"gain": "emg_gain", "drift": "torque_drift", "misfit": "left_out", "f
 UNSUPPORTED = 0.005
 
 
-def covariance_at(posterior: LogPosterior, point: Point, blocks: list[Block]) -> FloatArray:
-    """Covariance of the searched coordinates, latents eliminated, shape (q, q)."""
-    H, _ = posterior.reduced(point.z, blocks)
-    H = H + np.diag(posterior.weight**2)
-    scale = 1.0 / np.sqrt(np.diag(H))
-    return np.asarray(np.linalg.inv(H * scale * scale[:, None]) * scale * scale[:, None])
-
-
 def shifts_by_source(
-    posterior: LogPosterior, blocks: list[Block], V: FloatArray
+    posterior: LogPosterior, blocks: Sequence[Block], V: FloatArray
 ) -> dict[str, FloatArray]:
     """Shifts of the searched coordinates, shape (r, q) each, by source."""
     shifts: dict[str, FloatArray] = {}
@@ -94,7 +88,7 @@ def dynamics(posterior: LogPosterior, V: FloatArray, *, unheard: bool) -> FloatA
     return np.asarray([size * V[j] / V[j, j] for j in ways]).reshape(len(ways), len(V))
 
 
-def between_trials(blocks: list[Block], V: FloatArray) -> FloatArray:
+def between_trials(blocks: Sequence[Block], V: FloatArray) -> FloatArray:
     """Shifts by which trials of a joint fit disagree beyond what else makes them unsure, (r, q).
 
     What recording i pulls the common estimate by is V·gᵢ, of which the posterior expects the
@@ -106,9 +100,8 @@ def between_trials(blocks: list[Block], V: FloatArray) -> FloatArray:
         return np.zeros((0, len(V)))
     pulls, expected = [], np.zeros(len(V))
     for b in blocks:
-        H = b.A - b.B @ b.solved
-        pulls.append(V @ (b.g - b.solved.T @ b.gc))
-        expected += np.diag(V @ H @ V)
+        pulls.append(V @ b.g)
+        expected += np.diag(V @ b.H @ V)
     rows = np.stack(pulls) * np.sqrt(n / (n - 1.0))
     seen = np.sum(rows**2, axis=0)
     excess = np.sqrt(np.maximum(seen - expected, 0.0) / np.maximum(seen, 1e-300))

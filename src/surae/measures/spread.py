@@ -14,7 +14,7 @@ from surae.assessment import Assessment, Interval
 from surae.assessment.uncertainty.budget import drawn_anew
 from surae.assessment.uncertainty.covariance import inverse_root
 from surae.estimation import FitResult
-from surae.estimation.posterior import straight
+from surae.estimation.coordinates import straight
 from surae.frozen import Comparable
 from surae.units import FloatArray
 

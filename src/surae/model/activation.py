@@ -204,9 +204,9 @@ class ActivationFilter:
             if drive.delay_column >= 0:
                 self._by_delay(drive, slopes[len(columns)])
                 columns.append(drive.delay_column)
-            for column, signal in drive.slopes:
-                self._respond(signal, drive.delay, [slopes[len(columns)]])
-                columns.append(column)
+            if drive.slopes:
+                self._respond_each(drive, slopes[len(columns) :])
+                columns.extend(column for column, _ in drive.slopes)
         of = np.array([*columns, *(self._columns[k] for k in by_filter)], dtype=np.int64)
         return ActiveState(sum(shares[1:], start=shares[0]), slopes, of, tuple(shares))
 
@@ -222,6 +222,15 @@ class ActivationFilter:
         if first != 0.0:
             for moving, still in zip(rows, self._held(len(rows), rows[0].shape), strict=True):
                 np.add(moving, first * still, out=moving)
+
+    def _respond_each(self, drive: Drive, out: FloatArray) -> None:
+        """Responses to the slopes of a drive, into the first of (…, L, n)."""
+        signals = np.stack([signal for _, signal in drive.slopes])
+        first = np.zeros(len(signals)) if drive.delay is None else signals[:, 0].copy()
+        for lag, (steps, back) in enumerate(self.instants(drive.delay or 0.0)):
+            _respond_each(signals, first, steps, back, out[:, lag])
+        for k in np.flatnonzero(first):
+            out[k] += first[k] * self._held(1, out[k].shape)[0]
 
     def _held(self, count: int, shape: tuple[int, ...]) -> list[FloatArray]:
         """Response, and with a count of three its derivatives, to a step at the first sample."""
@@ -290,6 +299,15 @@ def _respond(
             s00 * v + s01 * w + (s02 * before + s03 * now),
             s10 * v + s11 * w + (s12 * before + s13 * now),
         )
+
+
+@jit
+def _respond_each(
+    signals: FloatArray, first: FloatArray, steps: FloatArray, back: int, out: FloatArray
+) -> None:
+    """`_respond` with α to every row of signals, shape (s, n), into the first of (…, n)."""
+    for k in range(len(signals)):
+        _respond(signals[k], first[k], steps, back, 0, out[k])
 
 
 @jit

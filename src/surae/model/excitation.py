@@ -216,7 +216,7 @@ def _folded(taken: FloatArray, n: int) -> FloatArray:
     """What is taken of a drive by way of the envelopes and, behind them, of the smooth ones."""
     if len(taken) == 2 * n:
         return np.asarray(taken[:n] + taken[n:])
-    return np.array(np.broadcast_to(taken, n))
+    return taken if len(taken) == n else np.full(n, taken[0])
 
 
 def _reference(inputs: ModelInputs, options: ModelOptions, present: FloatArray) -> FloatArray:

@@ -1,7 +1,7 @@
 """The muscle-tendon models tied to a recording (thesis 2.4): one model, whatever is freed of it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from surae.model.compliant import (
     stages,
 )
 from surae.model.euler import explicit_states
-from surae.model.movement import MusclePath
+from surae.model.movement import LegMovement, MusclePath
 from surae.model.muscle import GROUP_COLUMNS
 from surae.model.options import ModelOptions
 from surae.model.parameters import (
@@ -111,6 +111,18 @@ class DriveResponse:
         return out
 
 
+@dataclass(frozen=True, slots=True)
+class Tangent:
+    """The model at one point, and how everything moves it there, to first order."""
+
+    torque: FloatArray  #: [Nm], shape (n,).
+    jacobian: FloatArray  #: Its derivatives by the wanted columns, shape (c, n).
+    active: FloatArray  #: Torque of the contractile elements of both groups [Nm], shape (2, n).
+    lengths: FloatArray  #: Of both muscle groups [m], shape (2, n).
+    length_jacobian: FloatArray  #: Their derivatives, (2, c, n); (2, 0, n) where not wanted.
+    response: DriveResponse  #: To the muscles' drives.
+
+
 class MuscleTendonSimulator(TiedModel):
     """Models 2.0, 2.1, 2.2 on one recording.
 
@@ -128,7 +140,6 @@ class MuscleTendonSimulator(TiedModel):
             lags=lags,
         )  # fmt: skip
         self._n = inputs.n
-        self._linear: FloatArray | None = None
         self._slack = np.array([SLACK_TRI, SLACK_TIB])
         in_metres = options.tendon_strain == "thesis"
         self._strain_lengths = np.ones(2) if in_metres else self._slack
@@ -188,54 +199,53 @@ class MuscleTendonSimulator(TiedModel):
     def _contract(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
     ) -> None:
-        force = self._integrate(p, group, muscle, active, into)[FORCE]
-        into.torque[:] += muscle.arm * force
+        states = self._integrate(p, group, muscle, active, into)
+        into.states.append(states)
+        into.torque[:] += muscle.arm * states[FORCE]
         for row, slot in enumerate(into.turned):
-            into.jacobian[slot] += muscle.arm_slopes[row] * force
-
-    def length_jacobian(
-        self, values: FloatArray, columns: Sequence[int]
-    ) -> tuple[FloatArray, FloatArray]:
-        """Lengths of both muscle groups [m], (2, n), and derivatives, (2, len(columns), n)."""
-        p = np.array(values, dtype=np.float64)
-        slots = np.full(len(p), len(columns))
-        slots[list(columns)] = np.arange(len(columns))
-        leg = self._movement.at(p, columns)
-        turned = slots[np.array(leg.columns, dtype=np.int64)]
-        lengths, jacobian = np.empty((2, self._n)), np.zeros((2, len(columns) + 1, self._n))
-        for group, active in enumerate(self._active(p, leg, columns)):
-            into = Sums(np.empty(0), np.zeros((len(columns) + 1, self._n)), slots, turned)
-            states = self._integrate(p, group, leg.muscles[group], active, into, jacobian[group])
-            lengths[group] = states[LENGTH]
-        return lengths, jacobian[:, :-1]
+            into.jacobian[slot] += muscle.arm_slopes[row] * states[FORCE]
 
     def _integrate(
-        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums,
-        seen: FloatArray | None = None,
-    ) -> FloatArray:  # fmt: skip
+        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
+    ) -> FloatArray:
         lengths, slopes = self._stages(group, muscle)
         states = np.full((5, len(muscle.length)), np.nan)
         # the last value and the last row are of what the model does not have
         columns = np.concatenate([_COLUMNS[group], self._curves[group]])
-        linear = np.empty((0, 5, 0)) if self._linear is None else self._linear[group]
+        linear = np.empty((0, 5, 0)) if into.linear is None else into.linear[group]
+        seen = np.empty((0, 0)) if into.seen is None else into.seen[group]
         compliant_states(
             np.append(p, 0.0)[columns], np.append(into.slots, len(into.jacobian) - 1)[columns],
             float(self._strain_lengths[group]), muscle.arm, lengths, active.alpha, active.slopes,
             into.slots[active.columns], slopes, into.turned, self._factor, self._dt, states,
-            into.jacobian, linear, np.empty((0, 0)) if seen is None else seen,
+            into.jacobian, linear, seen,
         )  # fmt: skip
         return states
 
-    def drive_response(self, values: FloatArray) -> "DriveResponse":
-        """How changes of what drives the muscles change the torque here, to first order."""
+    def tangent(
+        self, values: FloatArray, columns: Sequence[int], *, lengths: bool = False
+    ) -> Tangent:
+        """The model with its derivatives by these columns and by the drives, integrated once.
+
+        `lengths` says whether those of the muscles' lengths are wanted too.
+        """
         p, n = np.array(values, dtype=np.float64), self._n
-        leg = self._movement.at(p)
-        linear = self._linear = np.zeros((2, 2, 5, n))
-        try:
-            for group, active in enumerate(self._active(p, leg)):
-                self._states(p, group, leg.muscles[group], active)
-        finally:
-            self._linear = None
+        leg = self._movement.at(p, columns)
+        linear = np.zeros((2, 2, 5, n))
+        seen = np.zeros((2, len(columns) + 1, n)) if lengths else None
+        into = self._summed(p, columns, leg, linear, seen)
+        states = np.stack(into.states)
+        arms = np.stack([muscle.arm for muscle in leg.muscles])
+        return Tangent(
+            torque=into.torque,
+            jacobian=into.jacobian[:-1],
+            active=arms * (states[:, FORCE] - states[:, TISSUE]),
+            lengths=states[:, LENGTH],
+            length_jacobian=np.empty((2, 0, n)) if seen is None else seen[:, :-1],
+            response=self._response(p, linear, arms),
+        )
+
+    def _response(self, p: FloatArray, linear: FloatArray, arms: FloatArray) -> DriveResponse:
         delay = float(p[self._at["emd"]]) if "emd" in self._at else 0.0
         instants = self.activation(p).instants(delay)
         k_rel, tau = p[_COLUMNS[0][K_REL]], p[_COLUMNS[0][TAU]]
@@ -244,7 +254,7 @@ class MuscleTendonSimulator(TiedModel):
             steps=np.stack([steps for steps, _ in instants]),
             back=np.array([back for _, back in instants], dtype=np.int64),
             linear=linear,
-            arms=np.stack([muscle.arm for muscle in leg.muscles]),
+            arms=arms,
             keep=1.0 / (1.0 + GAMMA * self._dt * (1.0 + k_rel) / tau),
         )
 
@@ -270,13 +280,18 @@ class ThesisSimulator(MuscleTendonSimulator):
     chatters between its clamps, the torque jumps with the parameters and no derivative is of use.
     """
 
-    def torque_jacobian(
-        self, values: FloatArray, columns: Sequence[int]
-    ) -> tuple[FloatArray, FloatArray]:
-        """Modelled torque, shape (n,), and its derivatives, one row for each of `columns`."""
-        torque, names = self.torque(values), list(self._at)
-        jacobian = np.empty((len(columns), len(torque)))
-        for row, j in zip(jacobian, columns, strict=True):
+    def _summed(
+        self, p: FloatArray, columns: Sequence[int], leg: LegMovement,
+        linear: FloatArray | None = None, seen: FloatArray | None = None,
+    ) -> Sums:  # fmt: skip
+        """The torque and its derivatives; the drives' response is the implicit scheme's."""
+        none = np.zeros(0, dtype=np.int64)
+        into = Sums(p[:0], p[:0], none, none)
+        if linear is not None:
+            into = super()._summed(p, columns, leg, linear, seen)
+        torque, names, values = self.torque(p), list(self._at), p
+        jacobian = np.empty((len(columns) + 1, len(torque)))
+        for row, j in zip(jacobian, columns, strict=False):
             step = DIFFERENCE * (abs(values[j]) or _SCALES[names[j]])
             below, above = np.array(values), np.array(values)
             below[j] -= step
@@ -284,7 +299,7 @@ class ThesisSimulator(MuscleTendonSimulator):
             if names[j] in _DELAYS:
                 below[j] = max(below[j], 0.0)
             row[:] = (self.torque(above) - self.torque(below)) / (above[j] - below[j])
-        return torque, jacobian
+        return replace(into, torque=torque, jacobian=jacobian)
 
     def _states(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState

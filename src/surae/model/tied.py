@@ -8,7 +8,7 @@ and activation are the same for all.
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -31,6 +31,11 @@ class Sums:
     slots: IntArray  #: Row of every parameter, by its column, shape (P,).
     #: Rows of the parameters that turn the path: those of `MusclePath.arm_slopes` and the like.
     turned: IntArray
+    #: Are filled where there is room: what `surae.model.compliant.drive_columns` needs of both
+    #: groups, (2, 2, 5, n), and derivatives of their lengths, (2, rows, n).
+    linear: FloatArray | None = None
+    seen: FloatArray | None = None
+    states: list[FloatArray] = field(default_factory=list)  #: Of each group, (5, n), compliant.
 
 
 class TiedModel:
@@ -86,9 +91,16 @@ class TiedModel:
         """Modelled torque, shape (n,), and its derivatives, one row for each of `columns`."""
         # A copy: for a read-only or strided array numba would compile every kernel once more.
         p = np.array(values, dtype=np.float64)
+        into = self._summed(p, columns, self._movement.at(p, columns))
+        return into.torque, into.jacobian[:-1]
+
+    def _summed(
+        self, p: FloatArray, columns: Sequence[int], leg: LegMovement,
+        linear: FloatArray | None = None, seen: FloatArray | None = None,
+    ) -> Sums:  # fmt: skip
+        """The torque and its derivatives, and of each group what there is room for."""
         slots = np.full(len(p), len(columns))
         slots[list(columns)] = np.arange(len(columns))
-        leg = self._movement.at(p, columns)
         limb = leg.inertia + leg.gravity
         torque: FloatArray = p[0] * limb
         jacobian = np.zeros((len(columns) + 1, len(limb)))  # the last row is of what is not wanted
@@ -99,10 +111,10 @@ class TiedModel:
         turned = slots[np.array(leg.columns, dtype=np.int64)]
         for row, slope in zip(turned, leg.limb_slopes, strict=True):
             jacobian[row] = p[0] * slope
-        into = Sums(torque, jacobian, slots, turned)
+        into = Sums(torque, jacobian, slots, turned, linear, seen)
         for group, active in enumerate(self._active(p, leg, columns)):
             self._contract(p, group, leg.muscles[group], active, into)
-        return torque, jacobian[:-1]
+        return into
 
     def parts(self, values: FloatArray) -> TorqueParts:
         """The torque split into its parts; of a compliant tendon's, tissue is F_elas·r."""

@@ -59,7 +59,8 @@ def rows_of_films(
     step = max(round(len(time) / ((time[-1] - time[0]) * _RATE)), 1)
     at = np.arange(0, len(time), step)
     columns = [spec.names.index(name) for name in free]
-    lengths, slopes = simulator.length_jacobian(values, columns)  # type: ignore[attr-defined]
+    at_point = simulator.tangent(values, columns, lengths=True)  # type: ignore[attr-defined]
+    lengths, slopes = at_point.lengths, at_point.length_jacobian
     apart = np.abs(time[at][:, None] - time[at]) / DRIFT_S
     factor = np.linalg.cholesky(DRIFT**2 * np.exp(-apart) + _NOISE**2 * np.eye(len(at)))
     whitened = []
