@@ -7,13 +7,14 @@ header's count of samples in the last one is left over from earlier.
 
 import math
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from surae.errors import InputError
 from surae.frozen import freeze
+from surae.recording.foreign import printable
 from surae.recording.samples import instants, sample
 from surae.recording.source import Source
 from surae.recording.table import Column, Table
@@ -25,8 +26,6 @@ _HEADER = struct.Struct("<H81phhBHi4x14xiHHH64x")
 _SIGNAL = struct.Struct("<41p4x11pffffH62x")
 #: Before the samples of each block: index, time of day, reserved.
 _BLOCK_HEADER = 86
-#: Bytes that are read at a time.
-_PART = 2**18
 _LOW, _HIGH = "(Lo) ", "(Hi) "
 
 
@@ -48,7 +47,7 @@ class _Layout:
 
     first: int
     blocks: int
-    block_words: int
+    per_block: int
     words: int
     n: int
     rate_hz: float
@@ -69,7 +68,7 @@ def open_table(source: Source) -> Table:
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         time = instants(0.0, layout.rate_hz, layout.n)
-        values = _values(source, layout, [by_name[name] for name in wanted])
+        values = {name: _values(source, layout, by_name[name]) for name in wanted}
         return {name: Column(name, time, values[name], "time", sample) for name in wanted}
 
     return Table(
@@ -117,45 +116,27 @@ def _opened(source: Source) -> tuple[_Layout, list[_Signal], str]:
         remark = f"the header counts {count} samples, the blocks hold {n}"
     if n < 2:
         raise InputError(f"{where}: it holds fewer than two samples")
-    layout = _Layout(first, blocks, size // 2, words, n, float(rate))
-    described = [
-        _SIGNAL.unpack_from(data, begin + _HEADER.size + index * _SIGNAL.size)
-        for index in range(words)
-    ]
-    return layout, _signals([_description(raw) for raw in described], where), remark
+    layout = _Layout(first, blocks, per_block, words, n, float(rate))
+    return layout, list(_signals(data[begin + _HEADER.size : first], where)), remark
 
 
-def _description(raw: tuple[bytes, bytes, float, float, float, float, int]) -> _Signal:
-    """A signal as described, its word not yet known."""
-    name, unit, unit_low, unit_high, raw_low, raw_high, _ = raw
-    scale, offset = _calibration(unit_low, unit_high, raw_low, raw_high)
-    return _Signal(_latin(name), _latin(unit), 0, False, scale, offset)
-
-
-def _signals(words: list[_Signal], where: str) -> list[_Signal]:
-    """The signals behind the words, pairs joined."""
-    signals: list[_Signal] = []
-    index = 0
-    while index < len(words):
-        word = words[index]
-        if word.name.startswith(_LOW):
-            name = word.name.removeprefix(_LOW).strip()
-            following = words[index + 1].name if index + 1 < len(words) else ""
-            if following.strip() != _HIGH + name:
+def _signals(described: bytes, where: str) -> Iterator[_Signal]:
+    """The signals that the words are of, pairs joined."""
+    words = enumerate(_SIGNAL.iter_unpack(described))
+    for word, (raw, unit, *calibration, _) in words:
+        name = _latin(raw)
+        if floats := name.startswith(_LOW):
+            name = name.removeprefix(_LOW).strip()
+            _, (high, *_) = next(words, (0, (b"",)))
+            if _latin(high) != _HIGH + name:
                 raise InputError(
-                    f"{where}: {word.name!r} is not followed by its high word; the file is damaged"
+                    f"{where}: {_LOW + name!r} is not followed by its high word; the file is "
+                    "damaged"
                 )
-            signals.append(_Signal(name, word.unit, index, True, word.scale, word.offset))
-            index += 2
-        else:
-            signals.append(_Signal(word.name, word.unit, index, False, word.scale, word.offset))
-            index += 1
-        scale, offset = signals[-1].scale, signals[-1].offset
+        scale, offset = _calibration(*calibration)
         if not (math.isfinite(scale) and math.isfinite(offset)):
-            raise InputError(
-                f"{where}: {signals[-1].name!r} has no calibration; the file is damaged"
-            )
-    return signals
+            raise InputError(f"{where}: {name!r} has no calibration; the file is damaged")
+        yield _Signal(name, _latin(unit), word, floats, scale, offset)
 
 
 def _calibration(
@@ -170,35 +151,23 @@ def _calibration(
     return scale, unit_low - scale * raw_low
 
 
-def _values(source: Source, layout: _Layout, wanted: Sequence[_Signal]) -> Mapping[str, FloatArray]:
-    """Signals in their units."""
-    step = _BLOCK_HEADER + 2 * layout.block_words
-    shape = (layout.blocks, layout.block_words // layout.words)
-    values_of = {signal.name: np.empty(shape) for signal in wanted}
-    views = [
-        np.ndarray(
-            shape=shape,
-            dtype="<f4" if signal.floats else "<i2",
-            buffer=source.data,
-            offset=layout.first + _BLOCK_HEADER + 2 * signal.word,
-            strides=(step, 2 * layout.words),
-        )
-        for signal in wanted
-    ]
-    # All signals of some blocks, while these are in the processor's cache.
-    each = max(_PART // step, 1)
+def _values(source: Source, layout: _Layout, signal: _Signal) -> FloatArray:
+    """A signal in its unit."""
+    raw: FloatArray = np.ndarray(
+        shape=(layout.blocks, layout.per_block),
+        dtype="<f4" if signal.floats else "<i2",
+        buffer=source.data,
+        offset=layout.first + _BLOCK_HEADER + 2 * signal.word,
+        strides=(_BLOCK_HEADER + 2 * layout.words * layout.per_block, 2 * layout.words),
+    )
     with np.errstate(invalid="ignore", over="ignore"):
-        for first in range(0, layout.blocks, each):
-            for signal, view in zip(wanted, views, strict=True):
-                part = values_of[signal.name][first : first + each]
-                part[:] = view[first : first + each]
-                if (signal.scale, signal.offset) != (1.0, 0.0):
-                    part *= signal.scale
-                    part += signal.offset
-    return {name: freeze(values.reshape(-1)[: layout.n]) for name, values in values_of.items()}
+        values = raw.astype(np.float64).reshape(-1)[: layout.n]
+        if (signal.scale, signal.offset) != (1.0, 0.0):
+            values *= signal.scale
+            values += signal.offset
+    return freeze(values)
 
 
 def _latin(text: bytes) -> str:
     """A name or unit, in one printable line."""
-    plain = text.split(b"\0")[0].decode("latin-1").strip(" ")
-    return "".join(letter if letter.isprintable() else "?" for letter in plain)
+    return printable(text.split(b"\0")[0].decode("latin-1"))
