@@ -71,7 +71,7 @@ class Request:
         """Check each."""
         for each, record in settings_of(type(self)):
             value = getattr(self, each.name)
-            if isinstance(value, Mapping) or (value is None and default_of(each) is None):
+            if isinstance(value, Mapping) or (value is None and NoneType in parts_of(each.type)):
                 continue
             if record.choices and value not in record.choices:
                 rule = f"use one of: {', '.join(record.choices)}"

@@ -47,6 +47,6 @@ def test_unknown_setting_lists_the_known_ones() -> None:
     ],
 )
 def test_value_that_is_not_allowed(name: str, value: object) -> None:
-    with pytest.raises(InputError, match=f"prepare: {name} is {value!r}; use a ") as error:
+    with pytest.raises(InputError, match=f"prepare: {name} is {value!r}; give ") as error:
         Preparation().updated({name: value})
     assert "\n" not in str(error.value)

@@ -128,7 +128,7 @@ def test_each_recording_may_have_its_own() -> None:
         ({"peaks": -1.0}, "peaks is -1"),
         ({"peaks": math.inf}, "peaks is inf"),
         ({"peaks": True}, "peaks is True"),
-        ({"activity": "angle"}, "give torque or emg"),
+        ({"activity": "angle"}, "use one of: torque, emg"),
     ],
 )
 def test_what_has_no_meaning(given, complaint) -> None:

@@ -130,20 +130,20 @@ def test_streams_are_independent():
 @pytest.mark.parametrize(
     ("name", "value", "says"),
     [
-        ("torque_noise", -1.0, "use 0 or more"),
-        ("torque_noise", float("nan"), "use 0 or more"),
-        ("crosstalk", 1.0, "use 0 or more and below 1"),
-        ("axis_up", -0.05, "use above -0.05 and below 0.05"),
-        ("axis_forward", 0.06, "use above -0.05 and below 0.05"),
-        ("knee_motion", 2.0, "use 0 or more and below 0.5"),
-        ("reflex_delay", float("inf"), "use 0 or more"),
-        ("effort_variation", -0.1, "use 0 or more"),
-        ("unmeasured", 1.0, "use 0 or more and below 1"),
+        ("torque_noise", -1.0, "give at least 0"),
+        ("torque_noise", float("nan"), "give a number"),
+        ("crosstalk", 1.0, "give at most 0.99"),
+        ("axis_up", -0.06, "give at least -0.05"),
+        ("axis_forward", 0.06, "give at most 0.05"),
+        ("knee_motion", 2.0, "give at most 0.5"),
+        ("reflex_delay", float("inf"), "give a number"),
+        ("effort_variation", -0.1, "give at least 0"),
+        ("unmeasured", 1.0, "give at most 0.99"),
         ("effort_variation", "0.1", "give a number"),
     ],
 )
 def test_senseless_values_are_refused(name, value, says):
-    with pytest.raises(InputError, match=rf"^imperfections: {name} is .*; {says}$"):
+    with pytest.raises(InputError, match=rf"^{name} is .*; {says}$"):
         Imperfections(**{name: value})
 
 

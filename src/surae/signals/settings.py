@@ -1,13 +1,12 @@
 """The settings of the preparation, each with its default and its allowed values."""
 
-import math
 from collections.abc import Mapping
-from dataclasses import Field, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 from types import NoneType
 from typing import Any
 
 from surae.errors import InputError
-from surae.setting import documented, kind_of, parts_of, setting, settings_of
+from surae.setting import Request, documented, parts_of, setting
 
 #: Highest order a filter can have; it runs forward and backward, so this is 20th order in effect.
 MAXIMUM_ORDER = 10
@@ -15,7 +14,7 @@ MAXIMUM_ORDER = 10
 
 @documented
 @dataclass(frozen=True, slots=True)
-class Preparation:
+class Preparation(Request):
     """How a recording becomes model inputs.
 
     Every cut-off is the −3 dB point of what is applied in the end: filters run forward and backward
@@ -61,11 +60,6 @@ class Preparation:
         least=1, most=MAXIMUM_ORDER, label="Angle and torque: order",
     )  # fmt: skip
 
-    def __post_init__(self) -> None:
-        """Check every value."""
-        for each, _ in settings_of(type(self)):
-            _check(each, getattr(self, each.name))
-
     def updated(self, mapping: Mapping[str, Any]) -> "Preparation":
         """These settings with those of `mapping` in their place.
 
@@ -92,22 +86,7 @@ class Preparation:
                 )
         optional = {each.name for each in fields(self) if NoneType in parts_of(each.type)}
         off = {name: None for name in optional if mapping.get(name) is False}
-        return replace(self, **{**mapping, **off})
-
-
-def _check(each: "Field[Any]", value: Any) -> None:
-    """Raise InputError unless `value` is allowed for a setting."""
-    name, optional = each.name, NoneType in parts_of(each.type)
-    if kind_of(each) == "whole":
-        whole = isinstance(value, int) and not isinstance(value, bool)
-        if not whole or not 1 <= value <= MAXIMUM_ORDER:
-            raise InputError(
-                f"prepare: {name} is {value!r}; use a whole number from 1 to {MAXIMUM_ORDER}"
-            )
-        return
-    if value is None and optional:
-        return
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not number or not math.isfinite(value) or value <= 0:
-        off = ", or false to leave it out" if optional else ""
-        raise InputError(f"prepare: {name} is {value!r}; use a number above 0, in Hz{off}")
+        try:
+            return replace(self, **{**mapping, **off})
+        except InputError as error:
+            raise InputError(f"prepare: {error}") from None

@@ -12,7 +12,7 @@ from surae.frozen import read_only
 from surae.names import ACTIVITIES
 from surae.recording import MUSCLES
 from surae.records import OrInfinite, OrMinusInfinite
-from surae.setting import documented, setting
+from surae.setting import Request, documented, setting
 from surae.signals.inputs import ModelInputs
 from surae.units import FloatArray
 
@@ -25,7 +25,7 @@ _PEAK = 95.0
 
 @documented
 @dataclass(frozen=True, slots=True)
-class Weighting:
+class Weighting(Request):
     """What the samples of a recording count, for `weighted`; the parts multiply.
 
     Attributes
@@ -52,10 +52,7 @@ class Weighting:
 
     def __post_init__(self) -> None:
         """Refuse what has no meaning."""
-        if self.activity not in ACTIVITIES:
-            raise InputError(f"activity is {self.activity!r}; give {' or '.join(ACTIVITIES)}")
-        if not (_number(self.peaks) and 0 <= self.peaks < math.inf):
-            raise InputError(f"peaks is {self.peaks!r}; give a finite number of zero or more")
+        Request.__post_init__(self)
         for window in self.windows:
             if not (
                 isinstance(window, Sequence) and len(window) == 3 and all(map(_number, window))

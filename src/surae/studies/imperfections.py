@@ -1,22 +1,14 @@
 """What a real measurement has and the thesis's simulated one does not: settings, all off."""
 
-import math
-from dataclasses import dataclass, fields
-from numbers import Real
+from dataclasses import dataclass
 
-from surae.errors import InputError
+from surae.setting import Request, documented, setting
 from surae.studies.populations import VirtualSubject, stream
 
-#: Settings that may be negative.
-_SIGNED = ("axis_forward", "axis_up")
-#: Values that a setting must stay below: those that make no sense, or no equation.
-_BELOW = {
-    "axis_forward": 0.05, "axis_up": 0.05, "crosstalk": 1.0, "knee_motion": 0.5, "unmeasured": 1.0,
-}  # fmt: skip
 
-
+@documented
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Imperfections:
+class Imperfections(Request):
     """How a virtual measurement departs from the ideal; the default is the thesis's, none.
 
     Sizes are zero by default; the others say of what kind a disturbance is, and have no effect
@@ -24,43 +16,7 @@ class Imperfections:
 
     Attributes
     ----------
-    torque_noise : float
-        Standard deviation of the torque's coloured noise [Nm].
-    torque_noise_time : float
-        Its correlation time T [s]: a first-order autoregressive process, of correlation exp(−τ/T)
-        at the lag τ. 0 for white noise.
-    crosstalk : float
-        Part of the EMG of every other muscle that an electrode picks up, 0…1. Above the leg, 0.03
-        to 0.10 of the rectified EMG of a neighbour (De Luca and Merletti 1988, *Electroencephalogr.
-        Clin. Neurophysiol.* 69).
-    axis_forward, axis_up : float
-        Where the ankle's axis lies from that of the device [m]: towards the toes along the sole,
-        and away from the sole. The foot then turns by another angle than the plate, see
-        `surae.studies.leg.misaligned`. Torques so measured are 5 to 9 % off (Arampatzis et al.
-        2007, *J. Biomech.* 40), as by about 10 mm.
-    knee_motion : float
-        Standard deviation of the knee's unmeasured, slow flexion [rad], which shortens the
-        gastrocnemius: see `surae.studies.leg.knee_torque`.
-    effort_variation : float
-        Coefficient of variation of the effort: what each muscle does is the target times a gain of
-        mean 1, log-normal, that wanders within seconds and differs from trial to trial.
-    gain_variation : float
-        Coefficient of variation of the force that a muscle makes of its EMG: a gain of mean 1,
-        log-normal, that wanders within seconds and differs from trial to trial, as by fatigue or
-        an electrode that sees a part of the muscle.
-    unmeasured : float
-        Torque of muscles without electrodes (deep plantarflexors, toe extensors), as a part of that
-        of the measured muscles that they help. Their activity follows that of their helpers only
-        roughly, see `surae.studies.leg.drive`; it is in the torque and in no EMG.
-    reflex_gain : float
-        Stretch reflex of the triceps: effort for each l0/s of stretch velocity above
-        `reflex_threshold`, `reflex_delay` later [1/(l0/s)]. It drives torque and EMG alike.
-    reflex_delay : float
-        [s]; 42 ± 3 ms in the soleus (Sinkjær et al. 1996, *J. Neurophysiol.* 76).
-    reflex_threshold : float
-        [l0/s]; 0.1 l0/s is about 15°/s at the ankle.
-    reflex_limit : float
-        Largest effort that the reflex reaches.
+    {settings}
 
     Raises
     ------
@@ -68,35 +24,62 @@ class Imperfections:
         A value is no finite number, negative or too large.
     """
 
-    torque_noise: float = 0.0
-    torque_noise_time: float = 0.1
-    crosstalk: float = 0.0
-    axis_forward: float = 0.0
-    axis_up: float = 0.0
-    knee_motion: float = 0.0
-    effort_variation: float = 0.0
-    gain_variation: float = 0.0
-    unmeasured: float = 0.0
-    reflex_gain: float = 0.0
-    reflex_delay: float = 0.042
-    reflex_threshold: float = 0.1
-    reflex_limit: float = 0.5
-
-    def __post_init__(self) -> None:
-        """Check every value."""
-        for setting in fields(self):
-            name = setting.name
-            untyped: object = getattr(self, name)
-            number = isinstance(untyped, Real) and not isinstance(untyped, bool)
-            if not number:
-                raise InputError(f"imperfections: {name} is {untyped!r}; give a number")
-            value = float(getattr(self, name))
-            below = _BELOW.get(name, math.inf)
-            size = abs(value) if name in _SIGNED else value
-            if not (math.isfinite(size) and 0.0 <= size < below):
-                low = f"above {-below:g}" if name in _SIGNED else "0 or more"
-                high = "" if math.isinf(below) else f" and below {below:g}"
-                raise InputError(f"imperfections: {name} is {value:g}; use {low}{high}")
+    torque_noise: float = setting(
+        0.0, "Standard deviation of the torque's coloured noise [Nm].", least=0.0,
+    )  # fmt: skip
+    torque_noise_time: float = setting(
+        0.1, "Its correlation time T [s]: a first-order autoregressive process, of correlation "
+        "exp(−τ/T) at the lag τ. 0 for white noise.", least=0.0,
+    )  # fmt: skip
+    crosstalk: float = setting(
+        0.0, "Part of the EMG of every other muscle that an electrode picks up, 0…1. Above the "
+        "leg, 0.03 to 0.10 of the rectified EMG of a neighbour (De Luca and Merletti 1988, "
+        "*Electroencephalogr. Clin. Neurophysiol.* 69).", least=0.0, most=0.99,
+    )  # fmt: skip
+    axis_forward: float = setting(
+        0.0, "How far the ankle's axis lies from that of the device towards the toes, along the "
+        "sole [m]. The foot then turns by another angle than the plate, see "
+        "`surae.studies.leg.misaligned`. Torques so measured are 5 to 9 % off (Arampatzis et al. "
+        "2007, *J. Biomech.* 40), as by about 10 mm.", least=-0.05, most=0.05,
+    )  # fmt: skip
+    axis_up: float = setting(
+        0.0, "And how far away from the sole [m].", least=-0.05, most=0.05,
+    )  # fmt: skip
+    knee_motion: float = setting(
+        0.0, "Standard deviation of the knee's unmeasured, slow flexion [rad], which shortens "
+        "the gastrocnemius: see `surae.studies.leg.knee_torque`.", least=0.0, most=0.5,
+    )  # fmt: skip
+    effort_variation: float = setting(
+        0.0, "Coefficient of variation of the effort: what each muscle does is the target times "
+        "a gain of mean 1, log-normal, that wanders within seconds and differs from trial to "
+        "trial.", least=0.0,
+    )  # fmt: skip
+    gain_variation: float = setting(
+        0.0, "Coefficient of variation of the force that a muscle makes of its EMG: a gain of "
+        "mean 1, log-normal, that wanders within seconds and differs from trial to trial, as by "
+        "fatigue or an electrode that sees a part of the muscle.", least=0.0,
+    )  # fmt: skip
+    unmeasured: float = setting(
+        0.0, "Torque of muscles without electrodes (deep plantarflexors, toe extensors), as a "
+        "part of that of the measured muscles that they help. Their activity follows that of "
+        "their helpers only roughly, see `surae.studies.leg.drive`; it is in the torque and in "
+        "no EMG.", least=0.0, most=0.99,
+    )  # fmt: skip
+    reflex_gain: float = setting(
+        0.0, "Stretch reflex of the triceps: effort for each l0/s of stretch velocity above "
+        "`reflex_threshold`, `reflex_delay` later [1/(l0/s)]. It drives torque and EMG alike.",
+        least=0.0,
+    )  # fmt: skip
+    reflex_delay: float = setting(
+        0.042, "[s]; 42 ± 3 ms in the soleus (Sinkjær et al. 1996, *J. Neurophysiol.* 76).",
+        least=0.0,
+    )  # fmt: skip
+    reflex_threshold: float = setting(
+        0.1, "[l0/s]; 0.1 l0/s is about 15°/s at the ankle.", least=0.0,
+    )  # fmt: skip
+    reflex_limit: float = setting(
+        0.5, "Largest effort that the reflex reaches.", least=0.0,
+    )  # fmt: skip
 
     @property
     def steps(self) -> tuple[str, ...]:

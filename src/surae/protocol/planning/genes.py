@@ -83,8 +83,7 @@ class Genes:
     @property
     def size(self) -> int:
         """How many numbers a plan is made of."""
-        ramps, bursts, shakes = self.counts
-        return 2 + 3 * ramps + (3 * bursts + 1 if bursts else 0) + 5 * shakes
+        return sum(_sizes(self.counts))
 
     def start(self) -> FloatArray:
         """Where a search begins: holds reached at various speeds, relaxed at first."""
@@ -111,11 +110,7 @@ class Genes:
         They are of plans with so many ramps, bursts and perturbations, with bursts if these have
         any.
         """
-        ramps, bursts, shakes = counts
-        blocks = [2, *(3 * [ramps])] + ([1, *(3 * [bursts])] if bursts else []) + 5 * [shakes]
-        old = np.split(np.asarray(genes), np.cumsum(blocks)[:-1])
-        ramps, bursts, shakes = self.counts
-        sizes = [2, *(3 * [ramps])] + ([1, *(3 * [bursts])] if bursts else []) + 5 * [shakes]
+        old, sizes, shakes = _split(genes, counts), _sizes(self.counts), self.counts[2]
         if len(sizes) != len(old):
             return self.start()
         blocks_here = [np.resize(block, size) for block, size in zip(old, sizes, strict=True)]
@@ -127,29 +122,17 @@ class Genes:
 
     def plan(self, genes: FloatArray) -> Plan:
         """The plan of a vector of `size` numbers."""
-        ramps, bursts, shakes = self.counts
-        taken = 0
-
-        def take(count: int) -> FloatArray:
-            nonlocal taken
-            taken += count
-            return np.clip(genes[taken - count : taken], -30.0, 30.0)
-
-        origin, first = take(2)
-        targets, speeds, holds = take(ramps), take(ramps), take(ramps)
-        efforts: tuple[Burst, ...] = ()
-        moved = self._ramps(float(_squash(origin)), float(first), targets, speeds, holds)
-        if bursts:
-            efforts = self._bursts(float(take(1)[0]), take(bursts), take(bursts), take(bursts))
-        places, lengths, sizes, lows, highs = (take(shakes) for _ in range(5))
+        blocks = _split(np.clip(genes, -30.0, 30.0), self.counts)
+        (origin, first), targets, speeds, holds, *efforts = blocks[:-5]
+        begin = float(_squash(origin))
         return Plan(
             name=self.name,
             seconds=self.seconds,
-            origin=float(_squash(origin)),
+            origin=begin,
             blend=self.blend,
-            ramps=moved,
-            shakes=self._shakes(places, lengths, sizes, lows, highs),
-            bursts=efforts,
+            ramps=self._ramps(begin, float(first), targets, speeds, holds),
+            shakes=self._shakes(*blocks[-5:]),
+            bursts=self._bursts(float(efforts[0][0]), *efforts[1:]) if efforts else (),
         )
 
     def _ramps(
@@ -222,6 +205,16 @@ class Genes:
                 _between(highs, bounds), strict=True,
             )
         )  # fmt: skip
+
+
+def _sizes(counts: tuple[int, int, int]) -> list[int]:
+    """How many numbers each kind of gene has, with so many ramps, bursts and perturbations."""
+    ramps, bursts, shakes = counts
+    return [2, *3 * [ramps], *([1, *3 * [bursts]] if bursts else []), *5 * [shakes]]
+
+
+def _split(genes: FloatArray, counts: tuple[int, int, int]) -> list[FloatArray]:
+    return np.split(np.asarray(genes), np.cumsum(_sizes(counts))[:-1])
 
 
 def _squash(x: FloatArray) -> FloatArray:

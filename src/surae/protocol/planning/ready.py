@@ -36,16 +36,8 @@ class Ready(Comparable):
     model: str
     aim: str
     effort: bool  #: Whether it asks the subject for any.
+    counts: tuple[int, int, int]  #: How many ramps, bursts and perturbations the genes are of.
     genes: FloatArray  #: As `Genes` reads them, shape (d,).
-
-    @property
-    def counts(self) -> tuple[int, int, int]:
-        """How many ramps, bursts and perturbations the genes are of."""
-        anywhere = limits_of(None, (-1.0, 1.0))
-        genes = Genes(self.name, self.seconds, anywhere, highest_hz(None), self.effort)
-        _, bursts, shakes = genes.counts
-        others = 2 + (3 * bursts + 1 if bursts else 0) + 5 * shakes
-        return (len(self.genes) - others) // 3, bursts, shakes
 
     def trajectory(
         self,
@@ -68,9 +60,8 @@ def ready_protocols() -> dict[str, Ready]:
     by_name = {}
     for path in sorted(_FILES.glob("*.json")):
         data = json.loads(path.read_text(encoding="utf-8"))
-        by_name[path.stem] = Ready(
-            name=path.stem, **{**data, "genes": read_only(np.array(data["genes"]))}
-        )
+        data |= {"counts": tuple(data["counts"]), "genes": read_only(np.array(data["genes"]))}
+        by_name[path.stem] = Ready(name=path.stem, **data)
     return by_name
 
 
