@@ -3,7 +3,7 @@
 import itertools
 import math
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -12,6 +12,7 @@ from surae.files import PathLike, read_bytes, shown
 from surae.model import MODELS, ModelOptions
 from surae.protocol import PROFILES, TASKS, Protocol, chirp_rate
 from surae.protocol.profiles import DEFAULT_RATE
+from surae.setting import Setting, checked
 from surae.studies.virtual import POPULATIONS
 
 #: More than this is a slip of the keyboard: it would take months.
@@ -25,14 +26,6 @@ SIMULATED_MODELS = tuple(
 )
 
 Value = str | float | int
-
-
-@dataclass(frozen=True, slots=True)
-class Factor:
-    """What may be varied: how one value of it is read, and which it takes when none is given."""
-
-    read: Callable[[object], Value]
-    default: tuple[Value, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,75 +58,29 @@ class Study:
             yield dict(zip(self.factors, values, strict=True))
 
 
-def _one_of(known: Mapping[str, object] | tuple[str, ...]) -> Callable[[object], Value]:
-    def read(value: object) -> Value:
-        if not isinstance(value, str) or value not in known:
-            raise InputError(f"use one of: {', '.join(known)}")
-        return value
-
-    return read
-
-
-def _real(rule: str, least: float) -> Callable[[object], Value]:
-    def read(value: object) -> Value:
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"give {rule}")
-        try:
-            number = float(value) + 0.0  # no minus zero
-        except OverflowError:
-            number = math.inf
-        if not math.isfinite(number) or number < least:
-            raise InputError(f"give {rule}")
-        return number
-
-    return read
-
-
-def _whole(least: int, most: int) -> Callable[[object], Value]:
-    def read(value: object) -> Value:
-        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-            raise InputError(f"give a whole number, {least} to {most}")
-        return value
-
-    return read
-
-
-def _choices(name: str) -> Callable[[object], Value]:
-    """One value of a model option, which knows itself what it may be."""
-
-    def read(value: object) -> Value:
-        given: Any = value
-        if isinstance(value, int) and not isinstance(value, bool):
-            given = float(value) if abs(value) < 1e9 else math.inf
-        checked: Value = getattr(ModelOptions.of(**{name: given}), name)
-        return checked
-
-    return read
-
-
-#: The factors in the order of the table; a factor changes faster than those before it.
-FACTORS: dict[str, Factor] = {
-    "protocol": Factor(_one_of(PROFILES), ()),
-    "chirp_amplitude": Factor(_real("0 rad or more", 0.0), (0.0,)),
-    "chirp_rate": Factor(_real("0 Hz/s or more", 0.0), (DEFAULT_RATE,)),
-    "task": Factor(_one_of(TASKS), ("part-passive",)),
-    "population": Factor(_one_of(POPULATIONS), ("healthy",)),
-    "subjects": Factor(_whole(1, 999_999), (1,)),
-    "noise": Factor(_real("a fraction of each signal's mean magnitude, 0 or more", 0.0), (0.05,)),
-    "repeats": Factor(_whole(1, 999_999), (1,)),
-    "rate_hz": Factor(_real("a rate above 0 Hz", 1e-9), (125.0,)),
-    "seed": Factor(_whole(0, 999_999_999), (1,)),
-    "starts": Factor(_whole(1, 10_000), (2,)),
-    "model": Factor(_one_of(SIMULATED_MODELS), ("muscle",)),
+#: The factors in the order of the table, each with what it may be and its values by default; a
+#: factor changes faster than those before it.
+FACTORS: dict[str, tuple[Setting, tuple[Value, ...]]] = {
+    "protocol": (Setting(meaning="Of `PROFILES`.", choices=tuple(PROFILES)), ()),
+    "chirp_amplitude": (Setting(meaning="Of the added chirp [rad].", least=0.0), (0.0,)),
+    "chirp_rate": (Setting(meaning="Rise of its frequency [Hz/s].", least=0.0), (DEFAULT_RATE,)),
+    "task": (Setting(meaning="Of `TASKS`.", choices=tuple(TASKS)), ("part-passive",)),
+    "population": (Setting(meaning="Of the subjects.", choices=tuple(POPULATIONS)), ("healthy",)),
+    "subjects": (Setting(meaning="How many.", least=1, most=999_999), (1,)),
+    "noise": (Setting(meaning="A part of each signal's mean magnitude.", least=0.0), (0.05,)),
+    "repeats": (Setting(meaning="Realisations of the noise.", least=1, most=999_999), (1,)),
+    "rate_hz": (Setting(meaning="Sampling rate [Hz].", above=0.0), (125.0,)),
+    "seed": (Setting(meaning="Of the study.", least=0, most=999_999_999), (1,)),
+    "starts": (Setting(meaning="Of each fit.", least=1, most=10_000), (2,)),
+    "model": (
+        Setting(meaning="What simulates.", choices=SIMULATED_MODELS),
+        ("muscle",),
+    ),
 }
 #: Model options may be factors too; left out, they are no columns of the table.
-OPTIONS: dict[str, Factor] = {
-    field.name: Factor(_choices(field.name), ()) for field in fields(ModelOptions)
-}
+OPTIONS = tuple(field.name for field in fields(ModelOptions))
 #: What may stand in a factor's place, and in its column: the thesis's A·sin(s·t²) has the rate s/π.
-INSTEAD: dict[str, tuple[str, Factor]] = {
-    "chirp_rate": ("chirp_factor", Factor(_real("a factor of 0 or more", 0.0), ())),
-}
+INSTEAD = {"chirp_rate": "chirp_factor"}
 #: Factors given as a number and counted from 1: `subjects = 3` are subjects 1, 2 and 3.
 _COUNTED = {"subjects": "subject", "repeats": "repeat"}
 
@@ -169,8 +116,7 @@ def parse_study(text: str) -> Study:
         settings = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # also of thousands of digits or brackets
         raise InputError(f"not TOML: {error}") from None
-    factors_of_file = _factors(settings)
-    known = ("name", *FACTORS, *(name for name, _ in INSTEAD.values()), *OPTIONS)
+    known = ("name", *FACTORS, *INSTEAD.values(), *OPTIONS)
     for key in settings:
         if key not in known:
             raise InputError(f"unknown setting {key!r}; known settings: {', '.join(known)}")
@@ -178,12 +124,17 @@ def parse_study(text: str) -> Study:
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
         raise InputError(f"name is {name!r}; give a text of one line")
     factors: dict[str, tuple[Value, ...]] = {}
-    for key, factor in factors_of_file.items():
+    for factor in (*FACTORS, *OPTIONS):
+        record, default = FACTORS.get(factor, (None, ()))
+        other = INSTEAD.get(factor, "")
+        if other in settings and factor in settings:
+            raise InputError(f"{factor} and {other} say the same; give one of them")
+        key = other if other in settings else factor
         if key in settings:
-            factors[_COUNTED.get(key, key)] = _values(key, settings[key], factor)
-        elif factor.default:
-            factors[_COUNTED.get(key, key)] = factor.default
-        elif key not in OPTIONS:
+            factors[_COUNTED.get(key, key)] = _values(key, settings[key], record)
+        elif default:
+            factors[_COUNTED.get(key, key)] = default
+        elif record is not None:
             raise InputError(f'{key} is missing; e.g. {key} = "multiple-holds"')
     study = Study(name, factors, text)
     if study.size > MOST_FITS:
@@ -192,25 +143,12 @@ def parse_study(text: str) -> Study:
     return study
 
 
-def _factors(settings: Mapping[str, object]) -> dict[str, Factor]:
-    """The factors that a file may give, in the order of the table."""
-    factors: dict[str, Factor] = {}
-    for key, factor in (FACTORS | OPTIONS).items():
-        other, instead = INSTEAD.get(key, ("", factor))
-        if other in settings and key in settings:
-            raise InputError(f"{key} and {other} say the same; give one of them")
-        factors |= {other: instead} if other in settings else {key: factor}
-    return factors
-
-
-def _values(key: str, setting: object, factor: Factor) -> tuple[Value, ...]:
+def _values(key: str, setting: object, record: Setting | None) -> tuple[Value, ...]:
     """The values of a factor, each checked, none twice."""
     if not isinstance(setting, list):
-        value = _checked(key, setting, factor)
-        if key in _COUNTED:
-            return tuple(range(1, int(value) + 1))
-        return (value,)
-    values = tuple(_checked(key, element, factor) for element in setting)
+        value = _checked(key, setting, record)
+        return tuple(range(1, int(value) + 1)) if key in _COUNTED else (value,)
+    values = tuple(_checked(key, element, record) for element in setting)
     if not values:
         raise InputError(f"{key} is an empty list; give at least one value")
     for value in values:
@@ -219,14 +157,22 @@ def _values(key: str, setting: object, factor: Factor) -> tuple[Value, ...]:
     return values
 
 
-def _checked(key: str, value: object, factor: Factor) -> Value:
+def _checked(key: str, value: Any, record: Setting | None) -> Value:
+    """A value that a factor, or where it has no record a model option, may have."""
+    if record is None:
+        whole = isinstance(value, int) and not isinstance(value, bool)
+        given = (float(value) if abs(value) < 1e9 else math.inf) if whole else value
+        option: Value = getattr(ModelOptions.of(**{key: given}), key)
+        return option
+    if record.choices:
+        if not isinstance(value, str) or value not in record.choices:
+            raise InputError(f"{key} is {value!r}; use one of: {', '.join(record.choices)}")
+        return value
     try:
-        return factor.read(value)
-    except InputError as error:
-        text = str(error)
-        raise InputError(
-            text if text.startswith("option") else f"{key} is {value!r}: {text}"
-        ) from None
+        number: float = checked(key, value, record, whole=isinstance(record.least, int))
+    except OverflowError:
+        raise InputError(f"{key} is a number of too many digits; give a smaller one") from None
+    return number + 0  # no minus zero
 
 
 def motion(combination: Mapping[str, Any]) -> Protocol:
