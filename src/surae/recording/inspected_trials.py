@@ -177,36 +177,33 @@ def _differences(
     name: str, trial: Inspection, typical: Inspection, like: str
 ) -> list[TrialDifference]:
     differences: list[TrialDifference] = []
-    key = toml_value(name)
     columns = {channel.column for channel in trial.channels if channel.usable}
+
+    def differs(text: str, line: str = "") -> None:
+        whole = f"{toml_value(name)}.{line}" if line else ""
+        differences.append(TrialDifference(name, text, whole))
+
     for role, channel in typical.roles.items():
         own = next((c for c in trial.channels if c.column == channel.column and c.usable), None)
         if own is None and (own := trial.roles.get(role)) is not None:
             text = f"{role} is column {own.column!r}, not {channel.column!r}"
-            differences.append(
-                TrialDifference(name, text, f"{key}.{role}.column = {toml_value(own.column)}")
-            )
+            differs(text, f"{role}.column = {toml_value(own.column)}")
         if own is None:
-            text = f"no column {channel.column!r}"
-            line = f"{key}.{role} = false"
             if role == "angle":  # which no trial can do without
-                text, line = f"{text}: it has {some(columns)}", ""
-            differences.append(TrialDifference(name, text, line))
+                differs(f"no column {channel.column!r}: it has {some(columns)}")
+            else:
+                differs(f"no column {channel.column!r}", f"{role} = false")
             continue
-        unit = own.known_unit
-        if unit is not None and channel.known_unit is not None and unit != channel.known_unit:
-            text = f"{role} is in {unit}, that of {like} in {channel.known_unit}"
-            differences.append(
-                TrialDifference(name, text, f"{key}.{role}.unit = {toml_value(unit)}")
-            )
+        unit, its = own.known_unit, channel.known_unit
+        if unit is not None and its is not None and unit != its:
+            differs(f"{role} is in {unit}, that of {like} in {its}",
+                    f"{role}.unit = {toml_value(unit)}")  # fmt: skip
         if not _same_rate(own.rate_hz, channel.rate_hz):
             rates = [f"{r:.6g} Hz" if r else "no rate" for r in (own.rate_hz, channel.rate_hz)]
-            differences.append(
-                TrialDifference(name, f"{role} has {rates[0]}, that of {like} {rates[1]}")
-            )
+            differs(f"{role} has {rates[0]}, that of {like} {rates[1]}")
     if None not in (trial.emg, typical.emg) and trial.emg != typical.emg:
         text = f"EMG looks {trial.emg}, that of {like} {typical.emg}"
-        differences.append(TrialDifference(name, text, f"{key}.emg = {toml_value(trial.emg)}"))
+        differs(text, f"emg = {toml_value(trial.emg)}")
     return differences
 
 

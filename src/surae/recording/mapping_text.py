@@ -1,7 +1,7 @@
 """An inspection as a mapping: TOML that a fit takes, with comments on what to check."""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from surae.files import PathLike, shown, write_atomic
@@ -88,7 +88,8 @@ def mapping_text(
         elif role in open_roles:
             lines += ["", f"# {role} is open: choose one, and take the # away from its lines."]
             for channel in open_roles[role]:
-                lines += _commented(_entry(role, channel, inspection, folder, files))
+                entry = _entry(role, channel, inspection, folder, files)
+                lines += [f"# {line}" for line in entry]
         elif role in ("angle", "torque"):
             lines += ["", f"# {role} is missing: add [channels.{role}] with file, column, unit."]
     lines += ["", *_unused(inspection)]
@@ -178,7 +179,8 @@ def _unit_lines(role: str, channel: InspectedChannel, inspection: Inspection) ->
     if sort == "emg" and channel.unit in ("%", "%MVC", "%mvc"):
         return ['unit = "1"  # check: the file says %', "scale = 0.01"]
     smooth = channel.look is not None and channel.look.kind == "envelope"
-    if sort == "emg" and channel.unit is None and smooth and _within(channel.high):
+    normalised = _NORMALISED[0] <= (channel.high or 0.0) <= _NORMALISED[1]
+    if sort == "emg" and channel.unit is None and smooth and normalised:
         return [
             f'unit = "1"  # check: the file states none; 0 … {channel.high:.3g} is normalised '
             "(weights g come out in N)"
@@ -188,10 +190,6 @@ def _unit_lines(role: str, channel: InspectedChannel, inspection: Inspection) ->
     ) and sort != "emg" else []  # fmt: skip
     first = next(iter(FACTORS[sort]))
     return [f"# unit = {toml_value(first)}  # state it: {known} ({_line(statement)})", *scale]
-
-
-def _within(high: float | None) -> bool:
-    return high is not None and _NORMALISED[0] <= high <= _NORMALISED[1]
 
 
 def _span(role: str, channel: InspectedChannel) -> str:
@@ -213,10 +211,6 @@ def _unused(inspection: Inspection) -> list[str]:
         remarks = ", ".join(_line(text) for text in (channel.unit, channel.remark) if text)
         lines.append(f"#   {_line(channel.column)}{f' ({remarks})' if remarks else ''}")
     return [*lines, f"#   and {len(rest) - 100} more"] if len(rest) > 100 else lines
-
-
-def _commented(lines: Iterable[str]) -> list[str]:
-    return [f"# {line}" for line in lines]
 
 
 def _relative(file: str, folder: PathLike) -> str:

@@ -81,7 +81,7 @@ class Ledger:
         self._path, self._name = Path(os.path.realpath(path)), shown(path)
         if not write:
             if not self._path.is_file():
-                raise _missing(self._name)
+                raise InputError(f"cannot read {self._name}: there is no such file")
             with self._told():
                 self._file = database.open_to_read(self._path, self._name, FORMAT)
             return
@@ -317,10 +317,6 @@ class Ledger:
     def _row(self, query: str, values: Sequence[object] = ()) -> tuple[Any, ...]:
         """The first row of a query; an empty one where there is none."""
         return tuple(self._file.execute(query, values).fetchone() or ())
-
-
-def _missing(name: str) -> InputError:
-    return InputError(f"cannot read {name}: there is no such file")
 
 
 def _in_use(path: Path, name: str) -> InputError:

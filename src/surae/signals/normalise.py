@@ -6,7 +6,7 @@ changes the unit of the weights, from N/V to N: what an active muscle pulls at i
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -26,14 +26,6 @@ _QUIET_S, _QUIET_PART = 1.0, 0.02
 #: Cut-off [Hz] of what effort is smoothed by (-3 dB).
 _EFFORT_HZ = 6.0
 _OF = {"session": "the session's largest envelope", "mvc": "maximum voluntary contractions"}
-
-
-@dataclass(frozen=True, slots=True)
-class _Peak:
-    """The largest averaged envelope of one muscle [V]."""
-
-    value: float
-    where: str
 
 
 def normalise(
@@ -92,17 +84,17 @@ def emg_reference(
     values: list[float | None] = []
     for column, muscle in enumerate(MUSCLES):
         peaks = [
-            _Peak(_largest(recording.emg[:, column], recording.rate_hz), recording.where)
+            (_largest(recording.emg[:, column], recording.rate_hz), recording.where)
             for recording in inputs
             if muscle not in recording.missing_emg
         ]
         if not peaks:
             values.append(None)
             continue
-        best = max(peaks, key=lambda peak: peak.value)
-        if not best.value > 0:
-            raise InputError(f"{best.where}: emg_{muscle} is zero throughout; check its channel")
-        values.append(best.value)
+        best, where = max(peaks, key=lambda peak: peak[0])
+        if not best > 0:
+            raise InputError(f"{where}: emg_{muscle} is zero throughout; check its channel")
+        values.append(best)
     files: dict[str, SourceFile] = {f.sha256: f for recording in inputs for f in recording.files}
     return EmgReference(kind, tuple(values), tuple(files.values()), len(inputs))
 
