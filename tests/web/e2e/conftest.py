@@ -29,6 +29,25 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+#: Has a page complain that reads a field which a thing of an answer has not.
+HELD = """(() => {
+  const plain = new Set(["then", "toJSON", "constructor", "length"]);
+  const held = (value, path) => {
+    if (value === null || typeof value !== "object") return value;
+    for (const key of Object.keys(value)) value[key] = held(value[key], path);
+    if (Array.isArray(value) || !("id" in value && "created" in value)) return value;
+    return new Proxy(value, { get(thing, key) {
+      if (typeof key === "string" && !(key in thing) && !plain.has(key)) {
+        console.error(`Refused to read ${key}: no field of a thing of ${path}`);
+      }
+      return thing[key];
+    } });
+  };
+  const json = Response.prototype.json;
+  Response.prototype.json = async function () {
+    return held(await json.call(this), new URL(this.url).pathname);
+  };
+})()"""
 #: Of a window.
 SIZE = {"width": 1280, "height": 800}
 _ADDRESS = re.compile(r"http://\S+?(?=/? )")
@@ -95,6 +114,7 @@ class Desk:
         self.context.on("request", self._requested)
         self.context.on("console", self._said)
         self.context.on("weberror", lambda error: self.complaints.append(str(error.error)))
+        self.context.add_init_script(HELD)
         self.page = self.context.new_page()
 
     def _requested(self, request: Any) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from surae import api
 from surae.names import AUTO
 from surae_workbench.web.draft import settings_of, shown, upgraded
-from surae_workbench.web.project import unique_name, when
+from surae_workbench.web.project import dated, unique_name
 from surae_workbench.web.rows import Thing
 from surae_workbench.web.sessions import BrowserSession
 
@@ -140,16 +140,13 @@ def model_title(name: str) -> str:
 def fit_summary(bench: "Workbench", fit: Thing) -> dict[str, Any]:
     """A fit in lists."""
     first = bench.database.get("recording", fit["recordings"][0], deleted=True)
-    keys = ("name", "status", "recordings", "names")
-    return {
-        "id": fit["id"],
-        **{key: fit[key] for key in keys},
-        "r2": fit.get("r2"),
-        "title": model_title(fit["model"]),
-        "created": when(fit["created"]),
-        "older": _older(bench, fit),
-        "subject": None if first is None else first["subject"],
-    }
+    return dated(
+        fit,
+        r2=fit.get("r2"),
+        title=model_title(fit["model"]),
+        older=_older(bench, fit),
+        subject=None if first is None else first["subject"],
+    )
 
 
 def main_fit(bench: "Workbench", session: Thing) -> str | None:

@@ -7,6 +7,7 @@ from fastapi import APIRouter, Query, Response
 from fastapi.responses import FileResponse
 
 from surae import api
+from surae_workbench.web import answers
 from surae_workbench.web.fits import (
     fit_detail,
     fit_summary,
@@ -40,14 +41,14 @@ _HTML: Responses = {200: {"content": {"text/html": {}}}}
 _PDF: Responses = {200: {"content": {"application/pdf": {}}}}
 
 
-@router.post("/fits", status_code=202)
+@router.post("/fits", status_code=202, response_model=answers.Job)
 def post_fit(body: FitRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Ask for a fit; the answer is its job."""
     job = submit_fit(bench, browser, chosen_draft(bench, browser, body.draft), body.name)
     return bench.jobs.shown(job, browser)
 
 
-@router.get("/fits")
+@router.get("/fits", response_model=answers.Fits)
 def get_fits(
     bench: Bench,
     page: Paged,
@@ -71,13 +72,13 @@ def get_fits(
     return page.of("fits", rows, values, lambda row: fit_summary(bench, row))
 
 
-@router.get("/fits/{id}")
+@router.get("/fits/{id}", response_model=answers.FitPage)
 def get_fit(id: PathId, bench: Bench) -> dict[str, Any]:
     """What its page needs beside the report."""
     return fit_detail(bench, bench.project.need("fit", id))
 
 
-@router.patch("/fits/{id}")
+@router.patch("/fits/{id}", response_model=answers.Fit)
 def patch_fit(id: PathId, body: NameRequest, bench: Bench) -> dict[str, Any]:
     """Give it another name."""
     changed = bench.project.change("fit", id, name=body.name)
@@ -99,7 +100,7 @@ def get_fit_json(id: PathId, bench: Bench) -> FileResponse:
     return FileResponse(path, media_type="application/json", headers=headers)
 
 
-@router.post("/fits/{id}/profile", status_code=202)
+@router.post("/fits/{id}/profile", status_code=202, response_model=answers.Job)
 def post_profile(
     id: PathId, body: ProfileRequest, bench: Bench, browser: Browser
 ) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from typing import Any
 from fastapi import APIRouter
 from fastapi.responses import StreamingResponse
 
+from surae_workbench.web import answers
 from surae_workbench.web.database import ACTIVE
 from surae_workbench.web.jobs import Jobs
 from surae_workbench.web.routes.common import ERRORS, Bench, Browser, PathId, Responses
@@ -15,7 +16,7 @@ router = APIRouter(prefix="/api", responses=ERRORS, tags=["jobs"])
 _STREAM: Responses = {200: {"content": {"text/event-stream": {}}}}
 
 
-@router.get("/jobs")
+@router.get("/jobs", response_model=answers.Jobs)
 def get_jobs(bench: Bench, browser: Browser, active: bool = False) -> dict[str, Any]:
     """Jobs, the newest first."""
     jobs = bench.database.active() if active else bench.database.all("job")
@@ -23,13 +24,13 @@ def get_jobs(bench: Bench, browser: Browser, active: bool = False) -> dict[str, 
     return {"jobs": [bench.jobs.shown(job, browser, traces=False) for job in shown[:500]]}
 
 
-@router.get("/jobs/{id}")
+@router.get("/jobs/{id}", response_model=answers.Job)
 def get_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Tell how one job stands."""
     return bench.jobs.shown(bench.project.need("job", id), browser)
 
 
-@router.post("/jobs/{id}/cancel")
+@router.post("/jobs/{id}/cancel", response_model=answers.Job)
 def cancel_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Stop it; a fit keeps the best so far."""
     return bench.jobs.shown(bench.jobs.cancel(id), browser)

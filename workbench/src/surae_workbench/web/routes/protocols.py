@@ -10,9 +10,10 @@ from fastapi import APIRouter, Query, Response
 from surae import api
 from surae.errors import InputError
 from surae.names import AUTO, FITTED
+from surae_workbench.web import answers
 from surae_workbench.web.curves import plain
 from surae_workbench.web.fits import model_title
-from surae_workbench.web.project import when
+from surae_workbench.web.project import dated
 from surae_workbench.web.routes.common import (
     ERRORS,
     Bench,
@@ -23,7 +24,6 @@ from surae_workbench.web.routes.common import (
     made_file,
     offer_deletion,
 )
-from surae_workbench.web.rows import Thing
 from surae_workbench.web.schemas import (
     ProtocolDesign,
     ProtocolFile,
@@ -95,7 +95,7 @@ def post_side_by_side(body: ProtocolPreview, bench: Bench) -> dict[str, Any]:
     return {"protocols": rows}
 
 
-@router.post("/design", status_code=202)
+@router.post("/design", status_code=202, response_model=answers.Job)
 def post_design(body: ProtocolDesign, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Search a protocol of each duration; the answer is the job, which keeps them."""
     device = None if body.settings.device is None else api.named_device(body.settings.device)
@@ -112,19 +112,19 @@ def post_csv(body: ProtocolFile) -> Response:
     return _file(body.settings, body.settings.profile, body.reason)
 
 
-@router.get("")
+@router.get("", response_model=answers.Protocols)
 def get_protocols(bench: Bench) -> dict[str, Any]:
     """List the protocols that are kept."""
-    return {"protocols": [_shown(row) for row in bench.database.all("protocol")]}
+    return {"protocols": [dated(row) for row in bench.database.all("protocol")]}
 
 
-@router.post("", status_code=201)
+@router.post("", status_code=201, response_model=answers.Protocol)
 def post_protocol(body: ProtocolRequest, bench: Bench) -> dict[str, Any]:
     """Keep a protocol."""
     trajectory_of(body.settings)
     id_ = bench.database.add("protocol", body.model_dump(mode="json"))
     bench.events.changed("protocols")
-    return _shown(bench.project.need("protocol", id_))
+    return dated(bench.project.need("protocol", id_))
 
 
 offer_deletion(router, "/{id}", "protocol")
@@ -146,11 +146,6 @@ def _file(settings: ProtocolSettings, name: str, reason: str) -> Response:
         "protocol.csv", lambda path: api.write_protocol_csv(trajectory, path, note=note)
     )
     return Response(data, media_type="text/csv", headers=attachment(name, ".csv"))
-
-
-def _shown(row: Thing) -> dict[str, Any]:
-    about = {key: row[key] for key in ("id", "name", "settings")}
-    return {**about, "created": when(row["created"])}
 
 
 def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:

@@ -8,9 +8,10 @@ import numpy as np
 from fastapi import APIRouter, Query, Response
 
 from surae import api
+from surae_workbench.web import answers
 from surae_workbench.web.curves import Pyramid
 from surae_workbench.web.http_errors import RefusedError
-from surae_workbench.web.project import when
+from surae_workbench.web.project import dated
 from surae_workbench.web.remap import present_mapping, proposals
 from surae_workbench.web.routes.common import (
     ERRORS,
@@ -38,7 +39,7 @@ def get_damaged(bench: Bench) -> dict[str, Any]:
     return {"damaged": bench.database.damaged()}
 
 
-@router.get("/subjects")
+@router.get("/subjects", response_model=answers.Subjects)
 def get_subjects(bench: Bench) -> dict[str, Any]:
     """List all subjects."""
     owners = {row["id"]: row["subject"] for row in bench.database.all("recording")}
@@ -48,7 +49,7 @@ def get_subjects(bench: Bench) -> dict[str, Any]:
     return {"subjects": [_subject(row, recordings[row["id"]], fits[row["id"]]) for row in subjects]}
 
 
-@router.post("/subjects", status_code=201)
+@router.post("/subjects", status_code=201, response_model=answers.Subject)
 def post_subject(body: SubjectRequest, bench: Bench) -> dict[str, Any]:
     """Add a subject, under a code that no other has."""
     with bench.database.transaction():
@@ -58,7 +59,7 @@ def post_subject(body: SubjectRequest, bench: Bench) -> dict[str, Any]:
     return _subject(bench.project.need("subject", id_), 0, 0)
 
 
-@router.patch("/subjects/{id}")
+@router.patch("/subjects/{id}", response_model=answers.Subject)
 def patch_subject(
     id: PathId, body: SubjectPatch, bench: Bench, seen: Seen = None
 ) -> dict[str, Any]:
@@ -104,16 +105,10 @@ def _refuse_code(bench: Workbench, code: str, own: str | None) -> None:
 
 
 def _subject(subject: Thing, recordings: int, fits: int) -> dict[str, Any]:
-    return {
-        "id": subject["id"],
-        **{key: subject[key] for key in ("code", "group", "notes", "body_mass")},
-        "recordings": recordings,
-        "fits": fits,
-        "revision": revision(subject),
-    }
+    return dated(subject, recordings=recordings, fits=fits, revision=revision(subject))
 
 
-@router.get("/recordings")
+@router.get("/recordings", response_model=answers.Recordings)
 def get_recordings(bench: Bench, page: Paged) -> dict[str, Any]:
     """List recordings, the oldest first unless sorted otherwise, and how many there are."""
     fits = Counter(id_ for fit in bench.database.all("fit") for id_ in set(fit["recordings"]))
@@ -127,13 +122,13 @@ def get_recordings(bench: Bench, page: Paged) -> dict[str, Any]:
     return page.of("recordings", rows, values, lambda row: _recording(row, fits[row["id"]]))
 
 
-@router.get("/recordings/{id}")
+@router.get("/recordings/{id}", response_model=answers.Recording)
 def get_recording(id: PathId, bench: Bench) -> dict[str, Any]:
     """Describe one recording."""
     return shown_recording(bench, bench.project.need("recording", id))
 
 
-@router.patch("/recordings/{id}")
+@router.patch("/recordings/{id}", response_model=answers.Recording)
 def patch_recording(
     id: PathId, body: RecordingPatch, bench: Bench, seen: Seen = None
 ) -> dict[str, Any]:
@@ -165,16 +160,8 @@ def shown_recording(bench: Workbench, recording: Thing) -> dict[str, Any]:
 
 
 def _recording(recording: Thing, fits: int) -> dict[str, Any]:
-    keys = ("name", "subject", "side", "trial", "condition", "duration_s", "emg", "channels",
-            "files", "mapping", "fixed")  # fmt: skip
-    return {
-        "id": recording["id"],
-        "created": when(recording["created"]),
-        **{key: recording[key] for key in keys},
-        "fits": fits,
-        "version": recording.get("version", 0),
-        "revision": revision(recording),
-    }
+    version = recording.get("version", 0)
+    return dated(recording, fits=fits, version=version, revision=revision(recording))
 
 
 @router.get("/recordings/{id}/quality")

@@ -8,10 +8,11 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query, Response
 
 from surae import api
+from surae_workbench.web import answers
 from surae_workbench.web.database import new_id
 from surae_workbench.web.fits import add_fit, check_draft, fit_summary, main_fit, versions_of
 from surae_workbench.web.http_errors import RefusedError
-from surae_workbench.web.project import unique_name, when
+from surae_workbench.web.project import dated, unique_name
 from surae_workbench.web.routes.common import (
     ERRORS,
     Bench,
@@ -38,7 +39,7 @@ def post_trials(body: TrialsRequest, bench: Bench) -> dict[str, Any]:
     return {"trials": sorted_as(bench, body.recordings, body.efforts)}
 
 
-@router.post("", status_code=202)
+@router.post("", status_code=202, response_model=answers.Job)
 def post_session(body: SessionRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Ask for the fits of a session; the answer is their job."""
     draft = chosen_draft(bench, browser, body.draft)
@@ -54,14 +55,14 @@ def post_session(body: SessionRequest, bench: Bench, browser: Browser) -> dict[s
     return bench.jobs.shown(job, browser)
 
 
-@router.get("")
+@router.get("", response_model=answers.Legs)
 def get_sessions(bench: Bench) -> dict[str, Any]:
     """Sessions, the newest first."""
     every = reversed(bench.database.all("session"))
     return {"sessions": [session_summary(bench, each) for each in every]}
 
 
-@router.get("/{id}")
+@router.get("/{id}", response_model=answers.LegPage)
 def get_session(id: PathId, bench: Bench) -> dict[str, Any]:
     """What the report of one says, and its fits."""
     return session_detail(bench, bench.project.need("session", id))
@@ -81,7 +82,7 @@ def get_change(
     return {"html": bench.workers.ask("tasks:change", before=files[0], after=files[1])}
 
 
-@router.patch("/{id}")
+@router.patch("/{id}", response_model=answers.Leg)
 def patch_session(id: PathId, body: NameRequest, bench: Bench) -> dict[str, Any]:
     """Give it another name."""
     changed = bench.project.change("session", id, name=body.name)
@@ -199,16 +200,13 @@ def session_summary(bench: Workbench, session: Thing) -> dict[str, Any]:
     """A session in lists."""
     first = bench.database.get("recording", session["recordings"][0], deleted=True)
     adequacy = session["content"].get("adequacy")
-    leg = {key: None if first is None else first[key] for key in ("subject", "side")}
-    return {
-        **{key: session[key] for key in ("id", "name")},
-        **leg,
-        "created": when(session["created"]),
-        "trials": len(session["recordings"]),
-        "fits": len([name for name in session["fits"] if name != "joint"]),
-        "grade": None if adequacy is None else adequacy["grade"],
-        "fit": main_fit(bench, session),
-    }
+    return dated(
+        session,
+        **{key: None if first is None else first[key] for key in ("subject", "side")},
+        trials=len(session["recordings"]),
+        grade=None if adequacy is None else adequacy["grade"],
+        fit=main_fit(bench, session),
+    )
 
 
 def session_detail(bench: Workbench, session: Thing) -> dict[str, Any]:

@@ -7,8 +7,9 @@ from fastapi import APIRouter, Query, Response
 
 from surae import api
 from surae.errors import SuraeError
+from surae_workbench.web import answers
 from surae_workbench.web.http_errors import RefusedError
-from surae_workbench.web.project import when
+from surae_workbench.web.project import dated
 from surae_workbench.web.routes.common import (
     ERRORS,
     Bench,
@@ -32,13 +33,13 @@ _SVG: Responses = {200: {"content": {"image/svg+xml": {}}}}
 _MOST_FITS = 100_000
 
 
-@router.get("")
+@router.get("", response_model=answers.Studies)
 def get_studies(bench: Bench) -> dict[str, Any]:
     """List all studies."""
     return {"studies": [_shown(bench, row) for row in bench.database.all("study")]}
 
 
-@router.post("", status_code=201)
+@router.post("", status_code=201, response_model=answers.Study)
 def post_study(body: StudyRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Make one of a STUDY.toml, and start it."""
     study = api.parse_study(body.toml)
@@ -54,13 +55,13 @@ def post_study(body: StudyRequest, bench: Bench, browser: Browser) -> dict[str, 
     return _shown(bench, bench.project.need("study", id_))
 
 
-@router.get("/{id}")
+@router.get("/{id}", response_model=answers.Study)
 def get_study(id: PathId, bench: Bench) -> dict[str, Any]:
     """How far it is."""
     return _shown(bench, bench.project.need("study", id))
 
 
-@router.post("/{id}/start", status_code=202)
+@router.post("/{id}/start", status_code=202, response_model=answers.Job)
 def start_study(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Start it, or go on with it; the answer is its job."""
     row = bench.project.need("study", id)
@@ -144,13 +145,8 @@ def _shown(bench: Workbench, row: Thing) -> dict[str, Any]:
         state = "new"
     else:
         state = "done" if done >= fits else "stopped"
-    return {
-        **{key: row[key] for key in ("id", "name", "rows", "toml")},
-        "created": when(row["created"]),
-        "fits": fits,
-        "done": done,
-        "state": state,
-        "job": jobs[0]["id"] if jobs else None,
-        "reasons": reasons,
-        "factors": {k: list(v) for k, v in api.parse_study(row["toml"]).factors.items()},
-    }
+    factors = {k: list(v) for k, v in api.parse_study(row["toml"]).factors.items()}
+    return dated(
+        row, fits=fits, done=done, state=state, job=jobs[0]["id"] if jobs else None,
+        reasons=reasons, factors=factors,
+    )  # fmt: skip

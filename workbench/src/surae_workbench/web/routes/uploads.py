@@ -9,10 +9,11 @@ from fastapi import APIRouter, Query, Request, Response
 
 from surae import api
 from surae.units import FACTORS, kind
+from surae_workbench.web import answers
 from surae_workbench.web.database import new_id
 from surae_workbench.web.http_errors import RefusedError, not_found
 from surae_workbench.web.imports import file_name, row_of
-from surae_workbench.web.project import unique_name, when
+from surae_workbench.web.project import dated, unique_name
 from surae_workbench.web.remap import proposals
 from surae_workbench.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae_workbench.web.routes.recordings import shown_recording
@@ -39,6 +40,7 @@ _IDS = re.compile(r"^[0-9a-f]{16}(,[0-9a-f]{16}){0,15}$")
 @router.post(
     "/uploads",
     status_code=201,
+    response_model=answers.Upload,
     openapi_extra={
         "requestBody": {
             "required": True,
@@ -84,7 +86,7 @@ async def post_upload(
     except BaseException:
         path.unlink(missing_ok=True)
         raise
-    return _shown({**data, "id": id_, "created": None})
+    return dated({**data, "id": id_, "created": None})
 
 
 def _refuse_more(bench: Workbench, browser: BrowserSession) -> None:
@@ -99,10 +101,10 @@ def _keep(bench: Workbench, browser: BrowserSession, data: Thing, id_: str) -> N
         bench.database.add("upload", data, id_)
 
 
-@router.get("/uploads")
+@router.get("/uploads", response_model=answers.Uploads)
 def get_uploads(bench: Bench, browser: Browser) -> dict[str, Any]:
     """List the files of the browser's session."""
-    return {"uploads": [_shown(upload) for upload in _uploads(bench, browser)]}
+    return {"uploads": [dated(upload) for upload in _uploads(bench, browser)]}
 
 
 @router.delete("/uploads/{id}", status_code=204)
@@ -151,7 +153,7 @@ def preview_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[
     return {**result, "findings": findings, "twin": _twin(bench, result["files"], mapping)}
 
 
-@router.post("/imports", status_code=201)
+@router.post("/imports", status_code=201, response_model=answers.Recording)
 def post_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Keep what a mapping makes of the files as a recording."""
     if body.subject is not None:
@@ -164,7 +166,7 @@ def post_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[str
     )  # fmt: skip
 
 
-@router.post("/demo", status_code=201)
+@router.post("/demo", status_code=201, response_model=answers.Recording)
 def post_demo(bench: Bench, browser: Browser) -> dict[str, Any]:
     """Make a recording of the virtual subject, of whom there is one more trial each time."""
     del browser
@@ -259,8 +261,3 @@ def _files(bench: Workbench, browser: BrowserSession, uploads: list[Thing]) -> l
         {"id": upload["id"], "path": str(folder / upload["id"]), "name": upload["name"]}
         for upload in uploads
     ]
-
-
-def _shown(upload: Thing) -> dict[str, Any]:
-    about = {key: upload[key] for key in ("id", "name", "bytes", "sha256")}
-    return {**about, "created": when(upload["created"])}

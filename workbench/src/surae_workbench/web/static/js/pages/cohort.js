@@ -26,12 +26,12 @@ const show = latest(async () => {
 const columns = (parameters) => [
   { title: "Leg", value: (r) => r.name, show: (r) => h("a", { href: `/fits/${r.fit}` }, r.name) },
   { title: "Subject", value: (r) => r.subject, show: (r) => r.subject || NONE },
-  { title: "Group", value: (r) => r.group, show: (r) => r.group || NONE },
-  { title: "Side", value: (r) => r.side, show: (r) => r.side ?? NONE },
-  { title: "Visit", value: (r) => r.created, show: (r) => when(r.created) },
+  { look: "minor", title: "Group", value: (r) => r.group, show: (r) => r.group || NONE },
+  { look: "minor", title: "Side", value: (r) => r.side, show: (r) => r.side ?? NONE },
+  { look: "minor", title: "Visit", value: (r) => r.created, show: (r) => when(r.created) },
   { title: "Fit", value: (r) => r.grade, show: (r) => (r.grade ? mark(r.grade) : NONE) },
   { title: "R²", numeric: true, value: (r) => r.r2, show: (r) => r2(r.r2) },
-  { title: "Model", value: (r) => r.model_title, show: (r) => r.model_title },
+  { look: "research", title: "Model", value: (r) => r.model_title, show: (r) => r.model_title },
   ...parameters.map((p) => ({
     title: unitText(p.unit) ? `${p.name} [${unitText(p.unit)}]` : p.name,
     numeric: true,
