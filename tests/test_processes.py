@@ -402,6 +402,7 @@ def test_calls_of_a_script_run_nothing_of_its_folder(tmp_path) -> None:
     assert (done.stdout, told.exists()) == ("failed 1\n", False), done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not SURAE.exists(), reason="no surae command beside this Python")
 def test_the_workbench_runs_nothing_of_its_folder(tmp_path) -> None:
     httpx = pytest.importorskip("httpx")

@@ -163,8 +163,8 @@ def test_a_terminal_shows_how_far_the_fit_is_and_ctrl_c_keeps_the_best(files) ->
 @pytest.mark.parametrize(
     ("arguments", "shows"),
     [
-        (["inspect", "trial.csv"], "reading trial.csv"),
-        (["convert", "trial.csv", "out.h5"], "writing out.h5"),
+        pytest.param(["inspect", "trial.csv"], "reading trial.csv", marks=pytest.mark.slow),
+        pytest.param(["convert", "trial.csv", "out.h5"], "writing out.h5", marks=pytest.mark.slow),
         (["check", "trial.csv"], "checking trial.csv"),
     ],
 )

@@ -190,12 +190,11 @@ def test_a_matlab_file(run, tmp_path) -> None:
     np.testing.assert_allclose(columns, table(tmp_path / "p.csv"), rtol=1e-11, atol=1e-12)
 
 
-@pytest.mark.parametrize(("name", "begins"), [("p.png", b"\x89PNG"), ("p.SVG", b"<?xml")])
-def test_a_figure(run, tmp_path, name, begins) -> None:
-    done = run("protocol", "sine", "--output", "p.csv", "--figure", name)
+def test_a_figure(run, tmp_path) -> None:
+    done = run("protocol", "sine", "--output", "p.csv", "--figure", "p.SVG")
     assert done.code == 0
-    assert done.out.endswith(f"protocol: p.csv\nfigure: {name}\n")
-    assert (tmp_path / name).read_bytes().startswith(begins)
+    assert done.out.endswith("protocol: p.csv\nfigure: p.SVG\n")
+    assert (tmp_path / "p.SVG").read_bytes().startswith(b"<?xml")
 
 
 def test_no_adapt_refuses_what_the_device_cannot_follow(run, tmp_path) -> None:

@@ -84,9 +84,12 @@ def test_what_is_identified_of_foreign_legs_is_true(tmp_path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("family", ["a", "i"])
-def test_a_foreign_leg_that_stayed_as_it_was_has_not_changed(tmp_path, family) -> None:
-    before, after = (fitted(tmp_path, family, 44, trial) for trial in (1, 2))
-    told = surae.change(before, after)
-    assert told.changed == ()
-    assert any(d.verdict == "no change shown" for d in told.measures.values())
+def test_foreign_legs_that_stayed_as_they_were_have_not_changed(tmp_path) -> None:
+    """One pair in twenty may be called changed: so is the family of its tests corrected."""
+    wrong = []
+    for family in "aei":
+        for seed in (44, 45):
+            told = surae.change(*(fitted(tmp_path, family, seed, trial) for trial in (1, 2)))
+            assert any(d.verdict == "no change shown" for d in told.measures.values())
+            wrong += [(family, seed, told.changed)] if told.changed else []
+    assert len(wrong) <= binom.ppf(0.95, 6, 0.05), wrong

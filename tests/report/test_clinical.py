@@ -121,9 +121,14 @@ def test_what_is_not_all_known_asks_for_more_or_says_nothing(fit) -> None:
     assert "well known" not in page(strong, angle=45.0).page()
 
 
-def test_two_legs_do_not_change(fit) -> None:
+@pytest.fixture(scope="module")
+def one(fit):
+    """What is compared of the fit."""
+    return quantities(fit.result, fit.assessment, [10.0])
+
+
+def test_two_legs_do_not_change(fit, one) -> None:
     side = (fit.result, fit.assessment)
-    one = quantities(*side, [10.0])
     told = change_page(compare_sessions(one, one, legs=True), [side, side], created=NOW)
     assert told.document.title == "Do the ankles differ?"
     assert answer(told).startswith("No difference is shown.")
@@ -151,17 +156,15 @@ def test_an_unknown_language_is_refused(fit) -> None:
         page(fit, language="it")
 
 
-def test_no_change_is_never_a_yes(fit) -> None:
+def test_no_change_is_never_a_yes(fit, one) -> None:
     side = (fit.result, fit.assessment)
-    same = quantities(*side, [10.0])
-    told = change_page(compare_sessions(same, same), [side, side], created=NOW)
+    told = change_page(compare_sessions(one, one), [side, side], created=NOW)
     assert answer(told).startswith("No change is shown. One of ")
     assert not strong(told)
 
 
-def test_doubtful_fits_have_no_headline(fit) -> None:
+def test_doubtful_fits_have_no_headline(fit, one) -> None:
     side = (fit.result, fit.assessment)
-    one = quantities(*side, [10.0])
     doubt = replace(one, adequacy=replace(one.adequacy, grade=Grade.DOUBTFUL, reasons=("why",)))
     told = change_page(compare_sessions(one, doubt), [side, side], created=NOW)
     assert answer(told).startswith("No answer yet")
