@@ -222,7 +222,6 @@ def design_for_long(desk: Desk, first: dict[str, Any] | None = None) -> Any:
     return page
 
 
-@pytest.mark.slow  # in the fast suite test_web_designer.py stops one without a browser
 def test_a_design_that_is_stopped_keeps_the_best_so_far(desk: Desk) -> None:
     page = design_for_long(desk)
     said, stop = page.locator("#search-said"), page.get_by_role("button", name="Stop, keep the")
