@@ -236,7 +236,7 @@ def test_noise_of_the_emg_biases_a_fit_and_that_is_taken_away():
 @pytest.mark.slow  # in the fast suite test_foreign_legs.py has a leg of another code
 def test_a_leg_of_other_muscles_is_not_called_known(tmp_path):
     """Its residual follows movement and effort: what that hides is in the intervals."""
-    trial = richer_leg(62, drifting=True, foreign=True, rate_hz=THIN, duration=SHORT)
+    trial = richer_leg(62, drifting=True, foreign=True)
     trial.write(tmp_path / "leg.csv")
     result = solve(make_problem([prepare(read(tmp_path / "leg.csv"))], "auto"))
     worth = assess(result)
