@@ -43,6 +43,12 @@ QUICKER = {
     "surae design": ["--evaluations", "20"],
     "surae study run": ["--workers", "1"],
 }
+#: Pages whose sessions, cohorts and studies take seconds each; what they run has tests of its own.
+LONG = {
+    f"docs/{page}.md"
+    for page in ("how-to/run-a-cohort", "how-to/sessions", "how-to/run-a-study", "clinicians",
+                 "how-to/before-and-after", "how-to/design-a-protocol", "methods/measures")
+}  # fmt: skip
 #: Targets of the Makefile, and extras of the package.
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
 
@@ -239,8 +245,22 @@ def test_values_that_a_page_prints_are_those_that_its_code_gives(tmp_path, monke
     assert checked
 
 
+def test_commands_have_the_options_that_long_pages_give_them(workplace):
+    """Those whose commands are run in the slow suite alone."""
+    for page in LONG:
+        for snippet in snippets(page):
+            if snippet.kind == "command" and snippet.text.startswith("surae "):
+                words = shlex.split(snippet.text.partition(" > ")[0])
+                command, rest = _resolved([PLACEHOLDERS.get(word, word) for word in words])
+                with command.make_context("surae", list(rest)):
+                    pass
+
+
 @pytest.mark.usefixtures("undrawn", "small_example", "quick_fits")
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=pytest.mark.slow if page in LONG else ()) for page in PAGES],
+)
 def test_a_page_works_as_it_is_printed(page, workplace, surae):
     namespace: dict[str, object] = {"__name__": "printed"}
     skip = SHOWN.get(page)

@@ -141,6 +141,25 @@ def test_a_protocol_is_designed_in_the_browser(browser) -> None:
         browser.delete(f"/api/protocols/{kept_one['id']}")
 
 
+def test_a_design_that_is_stopped_keeps_the_best_so_far(browser) -> None:
+    asked = {"settings": {"profile": "designed", "device": "achilles", "range": [-0.6, 0.3],
+                          "rate_hz": 64.0}, "durations": [11.0], "evaluations": 12000}  # fmt: skip
+    job, end = browser.post("/api/protocols/design", json=asked).json(), time.monotonic() + PATIENCE
+    while not ((job["progress"] or {}).get("done") or 0) > 0:
+        assert time.monotonic() < end, job
+        time.sleep(0.05)
+        job = browser.get(f"/api/jobs/{job['id']}").json()
+    assert browser.post(f"/api/jobs/{job['id']}/cancel").status_code == 200
+    while job["state"] in ("queued", "running"):
+        assert time.monotonic() < end, job
+        time.sleep(0.05)
+        job = browser.get(f"/api/jobs/{job['id']}").json()
+    assert job["state"] == "cancelled"
+    assert "largest error" in job["message"]
+    kept = [one["name"] for one in browser.get("/api/protocols").json()["protocols"]]
+    assert "designed 11 s worst" in kept
+
+
 def test_a_plan_that_breaks_the_limits_is_told_and_not_exported(browser) -> None:
     plan = {"name": "wild", "seconds": 10.0, "origin": 0.0, "blend": 0.1,
             "ramps": [[1.0, 1.0, 9.0]], "shakes": [], "bursts": []}  # fmt: skip

@@ -161,6 +161,7 @@ def test_a_file_that_cannot_be_read_says_so(desk: Desk, tmp_path: Path) -> None:
     assert not page.locator("#mapping-card").is_visible()
 
 
+@pytest.mark.slow  # in the fast suite test_web_jobs.py stops one without a browser
 def test_a_stopped_fit_keeps_the_best_and_a_reload_goes_on(desk: Desk, csv: Path) -> None:
     page = start_fit(desk, desk.add(csv), 1000)
     page.locator("#job-line").get_by_text(re.compile("R²")).wait_for()
@@ -222,6 +223,7 @@ def design_for_long(desk: Desk, first: dict[str, Any] | None = None) -> Any:
     return page
 
 
+@pytest.mark.slow  # in the fast suite test_web_designer.py stops one without a browser
 def test_a_design_that_is_stopped_keeps_the_best_so_far(desk: Desk) -> None:
     page = design_for_long(desk)
     said, stop = page.locator("#search-said"), page.get_by_role("button", name="Stop, keep the")
