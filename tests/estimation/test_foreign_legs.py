@@ -85,11 +85,16 @@ def test_what_is_identified_of_foreign_legs_is_true(tmp_path) -> None:
 
 @pytest.mark.slow
 def test_foreign_legs_that_stayed_as_they_were_have_not_changed(tmp_path) -> None:
-    """One pair in twenty may be called changed: so is the family of its tests corrected."""
-    wrong = []
+    """One pair in twenty may be called changed: so is the family of its tests corrected.
+
+    Doubtful fits are not judged, so not every pair has a verdict.
+    """
+    judged, wrong = 0, []
     for family in "aei":
         for seed in (44, 45):
             told = surae.change(*(fitted(tmp_path, family, seed, trial) for trial in (1, 2)))
-            assert any(d.verdict == "no change shown" for d in told.measures.values())
+            every = (*told.measures.values(), *told.parameters.values())
+            judged += any(d.verdict in ("no change shown", "changed") for d in every)
             wrong += [(family, seed, told.changed)] if told.changed else []
-    assert len(wrong) <= binom.ppf(0.95, 6, 0.05), wrong
+    assert judged >= 3
+    assert len(wrong) <= binom.ppf(0.95, judged, 0.05), wrong
