@@ -1,6 +1,5 @@
 """Many calls of one function: run anywhere, stopped at any time, kept, and gone on with."""
 
-from surae.runner.calls import kept_calls
 from surae.runner.engines import AGAIN, KINDS, Batch, Died, Engine, Work, cores, in_threads, results
 from surae.runner.ledger import Ledger, LedgerStatus, Running
 
@@ -16,6 +15,5 @@ __all__ = [
     "Work",
     "cores",
     "in_threads",
-    "kept_calls",
     "results",
 ]

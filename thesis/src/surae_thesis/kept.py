@@ -7,8 +7,7 @@ from collections.abc import Callable, Mapping
 from surae.errors import ComputationError
 from surae.files import PathLike
 from surae.processes import Plain
-from surae.runner.engines import Died, Engine, results
-from surae.runner.ledger import Ledger
+from surae.runner import Died, Engine, Ledger, results
 
 
 def kept_calls(
