@@ -30,6 +30,7 @@ ACTIVITIES = ("torque", "emg")
 #: Switches of the models that are a choice; the first is the default.
 CHOICES = {
     "geometry": ("thesis", "virtual-work"),
+    "joint": ("ankle",),
     "tendon_strain": ("thesis", "slack-length"),
     "integrator": ("implicit", "explicit-euler"),
 }

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from surae.errors import InputError
 from surae.filed import filed
-from surae.model.options import ModelOptions, with_geometry
+from surae.model.options import ModelOptions, with_files
 from surae.names import (
     AUTO,
     DRIVES,
@@ -242,7 +242,7 @@ class FitSettings:
         base = model if isinstance(model, FitSettings) else cls(model)
         given = {name: value for name, value in asked.items() if value is not None}
         options = given.pop("options", base.options)
-        switches = with_geometry({n: given.pop(n) for n in _OPTIONS if n in given})
+        switches = with_files({n: given.pop(n) for n in _OPTIONS if n in given})
         if "priors" in given:
             given |= _believed(given["priors"])
         known = [f.name for f in fields(cls)]

@@ -7,7 +7,8 @@ import pytest
 
 from surae.errors import InputError
 from surae.model import MODELS, ModelOptions, adapted, with_optional
-from surae.model.geometry import STRAP, AnkleAxis
+from surae.model.geometry import JointAxis
+from surae.model.joint import ANKLE
 from surae.model.parameters import CROSSTALK, OPTIONAL, OPTIONAL_PARAMETERS
 from surae.recording import MUSCLES
 from surae.signals import emg_levels, smooth_effort
@@ -223,7 +224,7 @@ def test_zeros_and_axis_are_of_the_sensors(name, inputs) -> None:
 def test_a_misaligned_axis_loses_no_work(geometry, inputs) -> None:
     options = replace(OPTIONS, geometry=geometry)
     turned = torque("muscle", inputs, options, axis_forward=0.012, axis_up=0.02)
-    joint = AnkleAxis(angle=inputs.angle, forward=0.012, up=0.02).joint
+    joint = JointAxis(angle=inputs.angle, forward=0.012, up=0.02).joint
     ankle = replace(
         inputs,
         angle=joint.angle,
@@ -237,15 +238,15 @@ def test_a_misaligned_axis_loses_no_work(geometry, inputs) -> None:
 def test_angle_of_an_ankle_beside_the_axis() -> None:
     angle = np.linspace(-1.0, 0.8, 50)
     for forward, up in ((0.0, 0.0), (0.02, 0.0), (-0.03, 0.03), (0.01, -0.02)):
-        here = AnkleAxis(angle=angle, forward=forward, up=up)
-        strap = STRAP * np.exp(1j * angle)
+        here = JointAxis(angle=angle, forward=forward, up=up)
+        strap = ANKLE.distance * np.exp(1j * angle)
         pointing = np.angle(strap - complex(forward, up))
-        at_zero = np.angle(STRAP - complex(forward, up))
+        at_zero = np.angle(ANKLE.distance - complex(forward, up))
         np.testing.assert_allclose(here.joint.angle, pointing - at_zero, rtol=0, atol=1e-15)
         h = 1e-5
         for name in ("angle", "forward", "up"):
             moved = [
-                AnkleAxis(
+                JointAxis(
                     angle=angle + s * h * (name == "angle"),
                     forward=forward + s * h * (name == "forward"),
                     up=up + s * h * (name == "up"),

@@ -64,7 +64,7 @@ def test_allowed_values(name, value) -> None:
         (
             {"gravity": 9.81},
             "unknown option 'gravity'; known options: geometry, tendon_strain, integrator, "
-            "theta_foot, vmax_factor, x_ref_tri, x_ref_tib, emg_ref",
+            "theta_foot, vmax_factor, x_ref_tri, x_ref_tib, emg_ref, joint",
         ),
     ],
 )

@@ -1,6 +1,7 @@
 """Fits: made from recordings, read from a file."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from surae.api.fitted import Fit
@@ -17,7 +18,7 @@ from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
 from surae.progress import SearchProgress
 from surae.quality import Quality
-from surae.recording import Recording
+from surae.recording import MUSCLES, Recording
 from surae.setting import takes
 from surae.signals import ModelInputs
 
@@ -120,7 +121,12 @@ def fit_inputs(
     if baseline is not None:
         check_baseline(baseline, problem)
     result = solve(problem, progress=progress, follow=follow)
-    return Fit(result, assess(result, baseline, alternatives=True), tuple(quality))
+    absent = {f"emg_{MUSCLES[channel]}" for channel in settings.options.anatomy.silent}
+    found = tuple(
+        replace(each, findings=tuple(f for f in each.findings if f.channel not in absent))
+        for each in quality
+    )
+    return Fit(result, assess(result, baseline, alternatives=True), found)
 
 
 def load(path: PathLike) -> Fit:

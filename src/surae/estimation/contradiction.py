@@ -64,7 +64,7 @@ def contradiction(result: FitResult) -> Contradiction | None:
     known = {n for trial in problem.inputs for n in trial.fixed} | problem.settings.mentioned
     beliefs = {
         n: belief
-        for n, belief in laboratory().items()
+        for n, belief in laboratory(joint=problem.options.anatomy).items()
         if group_of(n) in _HELD_AGAINST and n not in problem.free and n not in known
     }
     if result.family is not None or result.status == "failed" or problem.settings.loss is not None:
@@ -82,6 +82,8 @@ def contradiction(result: FitResult) -> Contradiction | None:
     bounds = dict(zip(problem.free, zip(problem.lower, problem.upper, strict=True), strict=True))
     limits = [bounds.get(n, (table[n].lower, table[n].upper)) for n in free]
     tendons = {n: b for n, b in TENDONS.items() if n in spec.names and n not in known}
+    for name in tendons.keys() & problem.options.anatomy.parameters.keys():
+        tendons[name] = replace(tendons[name], mean=float(np.log(table[name].start)))
     for name in tendons.keys() - result.values.keys():  # none so far: as stiff as the model goes
         stiff = limits[free.index(name)][0]
         base[name] = stiff

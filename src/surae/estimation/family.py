@@ -119,6 +119,7 @@ class _Search:
             for muscle, weight in zip(MUSCLES, problem.spec.weights, strict=True)
             if weight in held and not problem.base[problem.spec.names.index(weight)]
         }
+        held |= {problem.spec.weights[channel] for channel in problem.options.anatomy.silent}
         filmed = {n for r in problem.inputs for f in r.films for n in names_of_film(f.channel)}
         self._beliefs = {
             name: belief
@@ -126,6 +127,7 @@ class _Search:
                 problem.settings.nuisances,
                 quiet_levels(problem.inputs),
                 measured=problem.settings.geometry_of == "person",
+                joint=problem.options.anatomy,
             ).items()
             if name not in held and not _needless(name, self._silent, filmed)
         }
@@ -226,7 +228,8 @@ class _Search:
     def _leg(self, problem: FitProblem) -> dict[str, Gaussian]:
         """What is known of the leg's own parameters, as they are searched."""
         wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
-        for name in TENDONS:  # widened, a Gaussian would believe as much in a rigid one
+        # widened, a Gaussian would believe as much in a rigid one
+        for name in {*TENDONS} - {*problem.options.anatomy.parameters}:
             wide[name] = (wide[name][0], wide[name][1] / WIDENED)
         wide |= {name: (weight, 1.0) for name, weight in self._weights.items()}
         wide |= {n: (p.median, p.spread) for n, p in problem.priors.items()}
@@ -341,7 +344,8 @@ def _summed(
             dynamics(post, V, unheard=False),
         ]
     )
-    if any(recording.missing_emg for recording in inputs):
+    absent = {MUSCLES[channel] for channel in asked.options.anatomy.silent}
+    if any({*recording.missing_emg} - absent for recording in inputs):
         shifts["unheard"] = dynamics(post, V, unheard=True)
     shifts["trials"] = between_trials(blocks, V)
     problem = replace(post.problem, inputs=inputs)

@@ -108,7 +108,8 @@ def make_problem(
         check_estimable(recording)
         _check_weight(recording)
         _check_prescribed(recording, spec)
-    prescribed = {**_agreed_fixed(inputs, fixed), **fixed}
+    absent = {spec.weights[channel]: 0.0 for channel in options.anatomy.silent}
+    prescribed = {**absent, **_agreed_fixed(inputs, fixed), **fixed}
     for names in (prescribed, start, bounds, tuple(free)):
         check_names(names, spec)
     table = adapted(spec.parameters, options, _agreed_unit(inputs))

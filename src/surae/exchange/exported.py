@@ -6,10 +6,9 @@ from dataclasses import dataclass, replace
 from surae.assessment import Assessment
 from surae.errors import InputError
 from surae.estimation import FitResult
-from surae.exchange.joint import GAINS, Joint, joint_of
+from surae.exchange.joint import GAINS, JointModel, joint_of
 from surae.exchange.mjcf import mjcf
 from surae.exchange.osim import osim
-from surae.exchange.text import NAMES
 from surae.files import PathLike, write_atomic
 from surae.measures.leg import Leg, measured_range
 
@@ -94,15 +93,16 @@ def exported(result: FitResult, assessment: Assessment, to: str) -> ExportedMode
     return replace(near, text=text)
 
 
-def _comments(joint: Joint, leg: Leg, to: str) -> list[str]:
+def _comments(joint: JointModel, leg: Leg, to: str) -> list[str]:
     """What a reader has to know, a sentence or two each."""
     low, high = (math.degrees(end) for end in joint.moved)
     told = [
-        f"An ankle that surae fitted ({leg.spec.name}). It is true from {low:.3g}° to {high:.3g}°, "
+        f"The ankle that surae fitted ({leg.spec.name}). It is true from {low:.3g}° to "
+        f"{high:.3g}°, "
         "where the leg was moved; dorsiflexion is positive.",
-        "The ground is the shank, upright. The foot is a point mass with the foot plate in it: "
-        "take the plate's mass off for a leg without one.",
-        "Muscles run straight from shank to foot, with the moment arms of the fit. Lengths are "
+        "The ground is the segment above the joint, upright. The foot is a point mass with the "
+        "foot plate in it: take the plate's mass off for a leg without one.",
+        "Muscles run straight across the joint, with the moment arms of the fit. Lengths are "
         "along these lines, so that an optimal length is not the fit's where the fit's muscle does "
         "not lengthen by its arm.",
         "Tissue is relaxed, without the relaxation of equation (10): before it relaxes it pulls "
@@ -122,10 +122,10 @@ def _comments(joint: Joint, leg: Leg, to: str) -> list[str]:
             f"{leg.values[gain] / muscle.scale:.6g}·emg_{channels[gain]}"
             for gain in GAINS[muscle.group]
         )
-        told.append(f"Excitation of {NAMES[muscle.group]}: {sums}, EMG's envelope in {unit}.")
+        told.append(f"Excitation of {muscle.name}: {sums}, EMG's envelope in {unit}.")
     if leg.is_compliant and not FORMATS[to][2]:
         told.append("Its tendons find no balance at an activation of 0: keep it at 0.01 or above.")
-    return told
+    return [joint.anatomy.said(text) for text in told]
 
 
 def _values(assessment: Assessment) -> list[str]:

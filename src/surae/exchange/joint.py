@@ -13,6 +13,7 @@ from surae.exchange.muscles import (
     WrappedPath,
 )
 from surae.measures.leg import GROUPS, Leg, elongation
+from surae.model import joint as anatomy
 from surae.model.parameters import OPTIONAL_PARAMETERS
 from surae.units import FloatArray
 
@@ -82,11 +83,17 @@ class Springs:
 class JointMuscle:
     """A muscle group of the joint."""
 
+    anatomy: anatomy.Joint
     group: str
     path: PolynomialPath | WrappedPath
     muscle: DeGrooteMuscle | MujocoMuscle
     tissue: Tissue | Springs
     scale: float  #: Excitation (12), (13) that is 1 there [N].
+
+    @property
+    def name(self) -> str:
+        """The group's name in files."""
+        return self.anatomy.groups[GROUPS.index(self.group)].replace(" ", "_")
 
     def torque(self, angle: FloatArray, velocity: FloatArray, active: FloatArray) -> FloatArray:
         """Torque at angles [rad], their velocity [rad/s] and activation [Nm]."""
@@ -98,9 +105,10 @@ class JointMuscle:
 
 
 @dataclass(frozen=True, slots=True)
-class Joint:
+class JointModel:
     """The ankle of a leg with both its muscle groups."""
 
+    anatomy: anatomy.Joint  #: The joint that it is.
     mass: float  #: Foot and footplate [kg].
     theta_foot: float  #: Angle of the foot to the horizontal at 0 rad [rad].
     moved: tuple[float, float]  #: Range that was moved [rad].
@@ -116,7 +124,7 @@ class Joint:
     missing_rms: float
 
 
-def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> Joint:
+def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointModel:
     """A leg with muscles of OpenSim, or with those and the springs of MuJoCo.
 
     `moved` is the range that was moved [deg].
@@ -130,7 +138,7 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> Joint:
         held = _held(leg, group, degrees, path.length(angle))
         kind: type[MujocoMuscle | DeGrooteMuscle] = MujocoMuscle if springs else DeGrooteMuscle
         tissue = (Springs if springs else Tissue).fitted(held.length, held.tissue)
-        muscle = JointMuscle(group, path, kind.fitted(held), tissue, held.peak)
+        muscle = JointMuscle(leg.options.anatomy, group, path, kind.fitted(held), tissue, held.peak)
         muscles.append(muscle)
         active = np.vstack([still, held.active])
         ours.append(arm * (held.tissue + active))
@@ -145,8 +153,9 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> Joint:
         if leg.values.get(p.name) and p.start == 0.0 and not p.name.startswith(_KEPT)
     )
     bare = leg.with_values(dict.fromkeys(missing, 0.0))
-    return Joint(
-        leg.values["m"], leg.options.theta_foot, (float(angle[0]), float(angle[-1])), pair,
+    return JointModel(
+        leg.options.anatomy, leg.values["m"], leg.options.theta_foot,
+        (float(angle[0]), float(angle[-1])), pair,
         _rms(apart), float(np.abs(own).max()), _moving(bare, pair), missing,
         _apart(leg, bare) if missing and leg.inputs else 0.0,
     )  # fmt: skip

@@ -3,11 +3,11 @@
 import math
 from xml.etree.ElementTree import Element, SubElement
 
-from surae.exchange.joint import Joint, Springs
+from surae.exchange.joint import JointModel, Springs
 from surae.exchange.muscles import MujocoMuscle, WrappedPath
-from surae.exchange.text import NAMES, row, text_of
+from surae.exchange.text import row, text_of
 from surae.model.contraction import FECC
-from surae.model.movement import ARM_LIMB, GRAVITY
+from surae.model.movement import GRAVITY
 
 #: Inertia of a point mass about itself [kg·m²]; none may be zero.
 _POINT = 1e-6
@@ -15,22 +15,24 @@ _POINT = 1e-6
 _RANGE = (0.5, 1.5)
 
 
-def mjcf(joint: Joint, comments: list[str]) -> str:
+def mjcf(joint: JointModel, comments: list[str]) -> str:
     """The file, with comments before the model."""
-    model = Element("mujoco", model="ankle")
+    anatomy = joint.anatomy
+    model = Element("mujoco", model=anatomy.name)
     SubElement(model, "compiler", angle="radian")
     SubElement(model, "option", gravity=row(0.0, 0.0, -GRAVITY), integrator="implicitfast")
     world = SubElement(model, "worldbody")
-    foot = SubElement(world, "body", name="foot")
+    foot = SubElement(world, "body", name=anatomy.limb)
     # dorsiflexion turns x into z; the foot lies by θ_foot below the horizontal
-    axis = {"name": "ankle_angle", "type": "hinge", "axis": "0 -1 0"}
+    axis = {"name": f"{anatomy.name}_angle", "type": "hinge", "axis": "0 -1 0"}
     SubElement(foot, "joint", axis, limited="false", range=row(*joint.moved))
-    at = ARM_LIMB * math.cos(joint.theta_foot), 0.0, -ARM_LIMB * math.sin(joint.theta_foot)
+    turned, distance = joint.theta_foot, anatomy.distance
+    at = distance * math.cos(turned), 0.0, -distance * math.sin(turned)
     inertia = row(_POINT, _POINT, _POINT)
     SubElement(foot, "inertial", pos=row(*at), mass=row(joint.mass), diaginertia=inertia)
     tendons, actuators = SubElement(model, "tendon"), SubElement(model, "actuator")
     for of in joint.muscles:
-        muscle, springs, name = of.muscle, of.tissue, NAMES[of.group]
+        muscle, springs, name = of.muscle, of.tissue, of.name
         assert isinstance(muscle, MujocoMuscle)
         assert isinstance(springs, Springs)
         path = of.path

@@ -3,10 +3,9 @@
 import math
 from xml.etree.ElementTree import Element, SubElement
 
-from surae.exchange.joint import Joint, JointMuscle, Tissue
+from surae.exchange.joint import JointModel, JointMuscle, Tissue
 from surae.exchange.muscles import DeGrooteMuscle, PolynomialPath
-from surae.exchange.text import NAMES, row, text_of
-from surae.model.movement import ARM_LIMB
+from surae.exchange.text import row, text_of
 
 #: The format of OpenSim 4.5, which the tissue's force needs.
 _VERSION = "40500"
@@ -16,21 +15,22 @@ _POINT = 1e-6
 _LEAST = 0.01
 
 
-def osim(joint: Joint, comments: list[str]) -> str:
+def osim(joint: JointModel, comments: list[str]) -> str:
     """The file, with comments before the model."""
     document = Element("OpenSimDocument", Version=_VERSION)
-    model = SubElement(document, "Model", name="ankle")
+    anatomy = joint.anatomy
+    model = SubElement(document, "Model", name=anatomy.name)
     _set(model, "gravity", 0.0, -9.81, 0.0)
-    foot = SubElement(_objects(model, "BodySet"), "Body", name="foot")
+    foot = SubElement(_objects(model, "BodySet"), "Body", name=anatomy.limb)
     _set(foot, "mass", joint.mass)
     # dorsiflexion turns x into y; the foot lies by θ_foot below the horizontal
-    forward, down = ARM_LIMB * math.cos(joint.theta_foot), ARM_LIMB * math.sin(joint.theta_foot)
+    forward, down = (anatomy.distance * turned(joint.theta_foot) for turned in (math.cos, math.sin))
     _set(foot, "mass_center", forward, -down, 0.0)
     _set(foot, "inertia", _POINT, _POINT, _POINT, 0.0, 0.0, 0.0)
-    pin = SubElement(_objects(model, "JointSet"), "PinJoint", name="ankle")
+    pin = SubElement(_objects(model, "JointSet"), "PinJoint", name=anatomy.name)
     _set(pin, "socket_parent_frame", "/ground")
-    _set(pin, "socket_child_frame", "/bodyset/foot")
-    angle = SubElement(SubElement(pin, "coordinates"), "Coordinate", name="ankle_angle")
+    _set(pin, "socket_child_frame", f"/bodyset/{anatomy.limb}")
+    angle = SubElement(SubElement(pin, "coordinates"), "Coordinate", name=f"{anatomy.name}_angle")
     _set(angle, "default_value", 0.0)
     _set(angle, "range", *joint.moved)
     forces = _objects(model, "ForceSet")
@@ -43,7 +43,7 @@ def osim(joint: Joint, comments: list[str]) -> str:
 def _muscle(forces: Element, of: JointMuscle) -> None:
     muscle = of.muscle
     assert isinstance(muscle, DeGrooteMuscle)
-    element = SubElement(forces, "DeGrooteFregly2016Muscle", name=NAMES[of.group])
+    element = SubElement(forces, "DeGrooteFregly2016Muscle", name=of.name)
     _path(element, of)
     rigid = muscle.strain == 0.0
     values = {
@@ -68,7 +68,7 @@ def _muscle(forces: Element, of: JointMuscle) -> None:
 def _tissue(forces: Element, of: JointMuscle) -> None:
     tissue = of.tissue
     assert isinstance(tissue, Tissue)
-    element = SubElement(forces, "ExpressionBasedPathForce", name=f"{NAMES[of.group]}_tissue")
+    element = SubElement(forces, "ExpressionBasedPathForce", name=f"{of.name}_tissue")
     _path(element, of)
     terms = [f"({c:.12g})*s^{power}" for power, c in enumerate(tissue.coefficients) if power]
     _set(element, "resting_length", tissue.rest)
@@ -79,7 +79,7 @@ def _tissue(forces: Element, of: JointMuscle) -> None:
 def _path(element: Element, of: JointMuscle) -> None:
     assert isinstance(of.path, PolynomialPath)
     path = SubElement(element, "FunctionBasedPath", name="path")
-    _set(path, "coordinate_paths", "/jointset/ankle/ankle_angle")
+    _set(path, "coordinate_paths", f"/jointset/{of.anatomy.name}/{of.anatomy.name}_angle")
     length = SubElement(SubElement(path, "length_function"), "PolynomialFunction")
     _set(length, "coefficients", *of.path.coefficients[::-1])
 

@@ -2,9 +2,6 @@
 
 import xml.etree.ElementTree as ET
 
-#: Names of the muscle groups in files.
-NAMES = {"tri": "triceps_surae", "tib": "tibialis_anterior"}
-
 
 def row(*values: float | str) -> str:
     """Numbers, or words, as XML has them."""

@@ -18,7 +18,6 @@ from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_mod
 from surae.model.contraction import CF, FECC, MVSH
 from surae.model.equilibrium import solve
 from surae.model.geometry import paths
-from surae.model.parameters import SLACK_TIB, SLACK_TRI
 from surae.model.tendon import TendonCurve, tendon_curve, tendon_force
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -146,7 +145,9 @@ class Leg:
             v, curve, pulls = self.values, None, not (self.is_of_2010 and group == "tib")
             if self.is_compliant:
                 in_metres = self.options.tendon_strain == "thesis"
-                eps0 = v[f"dlt_{group}"] * (1.0 if in_metres else slack_length(group))
+                eps0 = v[f"dlt_{group}"] * (
+                    1.0 if in_metres else self.options.anatomy.slack[GROUPS.index(group)]
+                )
                 curve = tendon_curve(eps0, v[f"pt_{group}"], v[f"kt_{group}"], v[f"fmax_{group}"])
             self._muscles[group] = _Muscle(
                 self._path(group),
@@ -370,11 +371,6 @@ class _Muscle(NamedTuple):
         width = CF * math.exp(2.0 * self.shape[u >= 0.0])
         value = math.exp(-u * u / width)
         return value, -2.0 * u / (width * self.l0) * value
-
-
-def slack_length(group: str) -> float:
-    """Slack length of a tendon [m] (thesis Table 2)."""
-    return SLACK_TRI if group == "tri" else SLACK_TIB
 
 
 def elongation(curve: TendonCurve, force: float) -> float:

@@ -16,6 +16,7 @@ from surae.assessment import Grade, Verdict
 from surae.errors import InputError
 from surae.files import PathLike, read_bytes, shown
 from surae.measures.measure import Measures
+from surae.model.joint import ANKLE, Joint
 from surae.normal import standard_error_of
 
 
@@ -50,8 +51,8 @@ class Placed:
         return "< 1 %" if percent < 1.0 else "> 99 %" if percent > 99.0 else f"{percent:.0f} %"
 
 
-def read_norms(path: PathLike | None = None) -> tuple[Norm, ...]:
-    """The norms of a file; without one those that come with surae, all from cited papers.
+def read_norms(path: PathLike | None = None, joint: Joint = ANKLE) -> tuple[Norm, ...]:
+    """The norms of a file; without one those that come with surae, of the ankle from cited papers.
 
     Raises
     ------
@@ -59,6 +60,8 @@ def read_norms(path: PathLike | None = None) -> tuple[Norm, ...]:
         The file is no table of norms.
     """
     if path is None:
+        if joint != ANKLE:
+            return ()
         data = files("surae.measures").joinpath("norms.toml").read_bytes()
         where = "norms.toml"
     else:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from surae.errors import ComputationError
-from surae.measures.leg import GROUPS, Leg, NotDefinedError, elongation, slack_length
+from surae.measures.leg import GROUPS, Leg, NotDefinedError, elongation
 from surae.model.tendon import tendon_force
 from surae.units import FloatArray
 
@@ -197,7 +197,7 @@ def tendon_strain_tri(leg: Leg, at: float) -> float:
 
     e/lt0, e from equation (18), lt0 of the thesis's Table 2.
     """
-    return 100.0 * elongation(leg.tendon("tri"), at) / slack_length("tri")
+    return 100.0 * elongation(leg.tendon("tri"), at) / leg.options.anatomy.slack[0]
 
 
 def tendon_strain_tib(leg: Leg, at: float) -> float:
@@ -205,7 +205,7 @@ def tendon_strain_tib(leg: Leg, at: float) -> float:
 
     e/lt0, as of tendon_strain_tri.
     """
-    return 100.0 * elongation(leg.tendon("tib"), at) / slack_length("tib")
+    return 100.0 * elongation(leg.tendon("tib"), at) / leg.options.anatomy.slack[1]
 
 
 def _slow(leg: Leg, group: str, at: float) -> float:

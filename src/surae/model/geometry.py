@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.model.geometry_table import GeometryTable
+from surae.model.joint import ANKLE
 from surae.model.options import ModelOptions
 from surae.units import FloatArray
 
@@ -109,8 +110,7 @@ class Path:
 def paths(*, angle: FloatArray, velocity: FloatArray, options: ModelOptions) -> tuple[Path, Path]:
     """Paths of the triceps surae and of the tibialis anterior, in this order."""
     if isinstance(options.geometry, GeometryTable):
-        rest = (options.x_ref_tri, options.x_ref_tib)
-        tri, tib = (_of_table(options.geometry, g, angle, velocity, rest[g]) for g in (0, 1))
+        tri, tib = (_of_table(options, options.geometry, g, angle, velocity) for g in (0, 1))
         return tri, tib
     x_tri, slope_tri = length_tri(angle, options)
     x_tib, slope_tib = length_tib(angle, options)
@@ -124,17 +124,21 @@ def paths(*, angle: FloatArray, velocity: FloatArray, options: ModelOptions) -> 
 
 
 def _of_table(
-    table: GeometryTable, group: int, angle: FloatArray, velocity: FloatArray, at_rest: float
+    options: ModelOptions, table: GeometryTable, group: int, angle: FloatArray, velocity: FloatArray
 ) -> Path:
-    """Path of a group by a table; its length at 0 rad is as assumed where no tendon's is stated."""
+    """Path of a group by a table, whose lengths are those of muscle and tendon.
+
+    Where it states no slack lengths, those of another joint's tendons are taken off; of the ankle's
+    muscles the length at 0 rad is as assumed.
+    """
     length, slope, bend, arm, arm_slope = table.at(group, angle)
     if not table.slack:
-        length = length + (at_rest - float(table.at(group, np.zeros(1))[0][0]))
+        joint = options.anatomy
+        rest = (options.x_ref_tri, options.x_ref_tib)[group] - float(
+            table.at(group, np.zeros(1))[0][0]
+        )
+        length = length + (rest if joint == ANKLE else -joint.slack[group])
     return Path(arm, length, slope * velocity, slope, bend, arm_slope)
-
-
-#: R, from the device's axis to where the foot is strapped to the plate [m], as `ARM_LIMB` of (6).
-STRAP = 0.15
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,12 +153,12 @@ class JointAngle:
     bend: FloatArray
 
 
-class AnkleAxis:
-    """An ankle (`forward`, `up`) [m] from the device's axis, with the device at an `angle` [rad].
+class JointAxis:
+    """A joint (`forward`, `up`) [m] from the device's axis, with the device at an `angle` [rad].
 
-    The foot is pinned at the ankle and strapped to the plate at R = `STRAP` from the device's axis,
-    where it may slide along the sole. With the ankle at a = (forward, up), the foot points to the
-    strap:
+    The foot is pinned at the ankle and strapped to the plate at R = `strap` [m] from the device's
+    axis, where it may slide along the sole. With the ankle at a = (forward, up), the foot points to
+    the strap:
 
         θ_joint(θ) = ∠(R·(cos θ, sin θ) − a) − ∠((R, 0) − a)
 
@@ -167,23 +171,26 @@ class AnkleAxis:
     Biomechanics 40(7):1622-1628.
     """
 
-    def __init__(self, *, angle: FloatArray, forward: float, up: float) -> None:
+    def __init__(
+        self, *, angle: FloatArray, forward: float, up: float, strap: float = ANKLE.distance
+    ) -> None:
+        self._strap = strap
         self._cos, self._sin = np.cos(angle), np.sin(angle)
-        self._x, self._y = STRAP * self._cos - forward, STRAP * self._sin - up
-        self._x0, self._y0 = STRAP - forward, -up
+        self._x, self._y = strap * self._cos - forward, strap * self._sin - up
+        self._x0, self._y0 = strap - forward, -up
         self._along = forward * self._cos + up * self._sin
         self._across = up * self._cos - forward * self._sin
-        self._at, self._inside = (forward, up), STRAP**2 - forward**2 - up**2
+        self._at, self._inside = (forward, up), strap**2 - forward**2 - up**2
         self._square = self._x**2 + self._y**2  # of the distance from ankle to strap
         self.joint = JointAngle(
             np.arctan2(self._y, self._x) - np.arctan2(self._y0, self._x0),
-            STRAP * (STRAP - self._along) / self._square,
-            STRAP * self._across * self._inside / self._square**2,
+            strap * (strap - self._along) / self._square,
+            strap * self._across * self._inside / self._square**2,
         )
 
     def slope(self, name: str) -> JointAngle:
         """Derivatives of `joint` by ``"angle"``, ``"forward"`` or ``"up"``."""
-        joint, (forward, up) = self.joint, self._at
+        joint, (forward, up), strap = self.joint, self._at, self._strap
         if name == "angle":
             turned, along, across, inside = joint.factor, self._across, -self._along, 0.0
         else:
@@ -194,10 +201,10 @@ class AnkleAxis:
             else:
                 turned = self._x0 / square - self._x / self._square
                 along, across, inside = self._sin, self._cos, -2.0 * up
-        farther = -(inside + 2.0 * STRAP * along) / self._square  # of the square's logarithm
-        bend = STRAP * (across * self._inside + self._across * inside) / self._square**2
+        farther = -(inside + 2.0 * strap * along) / self._square  # of the square's logarithm
+        bend = strap * (across * self._inside + self._across * inside) / self._square**2
         return JointAngle(
             turned,
-            -STRAP * along / self._square - joint.factor * farther,
+            -strap * along / self._square - joint.factor * farther,
             bend - 2.0 * joint.bend * farther,
         )

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from surae.errors import InputError
+from surae.model.joint import ANKLE, Joint
 from surae.model.sources import NUISANCES, Gaussian, Nuisance
 
 __all__ = [
@@ -42,6 +43,7 @@ def laboratory(
     quiet: Sequence[float] | None = None,
     *,
     measured: bool = False,
+    joint: Joint = ANKLE,
 ) -> dict[str, Gaussian]:
     """The priors of all nuisances, by parameter.
 
@@ -50,17 +52,19 @@ def laboratory(
     `quiet` is the level of each electrode at its quietest, in the EMG's unit: the priors of EMG at
     rest are in parts of it. Where it is zero, or not given, that is taken for known.
     `measured`: the geometry is the person's own, so that its priors are narrower.
+    A `joint` may have other priors; `nuisances` come before them.
     """
     if nuisances == NONE:
         return {}
     beliefs = {name: n.prior_of(name) for n in _NUISANCES.values() for name in n.parameters}
     if measured:
         beliefs |= {name: b for n in _NUISANCES.values() for name, b in n.measured.items()}
-    if isinstance(nuisances, str):
-        if nuisances != ALL:
-            raise InputError(f"nuisances is {nuisances!r}; use 'all', 'none' or a mapping")
-        return _of_electrodes(beliefs, quiet)
-    for name, pair in nuisances.items():
+    given: Mapping[str, tuple[float, float]] = {}
+    if not isinstance(nuisances, str):
+        given = nuisances
+    elif nuisances != ALL:
+        raise InputError(f"nuisances is {nuisances!r}; use 'all', 'none' or a mapping")
+    for name, pair in (*joint.nuisances.items(), *given.items()):
         names = GROUPS.get(name, (name,))
         if not set(names) <= beliefs.keys():
             known = ", ".join((*GROUPS, *(n for g in GROUPS.values() for n in g)))
@@ -72,10 +76,8 @@ def laboratory(
         if not (abs(mean) < float("inf") and 0 <= sd < float("inf")):
             raise InputError(f"nuisances: {name} is {pair!r}; give a finite mean, and sd from 0")
         for each in names:
-            if sd == 0:
-                del beliefs[each]
-            else:
-                beliefs[each] = Gaussian(mean, sd, beliefs[each].off)
+            beliefs[each] = Gaussian(mean, sd, beliefs[each].off)
+    beliefs = {name: belief for name, belief in beliefs.items() if belief.sd > 0}
     return _of_electrodes(beliefs, quiet)
 
 

@@ -1,7 +1,7 @@
 """What a recording's movement does to limb and muscles, as far as its sensors can be believed.
 
 The angle that is measured is that of the device, and of its zero: the joint's is that of
-`surae.model.geometry` at θ + angle_zero − plate_give·T, with the ankle's axis at (axis_forward,
+`surae.model.geometry` at θ + angle_zero − plate_give·T, with the joint's axis at (axis_forward,
 axis_up). T is the measured torque, or the model's own where that is given: the noise of the
 measured one would be followed by the angle that it turns. Everything in the leg follows the joint,
 and all its torque is felt by the device times dθ_joint/dθ.
@@ -12,60 +12,67 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.model.geometry import AnkleAxis, JointAngle, Path, paths
+from surae.model.geometry import JointAngle, JointAxis, Path, paths
+from surae.model.joint import ANKLE
 from surae.model.options import ModelOptions
 from surae.model.parameters import OPTIONAL
 from surae.signals import ModelInputs, smooth_effort
 from surae.units import FloatArray
 
-#: Distance of the point mass from the ankle axis [m], equation (6).
-ARM_LIMB = 0.15
 GRAVITY = 9.81
 
 
-def inertia_torque(*, acceleration: FloatArray) -> FloatArray:
+def inertia_torque(*, acceleration: FloatArray, distance: float = ANKLE.distance) -> FloatArray:
     """Inertial torque of a mass of 1 kg, equations (1) and (6): la²·θ''.
 
     Parameters
     ----------
     acceleration : ndarray
         Angular acceleration [rad/s²].
+    distance : float
+        Of the point mass from the axis, la [m].
 
     Returns
     -------
     ndarray
         Torque per mass [Nm/kg].
     """
-    return ARM_LIMB**2 * acceleration
+    return distance**2 * acceleration
 
 
-def gravity_torque(*, angle: FloatArray, theta_foot: float) -> FloatArray:
+def gravity_torque(
+    *, angle: FloatArray, theta_foot: float, distance: float = ANKLE.distance
+) -> FloatArray:
     """Gravitational torque of a mass of 1 kg, equation (7): g·la·cos(θ − θ_foot).
 
     Parameters
     ----------
     angle : ndarray
-        Ankle angle [rad].
+        Angle of the joint [rad].
     theta_foot : float
-        Angle of the foot to the horizontal at θ = 0 [rad].
+        Angle of foot or hand to the horizontal at θ = 0 [rad].
+    distance : float
+        Of the point mass from the axis, la [m].
 
     Returns
     -------
     ndarray
         Torque per mass [Nm/kg].
     """
-    torque: FloatArray = GRAVITY * ARM_LIMB * np.cos(angle - theta_foot)
+    torque: FloatArray = GRAVITY * distance * np.cos(angle - theta_foot)
     return torque
 
 
-def gravity_slope(*, angle: FloatArray, theta_foot: float) -> FloatArray:
+def gravity_slope(
+    *, angle: FloatArray, theta_foot: float, distance: float = ANKLE.distance
+) -> FloatArray:
     """Derivative of `gravity_torque` by the angle [Nm/(kg·rad)]; parameters as there."""
-    slope: FloatArray = -GRAVITY * ARM_LIMB * np.sin(angle - theta_foot)
+    slope: FloatArray = -GRAVITY * distance * np.sin(angle - theta_foot)
     return slope
 
 
 _AXIS, _GIVE = OPTIONAL["axis"], "plate_give"
-#: What turns the joint, and what it is to `AnkleAxis`.
+#: What turns the joint, and what it is to `JointAxis`.
 _TURNING = {"angle_zero": "angle", **dict(zip(_AXIS, ("forward", "up"), strict=True)), _GIVE: ""}
 #: What changes a muscle's path, by group.
 _PATH = tuple(
@@ -142,6 +149,7 @@ class Movement:
     def _moved(self, given: Mapping[str, float], columns: Mapping[str, int]) -> LegMovement:
         inputs, options = self._inputs, self._options
         velocity, acceleration = inputs.velocity, inputs.acceleration
+        distance = options.anatomy.distance
         angle = inputs.angle + given.get("angle_zero", 0.0)
         if _GIVE in given:
             angle = angle - given[_GIVE] * self._pull
@@ -153,7 +161,9 @@ class Movement:
             [JointAngle(same, still, still)] * len(turning),
         )
         if _AXIS[0] in given:
-            axis = AnkleAxis(angle=angle, forward=given[_AXIS[0]], up=given[_AXIS[1]])
+            axis = JointAxis(
+                angle=angle, forward=given[_AXIS[0]], up=given[_AXIS[1]], strap=distance
+            )
             joint = axis.joint
             slopes = [axis.slope(_TURNING[name] or "angle") for name in turning]
         rates = [still] * len(turning)  # what the device's own speed changes by
@@ -163,16 +173,19 @@ class Movement:
             slopes[at] = JointAngle(by.angle * back, by.factor * back, by.bend * back)
             rates[at] = -self._pull_rate
         swinging = joint.factor * acceleration + joint.bend * velocity**2
-        inertia = inertia_torque(acceleration=swinging)
-        gravity = gravity_torque(angle=joint.angle, theta_foot=options.theta_foot)
-        falling = gravity_slope(angle=joint.angle, theta_foot=options.theta_foot)
+        inertia = inertia_torque(acceleration=swinging, distance=distance)
+        gravity, falling = (
+            of(angle=joint.angle, theta_foot=options.theta_foot, distance=distance)
+            for of in (gravity_torque, gravity_slope)
+        )
         limb_slopes = np.zeros((len(columns), inputs.n))
         for name, by, rate in zip(turning, slopes, rates, strict=True):
             swung = by.factor * acceleration + by.bend * velocity**2
             swung = swung + 2.0 * joint.bend * velocity * rate
             row = limb_slopes[list(columns).index(name)]
             row += by.factor * (inertia + gravity)
-            row += joint.factor * (inertia_torque(acceleration=swung) + falling * by.angle)
+            swung = inertia_torque(acceleration=swung, distance=distance)
+            row += joint.factor * (swung + falling * by.angle)
         plain = paths(angle=joint.angle, velocity=joint.factor * velocity, options=options)
         rest = paths(angle=np.zeros(1), velocity=np.zeros(1), options=options)
         muscles = []

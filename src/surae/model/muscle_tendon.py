@@ -29,8 +29,6 @@ from surae.model.parameters import (
     MUSCLE_PARAMETERS,
     OPTIONAL,
     OPTIONAL_PARAMETERS,
-    SLACK_TIB,
-    SLACK_TRI,
     TENDON_PARAMETERS,
 )
 from surae.model.rigid import K_REL, TAU
@@ -140,7 +138,7 @@ class MuscleTendonSimulator(TiedModel):
             lags=lags,
         )  # fmt: skip
         self._n = inputs.n
-        self._slack = np.array([SLACK_TRI, SLACK_TIB])
+        self._slack = np.array(options.anatomy.slack)
         in_metres = options.tendon_strain == "thesis"
         self._strain_lengths = np.ones(2) if in_metres else self._slack
         self._staged: dict[int, tuple[FloatArray, FloatArray]] = {}

@@ -1,7 +1,7 @@
 """The documented switches of the models, with their allowed values."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from numbers import Real
 from os import PathLike
@@ -11,11 +11,12 @@ from typing import Any
 from surae.errors import InputError
 from surae.filed import filed
 from surae.model.geometry_table import GeometryTable
+from surae.model.joint import ANKLE, Joint
 from surae.names import CHOICES
 from surae.setting import documented, kind_of, setting, settings_of
 
 
-@filed(sparse=("emg_ref",))
+@filed(sparse=("emg_ref", "joint"))
 @documented
 @dataclass(frozen=True, slots=True)
 class ModelOptions:
@@ -63,12 +64,17 @@ class ModelOptions:
         "for all recordings of a leg, e.g. `surae.signals.emg_levels` of them. Only `emg_shape` "
         "needs it.", type="four floats, or None",
     )  # fmt: skip
+    joint: str | Joint = setting(
+        "ankle", "The joint: the thesis's ankle, or another with a geometry of its own; as a "
+        "keyword also its file, see `surae.model.read_joint`.", type='"ankle", path or Joint',
+        choices=CHOICES["joint"], file=True, help="The joint: the ankle, or another by its file.",
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         """Refuse values that are not among the choices or not physical."""
         for each, record in settings_of(type(self)):
             name, value = each.name, getattr(self, each.name)
-            if isinstance(value, GeometryTable):
+            if isinstance(value, GeometryTable | Joint):
                 continue
             if record.choices and value not in record.choices:
                 allowed = ", ".join(record.choices) + ", or a file's path" * record.file
@@ -81,6 +87,7 @@ class ModelOptions:
             if record.above is not None and value <= record.above:
                 raise InputError(f"option {name} is {value}; it must be positive")
         self._check_levels()
+        self._check_joint()
 
     def _check_levels(self) -> None:
         """Make a list of levels, as files hold it, a tuple."""
@@ -95,6 +102,21 @@ class ModelOptions:
             )
         object.__setattr__(self, "emg_ref", tuple(float(v) for v in levels))
 
+    def _check_joint(self) -> None:
+        """Lengths and arms of the thesis are the ankle's."""
+        if isinstance(self.joint, str) or self.joint == ANKLE:
+            return
+        if not isinstance(self.geometry, GeometryTable):
+            raise InputError(f"joint {self.joint.name!r} needs its geometry: give the file of one")
+        if not self.geometry.slack:
+            for group, slack in enumerate(self.joint.slack):
+                if self.geometry.rest(group) <= slack:
+                    raise InputError(
+                        f"{self.geometry.name}: the {self.joint.groups[group]} with their tendon "
+                        f"are no longer than the tendon's slack length, {slack:g} m; give their "
+                        "length, not only the moment arm"
+                    )
+
     @classmethod
     def of(cls, **given: Any) -> "ModelOptions":
         """Make options of keywords.
@@ -108,7 +130,12 @@ class ModelOptions:
         for name in given:
             if name not in known:
                 raise InputError(f"unknown option {name!r}; known options: {', '.join(known)}")
-        return cls(**with_geometry(given))
+        return cls(**with_files(given))
+
+    @property
+    def anatomy(self) -> Joint:
+        """The record of the joint."""
+        return ANKLE if isinstance(self.joint, str) else self.joint
 
     @property
     def travel(self) -> str:
@@ -125,17 +152,28 @@ class ModelOptions:
         return plain
 
 
-def with_geometry(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Keywords with the geometry that they name as a file, or hold as plain data, read."""
-    geometry = given.get("geometry")
-    if isinstance(geometry, Mapping):
-        from surae.records import from_plain
+def with_files(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Keywords with the geometry and the joint that they name as a file, or hold as plain data."""
+    read = dict(given)
+    for name, kind in (("geometry", GeometryTable), ("joint", Joint)):
+        value = given.get(name)
+        if isinstance(value, Mapping):
+            from surae.records import from_plain
 
-        return {**given, "geometry": from_plain(GeometryTable, geometry)}
-    if geometry in CHOICES["geometry"] or not isinstance(geometry, str | PathLike):
-        return dict(given)
-    if Path(geometry).suffix or Path(geometry).is_file():
-        from surae.model.geometry_file import read_geometry
+            read[name] = from_plain(kind, value)
+        elif not isinstance(value, str | PathLike) or value in CHOICES[name]:
+            continue
+        elif Path(value).suffix or Path(value).is_file():
+            read[name] = _reader(name)(value)
+    return read
 
-        return {**given, "geometry": read_geometry(geometry)}
-    return dict(given)
+
+def _reader(name: str) -> Callable[[PathLike[str] | str], Any]:
+    """What reads the file of an option; when one is named, as readers need NumPy."""
+    if name == "joint":
+        from surae.model.joint import read_joint
+
+        return read_joint
+    from surae.model.geometry_file import read_geometry
+
+    return read_geometry

@@ -1,7 +1,7 @@
 """Every parameter of every model, once: one record each, of which all that names them is made."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from itertools import chain
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 import numpy as np
 
 from surae.frozen import FrozenDict
+from surae.model.joint import ANKLE
 from surae.model.options import ModelOptions
 from surae.recording import FILMED, MUSCLE_NAMES, MUSCLES
 from surae.units import FloatArray
@@ -17,9 +18,6 @@ if TYPE_CHECKING:
     from surae.signals import ModelInputs
 
 T = TypeVar("T")
-#: Slack lengths lt0 of the Achilles and the tibialis tendon [m] (thesis Table 2).
-SLACK_TRI = 0.415
-SLACK_TIB = 0.216
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,13 +225,13 @@ TENDON_PARAMETERS: tuple[Parameter, ...] = (
            Known(0.0561, 0.45,
                  "42 % less stiff than in health (Zhao et al. 2015, J. Appl. Physiol. 118)")),
        drawn=_people((0.028, 0.050), (0.045, 0.070)),
-       strain=OtherReading(0.10, 0.01, 0.5), slack=SLACK_TRI, advice=_FORCE_TRI),
+       strain=OtherReading(0.10, 0.01, 0.5), slack=ANKLE.slack[0], advice=_FORCE_TRI),
     _P("dlt_tib", "m", "tendon strain factor, tibialis anterior", "tendon", 0.04, 0.002, 0.2,
        straight=True, known=_people(
            Known(0.0120, 0.45,
                  "161 N/mm (Maganaris and Paul 1999, J. Physiol. 521); spread assumed")),
        drawn=_people((0.008, 0.018)),
-       strain=OtherReading(0.035, 0.005, 0.5), slack=SLACK_TIB, advice=_FORCE_TIB),
+       strain=OtherReading(0.035, 0.005, 0.5), slack=ANKLE.slack[1], advice=_FORCE_TIB),
     _P("pt_tri", "-", "tendon toe force, triceps surae", "tendon", 0.3, 0.05, 0.9,
        known=_people(Known(0.283, 0.35, _TOE)), drawn=_people((0.2, 0.4)), advice=_FORCE_TRI),
     _P("pt_tib", "-", "tendon toe force, tibialis anterior", "tendon", 0.3, 0.05, 0.9,
@@ -444,6 +442,16 @@ def adapted(
 
 
 def _adapted(p: Parameter, options: ModelOptions, emg_unit: str) -> Parameter:
+    joint = options.anatomy
+    p = replace(p, meaning=joint.said(p.meaning), advice=joint.said(p.advice))
+    if p.name in joint.parameters and not (emg_unit == "1" and p.unit in _NORMALISED):
+        start, lower, upper, spread, source = astuple(joint.parameters[p.name])
+        strained = p.strain is not None and options.tendon_strain == "slack-length"
+        scale = joint.slack[p.name.endswith("tib")] if strained else 1.0
+        return replace(
+            p, unit="-" if strained else p.unit, start=start / scale, lower=lower / scale,
+            upper=upper / scale, known=FrozenDict(), wide=Known(start / scale, spread, source),
+        )  # fmt: skip
     if p.travel is not None and options.travel == "virtual-work":
         usual, lower, upper, spread = p.travel
         start = min(max(usual + _longer(options).get(p.name, 0.0), lower), upper)

@@ -23,6 +23,7 @@ from surae.measures.compute import measures
 from surae.measures.curve import TorqueCurve, torque_curve
 from surae.measures.measure import Measure, Measures
 from surae.measures.norms import Placed, placed, read_norms
+from surae.model.joint import ANKLE, Joint
 from surae.model.sources import SOURCES
 from surae.names import LANGUAGES
 from surae.report.document import (
@@ -46,17 +47,19 @@ from surae.words import JUDGEMENTS
 
 
 class Words:
-    """The sentences of one language."""
+    """The sentences of one language, said of a joint."""
 
-    def __init__(self, language: str) -> None:
+    def __init__(self, language: str, joint: Joint = ANKLE) -> None:
         if language not in LANGUAGES:
             known = ", ".join(LANGUAGES)
             raise InputError(f"no page in language {language!r}; use one of: {known}")
-        self.language = language
+        if language != "en" and joint != ANKLE:
+            raise InputError(f"the page of a joint {joint.name!r} is in English alone; use en")
+        self.language, self.joint = language, joint
 
     def __call__(self, key: str, **given: str) -> str:
         """A sentence, filled in."""
-        text = sentences()[key][self.language]
+        text = self.joint.said(sentences()[key][self.language])
         return text.format(**given) if given else text
 
     def judgement(self, verdict: str) -> str:
@@ -116,9 +119,10 @@ def fit_page(
     `language` is that of all sentences but the technical reasons; torque and stiffness are given at
     `angle` [deg]; `norms` are a laboratory's own, in place of those of cited papers.
     """
-    words = Words(language)
+    joint = result.problem.options.anatomy
+    words = Words(language, joint)
     of_fit = measures(result, assessment, [angle])
-    beside = placed(of_fit, read_norms(norms))
+    beside = placed(of_fit, read_norms(norms, joint))
     shown = [m for name in _SHOWN for m in of_fit.values() if m.name.partition("@")[0] == name]
     heads = (words("value"), words("interval"), words("judgement"))
     rows = [_measured(m, of_fit.adequacy, words) for m in shown if m.value is not None]
@@ -141,8 +145,9 @@ def curve_of(
     `norms` are a laboratory's own, in place of those of cited papers; `width` is in inches. A fit
     that is not adequate says so below the curve.
     """
-    words = Words(language)
-    beside = placed(measures(result, assessment, [_AT]), read_norms(norms))
+    joint = result.problem.options.anatomy
+    words = Words(language, joint)
+    beside = placed(measures(result, assessment, [_AT]), read_norms(norms, joint))
     figure = _curve([("", torque_curve(result, assessment))], beside, words, width)
     if assessment.adequacy.grade is not Grade.ADEQUATE:
         footnote(figure, words(str(assessment.adequacy.grade)))
@@ -158,7 +163,7 @@ def change_page(
     angle: float = _AT,
 ) -> Report:
     """The page of two sessions or legs; parameters as of `fit_page`, `sides` the fits of both."""
-    words = Words(language)
+    words = Words(language, sides[0][0].problem.options.anatomy)
     of_sides = [measures(*side, [angle]) for side in sides]
     curves = [torque_curve(*side) for side in sides]
     names = tuple(words(n) for n in (("first", "second") if change.legs else ("before", "after")))

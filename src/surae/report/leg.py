@@ -102,9 +102,10 @@ def leg_answers(
         Blocks of a report.
     """
     holds, stretches = _measured(trials, fits)
-    of_fit, at = None, _angle(joint, holds, stretches)
+    of_fit, at, known = None, _angle(joint, holds, stretches), read_norms()
     if joint is not None:
-        angles = {at, *ANGLES, *(_point(norm) for norm in read_norms())}
+        known = read_norms(joint=joint[0].problem.options.anatomy)
+        angles = {at, *ANGLES, *(_point(norm) for norm in known)}
         of_fit = measures(*joint, sorted(angles))
     believed = of_fit is not None and not _PASSIVE & set(contradicted)
     m = None if of_fit is None else of_fit[f"passive_stiffness@{at:g}deg"]
@@ -117,7 +118,7 @@ def leg_answers(
     stretches = [Stretch(s.name, s.angle, s.loading - zero, s.unloading - zero) for s in stretches]
     figures: dict[str, Figure] = {}
     if model is not None or holds or stretches:
-        norms = [(n, _point(n)) for n in read_norms() if n.measure.startswith("slow_torque@")]
+        norms = [(n, _point(n)) for n in known if n.measure.startswith("slow_torque@")]
         # a group's torque lies beside the leg's only where its zero is known
         healthy = [each for each in norms if "healthy" in each[0].group and model is not None]
         figures["stiffness"] = stiffness_figure(holds, stretches, model, healthy)
@@ -176,7 +177,9 @@ def _model(
     """
     curve = torque_curve(result, assessment)
     weight = result.values.get("m", 0.0) * gravity_torque(
-        angle=np.radians(curve.angle), theta_foot=result.problem.options.theta_foot
+        angle=np.radians(curve.angle),
+        theta_foot=result.problem.options.theta_foot,
+        distance=result.problem.options.anatomy.distance,
     )
     whole = curve.passive.torque + weight
     beyond = [h.torque - float(np.interp(h.angle, curve.angle, whole)) for h in holds]

@@ -33,6 +33,8 @@ from surae.report.figures import (
 from surae.report.figures.budget import budget_figure
 from surae.report.figures.film import film_figure
 from surae.report.figures.geometry import geometry_figure
+from surae.report.figures.joint import relabelled
+from surae.report.joint import reworded
 from surae.report.recordings import GROUPS
 from surae.report.sections import predictions_section
 from surae.report.traces import Traces, traces_of
@@ -111,9 +113,10 @@ def fit_report(
         created=created, quality=quality,
     )  # fmt: skip
     figures = drawings(budget, traces, assessment, predictions)
+    joint = result.problem.options.anatomy
     if isinstance(result.problem.options.geometry, GeometryTable):
         figures = chain(figures, [("geometry", geometry_figure(result.problem.options, GROUPS))])
-    return Report(document, figures, traces)
+    return Report(reworded(joint, document), relabelled(joint, figures), traces)
 
 
 def session_page(**about: Any) -> Report:

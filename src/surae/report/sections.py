@@ -7,6 +7,7 @@ import numpy as np
 from surae.assessment import Assessment, Prediction, pooled
 from surae.estimation import FitResult
 from surae.formatting import NO_NUMBER, percentage, signed, significant, standard_error
+from surae.model.joint import ANKLE
 from surae.quality import Quality
 from surae.report.document import (
     Block,
@@ -87,7 +88,8 @@ def geometry_section(result: FitResult) -> tuple[SectionBlock, ...]:
     picture = PictureBlock(
         "geometry",
         "Moment arm and length of both muscle groups over the angle",
-        "Moment arm and change of length over the angle: those given, and those of the thesis.",
+        "Moment arm and change of length over the angle: those given"
+        + ", and those of the thesis." * (result.problem.options.anatomy == ANKLE),
     )
     return (SectionBlock("Geometry", (TextBlock(text), picture), "geometry"),)
 

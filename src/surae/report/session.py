@@ -9,6 +9,7 @@ import numpy as np
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.formatting import NO_NUMBER, estimate, of_interval, percentage, signed, significant
 from surae.measures import Measure, Measures
+from surae.model.joint import ANKLE
 from surae.quality import Finding, Quality
 from surae.report.budget import budget_of, budget_section
 from surae.report.clinical import numbers_section
@@ -30,9 +31,11 @@ from surae.report.document import (
 from surae.report.figures import Figure
 from surae.report.figures.budget import budget_figure
 from surae.report.figures.film import film_figure
+from surae.report.figures.joint import relabelled
 from surae.report.figures.session import trials_figure
 from surae.report.figures.style import WIDTH
 from surae.report.figures.torques import fit_figure
+from surae.report.joint import reworded
 from surae.report.leg import AssessedFit, is_known, leg_answers
 from surae.report.parameters import parameters_section, shown_parameters
 from surae.report.recordings import film_block
@@ -172,7 +175,9 @@ def session_report(
         ),
         footer="Made by surae for research.",
     )
-    return SessionReport(document, figures)
+    anatomy = ANKLE if shown is None else shown[0].problem.options.anatomy
+    own = dict(relabelled(anatomy, figures.items()))
+    return SessionReport(reworded(anatomy, document), own)
 
 
 def _trials_section(

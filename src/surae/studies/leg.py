@@ -6,7 +6,7 @@ import numpy as np
 
 from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
-from surae.model.geometry import AnkleAxis, arm_tri, paths
+from surae.model.geometry import JointAxis, arm_tri, paths
 from surae.protocol import Trajectory
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, inputs_as_given
@@ -162,7 +162,7 @@ def misaligned(plate: Motion, forward: float, up: float) -> tuple[Motion, FloatA
     if forward == up == 0.0:
         return plate, None
     angle, velocity, acceleration = plate
-    joint = AnkleAxis(angle=angle, forward=forward, up=up).joint
+    joint = JointAxis(angle=angle, forward=forward, up=up).joint
     swinging = joint.factor * acceleration + joint.bend * velocity**2
     return (joint.angle, joint.factor * velocity, swinging), joint.factor
 

@@ -57,7 +57,7 @@ def beliefs(
         elif name in wide:
             beliefs[name] = SamplingPrior(*wide[name], True, "population")
         else:
-            known = laboratory()[name]
+            known = laboratory(joint=problem.options.anatomy)[name]
             beliefs[name] = _sampled_under(Prior(known.mean, known.sd, straight=True), "population")
     for name, prior in problem.priors.items():
         beliefs[name] = _sampled_under(prior, "fit", signed=table[name].signed)

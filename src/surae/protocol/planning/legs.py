@@ -10,6 +10,7 @@ from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
 from surae.model import ModelOptions, ModelSpec, get_model, with_optional
+from surae.model.joint import ANKLE
 from surae.model.laboratory import AUTO, COMPLIANT, NONE, Gaussian, group_of, laboratory, richest
 from surae.normal import standard_error_of
 from surae.signals import ModelInputs, emg_levels
@@ -76,6 +77,8 @@ def population_legs(
     default; a named model has none by default. Legs are of seeds from `first`.
     """
     options = options or ModelOptions()
+    if options.anatomy != ANKLE:
+        raise InputError("populations are known of the ankle alone; give a fit of the joint")
     if population is not None:
         check_population(population)
     names = list(POPULATIONS) if population is None else [population]

@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 
 from surae.model import GeometryTable, ModelOptions
 from surae.model.geometry import Path, paths
+from surae.model.joint import ANKLE
 from surae.report.figures.style import BLUE, MUTED, dress, heading, legend, new_figure
 from surae.units import FloatArray
 
@@ -25,6 +26,8 @@ def geometry_figure(options: ModelOptions, names: tuple[str, ...]) -> Figure:
             (table.name, (BLUE, "-"), options),
         )
     ]  # fmt: skip
+    if options.anatomy != ANKLE:  # the thesis has no other joint
+        del drawn[:-1]
     figure = new_figure(4.6)
     for group, name in enumerate(names):
         arm, length = (figure.add_subplot(2, 2, 1 + group + row) for row in (0, 2))

@@ -1,0 +1,173 @@
+"""A joint as data: what turns it to either side, its constants with their sources, and its words.
+
+The ankle of the thesis is the first. Names in files stay the ankle's: `tri` is the group that
+lengthens as the angle rises, `tib` its antagonist, whatever the joint calls them.
+"""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from surae.errors import InputError
+from surae.filed import filed
+from surae.files import PathLike, read_bytes, shown
+from surae.frozen import FrozenDict
+
+#: Parameters that every joint has to state: the ankle's would be wrong for any other.
+STATED = ("m", *(f"{of}_{g}" for of in ("k", "x0", "l0", "dlt", "fmax") for g in ("tri", "tib")))
+
+
+@filed(strict=True)
+@dataclass(frozen=True, slots=True)
+class Value:
+    """Where a fit of a joint starts, what it keeps to, and what is known beforehand."""
+
+    start: float  #: Also the median of its prior, in the parameter's unit.
+    lower: float
+    upper: float
+    spread: float  #: Standard deviation of the logarithm.
+    source: str
+
+
+@filed(strict=True)
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint that two groups of muscles turn.
+
+    Attributes
+    ----------
+    name : str
+        The joint, such as ``ankle``.
+    body : str
+        What has the joint, such as ``leg``.
+    limb : str
+        What turns about it, such as ``foot``.
+    groups, short : tuple of two str
+        The muscles that lengthen as the angle rises (`tri` in files) and their antagonists
+        (`tib`), by their names and in a word.
+    muscles : tuple of four str
+        Muscles of the channels ``emg_ta`` (an antagonist), ``emg_gl``, ``emg_sol``, ``emg_gm``;
+        empty where the joint has none, whose weight is then 0.
+    directions : tuple of two str
+        Of a rising and of a falling angle.
+    distance : float
+        From the axis to the point in which all mass is thought to be, and to the strap [m].
+    slack : tuple of two float
+        Slack lengths of both groups' tendons [m].
+    source : str
+        Where the constants are from.
+    parameters : mapping of str to Value
+        What is otherwise than at the ankle, all of `STATED` included.
+    nuisances : mapping of str to (float, float)
+        Priors of what the laboratory cannot rule out, mean and sd, where they are otherwise.
+
+    Raises
+    ------
+    InputError
+        A constant is missing or not physical.
+    """
+
+    name: str
+    body: str
+    limb: str
+    groups: tuple[str, str]
+    short: tuple[str, str]
+    muscles: tuple[str, str, str, str]
+    directions: tuple[str, str]
+    distance: float
+    slack: tuple[float, float]
+    source: str
+    parameters: Mapping[str, Value] = field(default_factory=FrozenDict)
+    nuisances: Mapping[str, tuple[float, float]] = field(default_factory=FrozenDict)
+
+    def __post_init__(self) -> None:
+        """Refuse what is no joint."""
+        where = f"joint {self.name!r}"
+        if not all(v > 0.0 for v in (self.distance, *self.slack)):
+            raise InputError(f"{where}: distance and slack must be positive")
+        if not (self.muscles[0] and any(self.muscles[1:])):
+            raise InputError(f"{where}: a group has no muscle; name one of each")
+        for name, v in self.parameters.items():
+            if not (0.0 < v.lower <= v.start <= v.upper and v.spread > 0.0):
+                raise InputError(
+                    f"{where}: {name} must be above zero and within its bounds, its spread too"
+                )
+
+    @property
+    def silent(self) -> tuple[int, ...]:
+        """The channels, of TA, GL, SOL, GM, that stand for no muscle."""
+        return tuple(i for i, muscle in enumerate(self.muscles) if not muscle)
+
+    def said(self, text: str) -> str:
+        """What is said of the ankle, said of this joint."""
+        if self.name == ANKLE.name:
+            return text
+        own = dict(zip(_terms(ANKLE), _terms(self), strict=True))
+        return _ANKLE.sub(lambda match: _as(match[0], own[match[0].lower()]), text)
+
+
+def _terms(joint: Joint) -> tuple[str, ...]:
+    """The words for a joint, those of the ankle in small letters."""
+    first, second = joint.short
+    return (
+        joint.name, f"{joint.name}s", joint.body, f"{joint.body}s", joint.limb,
+        f"{joint.limb}plate" if joint.limb == "foot" else f"{joint.limb} plate",
+        *joint.groups, first, second, *(muscle or "no muscle" for muscle in joint.muscles[1:]),
+        joint.groups[0] if joint.name != "ankle" else "calf", *joint.directions,
+    )  # fmt: skip
+
+
+def _as(written: str, own: str) -> str:
+    """A word with a capital where the one in its place has it."""
+    return own[:1].upper() + own[1:] if written[:1].isupper() else own
+
+
+#: The ankle, by the thesis: la of equation (6), lt0 of Table 2.
+ANKLE = Joint(
+    name="ankle", body="leg", limb="foot",
+    groups=("triceps surae", "tibialis anterior"), short=("triceps", "tibialis"),
+    muscles=(
+        "tibialis anterior", "gastrocnemius lateralis", "soleus", "gastrocnemius medialis",
+    ),
+    directions=("dorsiflexion", "plantarflexion"),
+    distance=0.15, slack=(0.415, 0.216), source="van de Poll (2015)",
+)  # fmt: skip
+#: The title of the thesis stays.
+_ANKLE = re.compile(
+    rf"(?<!Estimating )\b({'|'.join(sorted(_terms(ANKLE), key=len, reverse=True))})\b",
+    re.IGNORECASE,
+)
+
+
+def read_joint(path: PathLike) -> Joint:
+    """A joint from a TOML file, whose keys are the fields of `Joint`.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Returns
+    -------
+    Joint
+        For the option `joint`.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or is no joint.
+    """
+    from surae.records import from_plain
+
+    try:
+        plain = tomllib.loads(read_bytes(path).decode("utf-8"))
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"{shown(path)}: no TOML: {error}") from None
+    try:
+        joint = from_plain(Joint, plain)
+    except InputError as error:
+        raise InputError(f"{shown(path)}: {error}") from None
+    if missing := [name for name in STATED if name not in joint.parameters]:
+        raise InputError(f"{shown(path)}: parameters: {', '.join(missing)} missing; state them")
+    return joint

@@ -1,0 +1,25 @@
+"""A report in the words of its joint: what is written of the ankle is said of another one."""
+
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, TypeVar, cast
+
+from surae.model.joint import ANKLE, Joint
+
+T = TypeVar("T")
+#: Fields of blocks that are no text: what style sheets and links go by.
+_NO_TEXT = ("kind", "look", "anchor", "link", "links", "name")
+
+
+def reworded(joint: Joint, part: T) -> T:
+    """A document, or a part of one, with all that it says said of this joint."""
+    if joint == ANKLE:
+        return part
+    made: Any = part
+    if isinstance(part, str):
+        made = joint.said(part)
+    elif isinstance(part, tuple):
+        made = tuple(reworded(joint, each) for each in part)
+    elif is_dataclass(part) and not isinstance(part, type):
+        own = ((f.name, getattr(part, f.name)) for f in fields(part) if f.init)
+        made = replace(part, **{n: reworded(joint, v) for n, v in own if n not in _NO_TEXT})
+    return cast(T, made)

@@ -1,0 +1,142 @@
+"""Another joint by a file: its numbers reach the model, and its words whatever is read."""
+
+import re
+from dataclasses import replace
+from html import unescape
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.text import Text
+
+import surae
+from surae.errors import InputError
+from surae.model import ModelOptions, adapted, get_model
+from surae.model.joint import ANKLE, STATED, read_joint
+from surae.model.laboratory import laboratory
+from surae.model.movement import gravity_torque
+from surae.report.figures import torque_figure
+from surae.report.figures.joint import relabelled
+from surae.report.traces import traces_of
+
+FILES = Path(__file__).parents[2] / "examples" / "wrist"
+WRIST = {"joint": str(FILES / "joint.toml"), "geometry": str(FILES / "geometry.csv")}
+TRUTH = {
+    "m": 0.5, "k_tri": 160.0, "k_tib": 140.0, "x0_tri": 0.043, "x0_tib": 0.046, "tau_rel": 2.0,
+    "k_rel": 0.3, "g1": 5e5, "g2": 3e5, "g3": 6e5, "g4": 0.0, "l0_tri": 0.062, "l0_tib": 0.064,
+    "f0": 2.2, "beta": 1.0,
+}  # fmt: skip
+#: What nobody may read of a wrist.
+OF_THE_ANKLE = re.compile(
+    r"\b(ankles?|foot|feet|footplate|legs?|calf|calves|shank|heel|sole|triceps|tibialis|soleus"
+    r"|gastrocnemi\w+|Achilles|dorsiflex\w+|plantarflex\w+)\b",
+    re.IGNORECASE,
+)
+
+
+@pytest.fixture(scope="module")
+def trial():
+    pandas = pytest.importorskip("pandas")
+    t = np.arange(0.0, 24.0, 0.01)
+    angle = 0.38 * np.sin(0.6 * t) + 0.2 * np.sin(2.3 * t + 1.0) + 0.1 * np.sin(5.1 * t)
+    columns = {"time_s": t, "angle_rad": angle, "torque_Nm": 0.0, "emg_gm_V": 0.0}
+    for muscle, period, begin in (("ta", 5.0, 0.0), ("gl", 7.0, 2.0), ("sol", 6.0, 3.5)):
+        columns[f"emg_{muscle}_V"] = 2e-4 * np.clip(np.sin(6.28 * (t - begin) / period), 0, 1) ** 2
+    table = pandas.DataFrame(columns)
+    torque = surae.simulate("muscle", TRUTH, table, **WRIST)
+    noise = 0.02 * np.random.default_rng(1).standard_normal(len(t))
+    return table.assign(torque_Nm=torque + noise).drop(columns="emg_gm_V")
+
+
+@pytest.fixture(scope="module")
+def fit(trial):
+    return surae.fit(trial, "muscle", prepared=True, starts=1, **WRIST)
+
+
+def test_its_muscles_are_found(fit) -> None:
+    for name in ("k_tri", "x0_tri", "x0_tib", "l0_tri", "l0_tib", "g1", "g2", "g3"):
+        assert fit.values[name] == pytest.approx(TRUTH[name], rel=0.05)
+    assert fit.parameters["g4"].verdict == "fixed"
+    assert not [f for q in fit.quality for f in q.findings if f.channel == "emg_gm"]
+
+
+def test_its_file_keeps_the_joint(fit, tmp_path) -> None:
+    fit.save(tmp_path / "fit.json")
+    again = surae.load(tmp_path / "fit.json")
+    assert again.result.problem.options.anatomy == read_joint(WRIST["joint"])
+    assert again.values == fit.values
+    assert "joint" not in ModelOptions().as_dict()
+
+
+def test_nothing_that_is_read_speaks_of_an_ankle(fit, tmp_path) -> None:
+    fit.report(tmp_path / "fit.html")
+    page = (tmp_path / "fit.html").read_text(encoding="utf-8")
+    page = re.sub(r"<script.*?</script>|<style.*?</style>|data:[^\"]*", "", page, flags=re.DOTALL)
+    text = unescape(re.sub(r"<[^>]+>", " ", page)).replace("Estimating ankle muscle", "")
+    told = [*text.split("."), *str(fit.summary()).splitlines()]
+    told += [f"{p.meaning} {p.advice}" for p in adapted(
+        get_model("muscle-tendon").parameters, fit.result.problem.options).values()]  # fmt: skip
+    assert [line for line in told if OF_THE_ANKLE.search(line)] == []
+    assert "wrist flexors" in text
+    drawn = dict(
+        relabelled(read_joint(WRIST["joint"]), [("", torque_figure(*traces_of(fit.result)))])
+    )
+    labels = {text.get_text() for text in drawn[""].findobj(Text)}
+    assert "Wrist angle, extension positive" in labels
+    assert not list(filter(OF_THE_ANKLE.search, labels))
+
+
+def test_its_model_file_has_its_names_and_the_point_of_its_mass(fit) -> None:
+    text = surae.export(fit, to="osim").text
+    assert 'name="wrist_flexors"' in text
+    assert "/jointset/wrist/wrist_angle" in text
+    assert not OF_THE_ANKLE.search(text)
+    assert "<mass_center>0.07 " in text
+
+
+def test_its_constants_reach_the_model(fit) -> None:
+    wrist, options = read_joint(WRIST["joint"]), fit.result.problem.options
+    table = adapted(get_model("muscle-tendon").parameters, options)
+    for name in STATED:
+        assert (table[name].start, table[name].upper) == (
+            wrist.parameters[name].start, wrist.parameters[name].upper)  # fmt: skip
+    assert adapted(get_model("muscle-tendon").parameters, replace(
+        options, tendon_strain="slack-length"))["dlt_tib"].start == pytest.approx(0.05)  # fmt: skip
+    assert laboratory(joint=wrist)["torque_zero"].sd == 0.5
+    assert laboratory({"zero": (0.0, 3.0)}, joint=wrist)["torque_zero"].sd == 3.0
+    inputs = fit.result.problem.inputs[0]
+    parts = get_model("muscle").simulator(inputs, options).parts(np.array([*TRUTH.values()]))
+    expected = gravity_torque(angle=inputs.angle, theta_foot=0.0, distance=0.07)
+    np.testing.assert_allclose(parts.gravitational, TRUTH["m"] * expected)
+
+
+def test_words_keep_their_capitals() -> None:
+    wrist = read_joint(WRIST["joint"])
+    assert wrist.said("Ankle angle of the foot plate") == "Wrist angle of the hand plate"
+    assert wrist.said("more dorsiflexion of the triceps") == "more extension of the flexors"
+    assert ANKLE.said("Ankle") == "Ankle"
+
+
+@pytest.mark.parametrize(
+    ("line", "by", "message"),
+    [
+        ("distance = 0.07 ", "distance = 0.0 ", "distance and slack must be positive"),
+        ("m = {", "mm = {", "parameters: m missing"),
+        ("start = 0.6,", "start = 9.0,", "m must be above zero and within its bounds"),
+        ('limb = "hand"', "", "limb: it is missing|missing"),
+        ('limb = "hand"', "limb = ", "no TOML"),
+    ],
+)
+def test_what_is_no_joint_is_refused(tmp_path, line, by, message) -> None:
+    text = (FILES / "joint.toml").read_text(encoding="utf-8")
+    assert line in text
+    (tmp_path / "joint.toml").write_text(text.replace(line, by, 1), encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        read_joint(tmp_path / "joint.toml")
+
+
+def test_another_joint_needs_its_geometry() -> None:
+    with pytest.raises(InputError, match="joint 'wrist' needs its geometry"):
+        ModelOptions.of(joint=WRIST["joint"])
+    with pytest.raises(InputError, match="populations are known of the ankle alone"):
+        surae.expect("multi-sine", model="muscle", **WRIST)
