@@ -89,7 +89,33 @@ def test_defaults_are_told_from_what_was_given():
     known = population_priors("patient")
     assert set(population_of(known, options).values()) == {"patient"}
     assert population_of({"m": known["m"], "k_tri": (1.0, 1.0)}, options) == {"m": "patient"}
-    assert population_of({"k_tri": (1.0, 1.0)}, options) == {}
+    median, spread = known["k_tri"]
+    for other in ((1.0, 1.0), (1.1 * median, spread), (median, 0.9 * spread)):
+        assert population_of({"k_tri": other}, options) == {}
+
+
+@pytest.mark.parametrize("prior", [Prior(2.0, 0.4), Prior(-0.5, 3.0, straight=True)])
+def test_a_priors_row_is_its_deviation_and_the_derivative(prior):
+    for value in (0.3, 2.0, 7.0):
+        slope, away = prior.row(value)
+        at = value if prior.straight else np.log(value)
+        middle = prior.median if prior.straight else np.log(prior.median)
+        assert away == pytest.approx((at - middle) / prior.spread)
+        step = 1e-6 * value
+        numeric = (prior.row(value + step)[1] - prior.row(value - step)[1]) / (2.0 * step)
+        assert slope == pytest.approx(numeric, rel=1e-6)
+
+
+def test_a_priors_logarithm_ends_where_the_parameter_does():
+    assert Prior(2.0, 0.5).row(0.0) == Prior(2.0, 0.5).row(2e-6)
+    assert np.isfinite(Prior(2.0, 0.5).row(0.0)).all()
+
+
+@pytest.mark.parametrize("wrong", [0.0, -0.5, np.inf, np.nan, True, "1"])
+def test_a_prior_is_of_numbers_above_zero(noisy, wrong):
+    for pair in ((wrong, 0.2), (1.0, wrong)):
+        with pytest.raises(InputError, match=r"prior of m is .* above zero"):
+            make_problem([noisy], priors={"m": pair})
 
 
 def test_a_population_unknown(noisy):
