@@ -177,7 +177,7 @@ def _differences(
     name: str, trial: Inspection, typical: Inspection, like: str
 ) -> list[TrialDifference]:
     differences: list[TrialDifference] = []
-    columns = {channel.column for channel in trial.channels if channel.usable}
+    columns = [channel.column for channel in trial.channels if channel.usable]
 
     def differs(text: str, line: str = "") -> None:
         whole = f"{toml_value(name)}.{line}" if line else ""
