@@ -8,7 +8,7 @@ import pytest
 import surae
 from surae.assessment import Verdict
 from surae.errors import InputError
-from surae.report import check_report, rendering
+from surae.report import check_report, output
 from undrawn import blank_figures
 
 
@@ -41,7 +41,7 @@ def test_it_holds_findings_and_predictions(fit, noisy, tmp_path, monkeypatch) ->
         seen.update(json.loads(json.dumps(content)), images={f.name for f in folder.iterdir()})
         return b"%PDF-"
 
-    monkeypatch.setattr(rendering, "typeset", keep)
+    monkeypatch.setattr(output, "typeset", keep)
     fit.report(tmp_path / "report.pdf", validation=surae.validate(fit, [noisy, noisy]))
     inner = [b for block in seen["blocks"] if block.get("look") == "more" for b in block["blocks"]]
     sections = {block["title"]: block["blocks"] for block in (*seen["blocks"], *inner)}

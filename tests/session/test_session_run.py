@@ -14,7 +14,7 @@ import surae
 from surae.api import session_run
 from surae.assessment import Verdict
 from surae.errors import InputError
-from surae.report import rendering
+from surae.report import output
 from surae.report.document import TableCell
 from surae.report.session import _crossings, _estimate, _spread
 from surae.trials import Crossed
@@ -294,7 +294,7 @@ def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkey
 
     result.report(tmp_path / "whole.pdf")
     assert (tmp_path / "whole.pdf").read_bytes().startswith(b"%PDF-")
-    monkeypatch.setattr(rendering, "typeset", keep)
+    monkeypatch.setattr(output, "typeset", keep)
     with blank_figures():
         result.report(tmp_path / "session.pdf")
     page = html.unescape((folder / "report.html").read_text())

@@ -154,12 +154,12 @@ from surae.report.figures.study import study_figure as study_figure
 from surae.report.figures.style import new_figure as new_figure
 from surae.report.laboratory import family_text as family_text
 from surae.report.laboratory import trials_section as trials_section
+from surae.report.output import write_blocks as write_blocks
 from surae.report.parameters import repeatable as repeatable
 from surae.report.parameters import shown_parameters as shown_parameters
 from surae.report.provenance import MANY_OUTLIERS as MANY_OUTLIERS
 from surae.report.references import always_cited as always_cited
 from surae.report.references import cited_by as cited_by
-from surae.report.rendering import write_blocks as write_blocks
 from surae.report.session import trial_row as trial_row
 from surae.report.study import study_curves as study_curves
 from surae.report.traces import extremes as extremes

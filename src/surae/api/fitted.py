@@ -22,7 +22,7 @@ from surae.units import FloatArray
 
 if TYPE_CHECKING:
     from surae.measures import Measures
-    from surae.report.rendering import Report
+    from surae.report.output import Report
 
 
 @dataclass(frozen=True, slots=True, repr=False)

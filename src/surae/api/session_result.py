@@ -34,7 +34,7 @@ from surae.trials.folder import (
 )
 
 if TYPE_CHECKING:
-    from surae.report.rendering import Report
+    from surae.report.output import Report
 
 
 @filed("session", "fits", "joint")

@@ -42,7 +42,7 @@ from surae.report.document import (
 )
 from surae.report.figures import Figure, footnote
 from surae.report.figures.clinical import curve_figure, shares_figure
-from surae.report.rendering import Report
+from surae.report.output import Report
 from surae.words import JUDGEMENTS
 
 

@@ -17,7 +17,7 @@ from surae.report.document import (
     rows_of,
 )
 from surae.report.figures.cohort import forest_figure, scale_figure, sessions_figure
-from surae.report.rendering import Report
+from surae.report.output import Report
 
 #: Measures that are drawn, where the cohort has them.
 _DRAWN = ("passive_torque", "passive_stiffness", "slow_stiffness", "optimal_angle_tri")

@@ -129,7 +129,7 @@ def _claim_rows(finding: JudgedClaim, views: Sequence[str]) -> tuple[TableRow, T
 def page(context: Context, there: Chapters) -> str:
     """The page of these sections, its figures embedded; it asks nothing of the outside."""
     from surae.report.figures import data_url
-    from surae.report.rendering import page_of
+    from surae.report.output import page_of
 
     images = {name: data_url(data, "png") for name, data in _figures(context, there, "png").items()}
     return page_of(document(context, there), images)
@@ -137,7 +137,7 @@ def page(context: Context, there: Chapters) -> str:
 
 def pdf(context: Context, there: Chapters) -> bytes | None:
     """The sections as PDF; None without typst (``surae[pdf]``)."""
-    from surae.report.rendering import paper_of
+    from surae.report.output import paper_of
 
     if not has_typst():
         return None

@@ -1,0 +1,116 @@
+"""How a report leaves: as a page, as PDF, and as plain data for parts of other pages."""
+
+import tempfile
+from base64 import b64decode
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from surae.files import PathLike, template, write_atomic
+from surae.report.document import Document
+from surae.report.explore import explorer, signals_of
+from surae.report.figures import Figure, data_url, png, svg
+from surae.report.traces import Traces
+from surae.report.typeset import check_report, is_pdf, typeset
+
+__all__ = ["Report", "page_of", "paper_of", "write_blocks"]
+
+#: Resolution of figures that are no lines [dots per inch].
+_DPI = 150
+#: Figures with many lines; all others have few lines and many letters, and stay sharp at any size.
+_MANY_LINES = ("torque-", "residual-", "tendon-", "prediction-")
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """A report: a page that asks nothing of the outside, a PDF, or a part of another page."""
+
+    document: Document
+    figures: Iterable[tuple[str, Figure]]  #: By name; drawn one by one, and only once.
+    traces: tuple[Traces, ...] = ()  #: Signals to zoom into; on paper there are none.
+
+    def page(self) -> str:
+        """The page as HTML."""
+        return page_of(self.document, self._urls(), signals_of(self.traces))
+
+    def plain(self) -> dict[str, Any]:
+        """Plain data for `surae.report.part_of` and `write_blocks`."""
+        images, signals = self._urls(), signals_of(self.traces)
+        return asdict(self.document) | {"images": images, "signals": signals}
+
+    def write(self, path: PathLike) -> None:
+        """Write the page, or a PDF where `path` ends in ``.pdf``.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written, or a PDF needs typst.
+        ComputationError
+            Typst cannot set the PDF.
+        """
+        check_report(path)
+        if is_pdf(path):
+            drawn = {name: svg(figure) for name, figure in self.figures}
+            write_atomic(path, paper_of(asdict(self.document), drawn))
+        else:
+            write_atomic(path, self.page())
+
+    def _urls(self) -> dict[str, str]:
+        """Figures as data URLs."""
+        return {
+            name: data_url(png(figure, _DPI), "png")
+            if name.startswith(_MANY_LINES)
+            else data_url(svg(figure))
+            for name, figure in self.figures
+        }
+
+
+def page_of(
+    document: Document | Mapping[str, Any], images: Mapping[str, str], signals: str = ""
+) -> str:
+    """A document as a page, its images data URLs; what `signals` holds can be zoomed into."""
+    return template("page.html.j2", "surae.report").render(
+        document=document, images=images, explore=explorer(signals) if signals else None
+    )
+
+
+def paper_of(document: Mapping[str, Any], images: Mapping[str, bytes]) -> bytes:
+    """A document, as plain data, as PDF; its images are SVG."""
+    with tempfile.TemporaryDirectory(prefix="surae-pdf-") as folder:
+        for name, drawn in images.items():
+            Path(folder, f"{name}.svg").write_bytes(drawn)
+        markup = files("surae.report").joinpath("templates", "paper.typ").read_bytes()
+        return typeset(markup, Path(folder), {**document, "images": list(images)})
+
+
+def write_blocks(
+    path: PathLike, *, images: Mapping[str, str], signals: str = "", **document: Any
+) -> None:
+    """Write a report that is plain data, its images SVG: a PDF where `path` ends so, or a page.
+
+    Parameters
+    ----------
+    path : path
+        Where to.
+    images : mapping of str to str
+        Data URLs by name.
+    signals : str
+        What can be zoomed into.
+    **document
+        The fields of `surae.report.document.Document`.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written, or a PDF needs typst.
+    ComputationError
+        Typst cannot set the PDF.
+    """
+    check_report(path)
+    if is_pdf(path):
+        drawn = {name: b64decode(url.partition(",")[2]) for name, url in images.items()}
+        write_atomic(path, paper_of(document, drawn))
+    else:
+        write_atomic(path, page_of(document, images, signals))
