@@ -92,17 +92,15 @@ def subsets(
     quadratic: Quadratic,
     groups: Mapping[str, Sequence[int]],
     off: Mapping[int, float],
-    always: Sequence[str] = (),
     odds: Mapping[str, float] | None = None,
 ) -> tuple[Subset, ...]:
     """All subsets of the groups, the best supported first.
 
     `groups` holds the positions of each group's parameters, `off` the value of each at which it is
-    off, `always` the groups that every subset has, `odds` the odds beforehand that a group is in, 1
-    where not given.
+    off, `odds` the odds beforehand that a group is in, 1 where not given.
     """
     scored = []
-    names = tuple(group for group in groups if group not in always)
+    names = tuple(groups)
     for size in range(len(names) + 1):
         for chosen in combinations(names, size):
             held = {j: off[j] for g in names if g not in chosen for j in groups[g]}
@@ -112,7 +110,7 @@ def subsets(
                 continue
             evidence -= 2.0 * sum(float(np.log((odds or {}).get(g, 1.0))) for g in chosen)
             variance = np.diag(covariance).copy()
-            scored.append(Subset((*always, *chosen), 0.0, evidence, mode, variance))
+            scored.append(Subset(chosen, 0.0, evidence, mode, variance))
     scored.sort(key=lambda subset: subset.evidence)
     weights = np.exp(-0.5 * np.array([subset.evidence - scored[0].evidence for subset in scored]))
     weights /= weights.sum()

@@ -12,12 +12,12 @@
 
 import time
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from surae.estimation.coordinates import STRAIGHT
-from surae.estimation.evidence import Subset, subsets
+from surae.estimation.evidence import subsets
 from surae.estimation.film import TRAVEL, group_of_film, names_of_film
 from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
@@ -28,35 +28,19 @@ from surae.estimation.noise import NoiseModel
 from surae.estimation.population import WIDENED, wide_priors
 from surae.estimation.posterior import LogPosterior, Point
 from surae.estimation.problem import FitProblem
-from surae.estimation.result import (
-    TENDONS,
-    Candidate,
-    Family,
-    FitResult,
-    OfRecording,
-    Start,
-    at_bounds,
-)
-from surae.estimation.uncertainty import (
-    UNSUPPORTED,
-    between_subsets,
-    between_trials,
-    dynamics,
-    shifts_by_source,
-)
-from surae.frozen import FrozenDict, read_only
+from surae.estimation.result import TENDONS, FitResult
+from surae.estimation.summed import ChosenDepartures, summed
+from surae.frozen import FrozenDict
 from surae.model import adapted, get_model, with_optional
 from surae.model.anthropometry import MASSES
 from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
 from surae.model.sources import Gaussian
 from surae.progress import SearchProgress
 from surae.recording import MUSCLES
-from surae.signals import ModelInputs, emg_levels, quiet_levels
+from surae.signals import emg_levels, quiet_levels
 from surae.signals.prepare import sharpened
 from surae.signals.resample import thinned, thinning_factor
 from surae.threads import one_blas_thread
-from surae.units import FloatArray
-from surae.versions import versions
 
 #: Rates [Hz] of the search's stages, and the samples that each recording keeps at least.
 _RATES, _SAMPLES = (32.0, 64.0), 400
@@ -95,16 +79,6 @@ def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -
             return search.result(begin)
         except KeyboardInterrupt:
             return search.stopped(begin)
-
-
-@dataclass(frozen=True, slots=True)
-class _Choice:
-    """A set of departures with its mode."""
-
-    posterior: LogPosterior
-    point: Point
-    scored: tuple[Subset, ...]  #: All sets, the chosen one first.
-    names: tuple[str, ...]  #: What their modes are of.
 
 
 class _Search:
@@ -149,7 +123,7 @@ class _Search:
         self._say(1)
         choice = self._choose(values, noise)
         self._say(2)
-        return _summed(choice, self._inputs, self._asked, begin, self._starts)
+        return summed(choice, self._inputs, self._asked, begin, self._starts)
 
     def stopped(self, begin: float) -> FitResult:
         """What is kept where the user stopped: the rigid model, nothing weighed."""
@@ -281,7 +255,7 @@ class _Search:
             point = post.descend(point.z, point.c, point.w, evaluations=evaluations, tolerance=0.1)
         return post, point
 
-    def _choose(self, values: Mapping[str, float], noise: Sequence[NoiseModel]) -> _Choice:
+    def _choose(self, values: Mapping[str, float], noise: Sequence[NoiseModel]) -> ChosenDepartures:
         """The set of departures that the data ask for."""
         possible = tuple(g for g in DEPARTURES if any(group_of(n) == g for n in self._beliefs))
         post = self._posterior(possible, _RATES[0], noise, _BEGIN)
@@ -311,7 +285,7 @@ class _Search:
         own, best = self._learnt(own, best, 2)
         if own.fast is None and not self._perfect:
             own, best = self._with_drive_errors(own, best, ())
-        return _Choice(own, best, scored, full.names)
+        return ChosenDepartures(own, best, scored, full.names)
 
     def _with_drive_errors(
         self, own: LogPosterior, point: Point, sizes: Sequence[float]
@@ -328,138 +302,6 @@ class _Search:
             best = (evidence, post, there)
         assert best is not None
         return best[1], best[2]
-
-
-def _summed(
-    choice: _Choice, inputs: tuple[ModelInputs, ...], asked: FitProblem, begin: float,
-    met: Sequence[tuple[Point, dict[str, float]]],
-) -> FitResult:  # fmt: skip
-    """The fit at a mode, and what makes it unsure."""
-    post, point = choice.posterior, choice.point
-    blocks, V = point.blocks, post.covariance(point)
-    shifts = shifts_by_source(post, blocks, V)
-    shifts["model"] = np.concatenate(
-        [
-            between_subsets(choice.scored, choice.names, post, V),
-            dynamics(post, V, unheard=False),
-        ]
-    )
-    absent = {MUSCLES[channel] for channel in asked.options.anatomy.silent}
-    if any({*recording.missing_emg} - absent for recording in inputs):
-        shifts["unheard"] = dynamics(post, V, unheard=True)
-    shifts["trials"] = between_trials(blocks, V)
-    problem = replace(post.problem, inputs=inputs)
-    change = _natural(post, point)
-    spread = {source: read_only(by @ change.T) for source, by in shifts.items() if len(by)}
-    covariance = sum((by.T @ by for by in spread.values()), np.zeros((len(problem.free),) * 2))
-    values = dict(zip(problem.spec.names, post.values(point.z).tolist(), strict=True))
-    residuals = tuple(
-        read_only(-post.observed.plain_residual(point.z, recording, number))
-        for number, recording in enumerate(inputs)
-    )
-    roots = [1.0 if recording.weight is None else recording.weight for recording in inputs]
-    sse = sum(float(np.sum(w * e**2)) for w, e in zip(roots, residuals, strict=True))
-    finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
-    bound = [n for n in at_bounds(problem, values, of_family=True) if group_of(n) is None]
-    status = "failed" if not finite else "at-bounds" if bound else "converged"
-    free = {name: values[name] for name in problem.free}
-    initial = dict(zip(problem.free, problem.start.tolist(), strict=True))
-    starts = [
-        Start(initial, {n: by.get(n, free[n]) for n in free}, sse, "converged", 1) for _, by in met
-    ]
-    best = min(end.cost for end, _ in met)
-    return FitResult(
-        problem=problem,
-        status=status,
-        message=_message(choice, bound, finite),
-        values=values,
-        residuals=residuals,
-        sse=sse,
-        R=read_only(_factor(covariance, sse, problem) if finite else covariance * np.nan),
-        starts=(Start(initial, free, sse, "converged", 1), *starts[1:]),
-        agreeing=int(sum(end.cost - best < 2.0 for end, _ in met)),
-        seed=asked.settings.seed,
-        seconds=time.perf_counter() - begin,
-        versions=versions(),
-        family=Family(
-            candidates=tuple(
-                Candidate(
-                    COMPLIANT, s.groups, s.evidence, s.weight,
-                    FrozenDict(values) if s is choice.scored[0] else {},
-                )
-                for s in choice.scored[:6]
-                if s.weight > UNSUPPORTED or s is choice.scored[0]
-            ),
-            beliefs=FrozenDict(post.beliefs),
-            noise=post.noise,
-            zeros=tuple(point.z[len(post.names) :].tolist()),
-            covariance=read_only(covariance),
-            spread=FrozenDict(spread),
-            sizes=FrozenDict({**post.sizes, "drive": post.fast or 0.0}),
-            population=FrozenDict(
-                {
-                    n: float(post.priors[n].sd * (1.0 if n in STRAIGHT else values[n]))
-                    for n in post.names
-                    if group_of(n) is None
-                }
-            ),
-            recordings=_each(post, point, change) if len(inputs) > 1 else (),
-        ),
-    )  # fmt: skip
-
-
-def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecording, ...]:
-    """What each recording says by itself, from its quadratic at the common mode."""
-    own = []
-    prior = post.weight**2
-    for b in point.blocks:
-        V = np.linalg.inv(b.H + np.diag(prior))
-        z = point.z - V @ (b.g + prior * (point.z - post.mean))
-        sd = np.sqrt(np.diag(change @ V @ change.T))
-        values = post.by_name(np.clip(z, post.lower, post.upper))
-        leg = [j for j, n in enumerate(post.problem.free) if group_of(n) is None]
-        names = [post.problem.free[j] for j in leg]
-        own.append(
-            OfRecording(
-                FrozenDict({n: values[n] for n in names}),
-                FrozenDict({n: float(sd[j]) for n, j in zip(names, leg, strict=True)}),
-            )
-        )
-    return tuple(own)
-
-
-def _factor(covariance: FloatArray, sse: float, problem: FitProblem) -> FloatArray:
-    """R whose σ²(RᵀR)⁻¹ is the covariance, σ² being the residual's variance."""
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    scaled = covariance * scale * scale[:, None]
-    lower = np.linalg.cholesky(scaled + 1e-10 * np.eye(len(scale)))
-    root = np.linalg.inv(lower) * scale
-    dof = max(problem.n - len(problem.free), 1)
-    return np.asarray(np.sqrt(max(sse, 1e-300) / dof) * np.linalg.qr(root)[1])
-
-
-def _natural(post: LogPosterior, point: Point) -> FloatArray:
-    """The problem's free parameters, in their units, by what is searched, shape (p, q)."""
-    free = post.problem.free
-    change, scale = np.zeros((len(free), len(point.z))), post.scale(point.z)
-    for i, name in enumerate(free):
-        if name in post.names:
-            j = post.names.index(name)
-            change[i, j] = scale[j]
-        else:  # the mean of the recordings' zeros
-            change[i, len(post.names) :] = 1.0 / post.zeros
-    return change
-
-
-def _message(choice: _Choice, bound: Sequence[str], finite: bool) -> str:
-    if not finite:
-        return "no minimum reached: the model has no finite numbers; give another start or bounds"
-    groups = choice.scored[0].groups
-    text = "the muscle-tendon model"
-    text += f" with departures: {', '.join(groups)}" if groups else " without any departure"
-    if choice.scored[0].weight < 0.99:
-        text += f" (probability {100 * choice.scored[0].weight:.0f} %)"
-    return text + (f"; at a bound: {', '.join(bound)}" if bound else "")
 
 
 def _white(problem: FitProblem, part: float) -> tuple[NoiseModel, ...]:
