@@ -21,6 +21,8 @@ from surae.model.laboratory import laboratory
 from surae.settings import FitSettings
 
 DEGREES = np.arange(-60.0, 45.0, 5.0)
+#: Arm of a triceps whose soleus and gastrocnemius heads have 5, 4 and 3 cm, by their areas.
+GROUP = (51.8 * 0.05 + 21.1 * 0.04 + 9.7 * 0.03) / (51.8 + 21.1 + 9.7)
 
 
 def table_of(options: ModelOptions, *, tolerance: float = 0.05, slack: bool = True):
@@ -143,7 +145,7 @@ def test_muscles_make_a_group_by_their_cross_section(tmp_path):
     rows = [f"{a},0.05,4,30,{0.3 - 0.04 * a}" for a in np.linspace(-1, 1, 9)]
     path.write_text("\n".join([head, *rows]))
     table = read_geometry(path)
-    np.testing.assert_allclose(table.arm[0], 0.627 * 0.05 + 0.255 * 0.04 + 0.118 * 0.03)
+    np.testing.assert_allclose(table.arm[0], GROUP)
     np.testing.assert_allclose(table.arm[1], -0.04, atol=1e-12)
     travel = table.length[0][-1] - table.length[0][0]
     assert travel == pytest.approx(2 * table.arm[0][0])
@@ -170,7 +172,7 @@ def test_opensims_tables_are_one_geometry(tmp_path):
     write("leg_Kinematics_q.sto", "yes", "knee_angle_r\tankle_angle_r", np.stack([angle, angle], 1))
     table = read_geometry(lengths)
     np.testing.assert_allclose(table.angle, rad, atol=1e-9)
-    np.testing.assert_allclose(table.arm[0], 0.627 * 0.05 + 0.255 * 0.04 + 0.118 * 0.03)
+    np.testing.assert_allclose(table.arm[0], GROUP)
     np.testing.assert_allclose(table.arm[1], -0.035)
 
 
@@ -181,7 +183,7 @@ def test_opensims_tables_are_one_geometry(tmp_path):
         ({"length": BENT.length[::-1]}, "everywhere: turn the sign of the angle"),
         ({"tolerance": 1e-6}, "off the slope of its length"),
         ({"angle": BENT.angle[:3]}, "at least 4"),
-        ({"arm": (tuple(-a for a in BENT.arm[0]), BENT.arm[1])}, "moment arm of the triceps"),
+        ({"arm": (tuple(-a for a in BENT.arm[0]), BENT.arm[1])}, "the triceps turns round everywh"),
         ({"length": ((math.nan, *BENT.length[0][1:]), BENT.length[1])}, "not finite"),
     ],
 )
@@ -199,6 +201,30 @@ def test_a_movement_beyond_the_table_is_refused(trial):
     )  # fmt: skip
     with pytest.raises(InputError, match=r"known from -20° to 20°; give a table"):
         surae.fit(trial, model="muscle", geometry=narrow)
+
+
+def turning(path, low):
+    """A CSV whose triceps is shortest at an angle [deg], as `read_geometry` has it."""
+    rows = ["angle_rad,length_tri_m,arm_tri_m,length_tib_m"]
+    for a in np.radians(DEGREES):
+        x = a - math.radians(low)
+        rows.append(f"{a},{0.5 + 0.03 * x**2},{-0.06 * x},{0.3 - 0.04 * a}")  # OpenSim's sign
+    path.write_text("\n".join(rows), encoding="utf-8")
+    return read_geometry(path)
+
+
+def test_a_path_may_turn_where_the_movement_does_not_go(tmp_path, trial):
+    moved = np.degrees(trial.angle)
+    beyond, within = (turning(tmp_path / "turning.csv", moved.min() + by) for by in (-4.0, 4.0))
+    assert beyond.arm[0][0] < 0.0 < beyond.arm[0][-1]
+    spec, options = get_model("muscle"), ModelOptions(geometry=beyond)
+    vector = np.array([p.start for p in adapted(spec.parameters, options).values()])
+    assert np.isfinite(spec.simulator(trial, options).torque(vector)).all()
+    with pytest.raises(InputError, match=r"length of the triceps .* within the movement; leave"):
+        surae.fit(trial, model="muscle", geometry=within)
+    kept = trial.angle > np.radians(moved.min() + 8.0)
+    part = replace(trial, weight=kept.astype(float))
+    spec.simulator(part, ModelOptions(geometry=within))
 
 
 def test_a_persons_own_geometry_narrows_what_is_believed():

@@ -15,9 +15,9 @@ from surae.recording.source import Source, open_source
 from surae.recording.table import some
 from surae.units import FACTORS, FloatArray
 
-#: Muscles of each group, and the part of each in the cross-section of the group: 51.8, 21.1 and
-#: 9.7 cm² (Ward et al. 2009, Clinical Orthopaedics and Related Research 467:1074-1082).
-_SHARES = ({"sol": 0.627, "gm": 0.255, "gl": 0.118}, {"ta": 1.0})
+#: Muscles of each group, and the part of each in its cross-section: of 51.8, 21.1 and 9.7 cm²
+#: (Ward et al. 2009, Clinical Orthopaedics and Related Research 467:1074-1082).
+_SHARES = ({"sol": 51.8 / 82.6, "gm": 21.1 / 82.6, "gl": 9.7 / 82.6}, {"ta": 1.0})
 _GROUPS = ("tri", "tib")
 #: What OpenSim's models call them.
 _OPENSIM = {
@@ -120,7 +120,7 @@ def _table(
         if length is None and arm is None:
             raise InputError(f"{where}: no length and no arm of {_words(group, shares)}")
         if arm is not None:
-            arm = sign * np.abs(arm)
+            arm = arm * sign * np.sign(arm.sum())  # an arm that turns round is kept so
         elif length is not None:
             arm = _spline(angle, length, where).derivative()(angle)
         if length is None:

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from surae.errors import InputError
@@ -51,7 +52,7 @@ class GeometryTable:
     Raises
     ------
     InputError
-        The numbers are no geometry: angles fall, a length turns, or an arm is not its slope.
+        The numbers are no geometry: angles fall, or an arm is not the slope of its length.
     """
 
     name: str
@@ -103,25 +104,18 @@ class GeometryTable:
     @property
     def travels_far(self) -> bool:
         """Whether the triceps travels as by virtual work, not as little as equation (9) says."""
-        (first, *_, last), (low, high) = self.length[0], self.range
-        return abs(last - first) > _FAR * (high - low)
+        length, (low, high) = self.length[0], self.range
+        travel = sum(abs(b - a) for a, b in pairwise(length))
+        return travel > _FAR * (high - low)
 
     def _check_slopes(self) -> None:
-        """Lengths rise or fall throughout, and arms are their slopes."""
+        """Arms are the slopes of lengths that rise or fall somewhere as they have to."""
         import numpy as np
 
+        self._check_turns(*self.range, everywhere=True)
         angle = np.linspace(*self.range, _CHECKED)
-        for group, (sign, muscle) in enumerate(((1.0, "triceps"), (-1.0, "tibialis"))):
+        for group, muscle in enumerate(("triceps", "tibialis")):
             _, slopes, _, arms, _ = self.at(group, angle)
-            for values, what in ((slopes, "length"), (arms, "moment arm")):
-                wrong = np.flatnonzero(sign * values <= 0.0)
-                if wrong.size:
-                    at = math.degrees(angle[wrong[0]])
-                    turned = " everywhere: turn the sign of the angle" * (wrong.size == len(angle))
-                    does = "rise" if sign > 0 else "fall"
-                    rule = f"does not {does} with the angle" if what == "length" else "turns round"
-                    raise InputError(f"{self.name}: the {what} of the {muscle} {rule} at {at:.3g}°"
-                                     f"{turned}")  # fmt: skip
             apart = np.abs(arms - slopes)
             worst = int(np.argmax(apart))
             if apart[worst] > self.tolerance:
@@ -131,8 +125,26 @@ class GeometryTable:
                     f"{1e3 * self.tolerance:.3g} mm; correct it, or state '# tolerance_mm = …'"
                 )
 
+    def _check_turns(self, low: float, high: float, *, everywhere: bool = False) -> None:
+        """Lengths rise or fall between two angles, and arms do not turn; or not everywhere."""
+        import numpy as np
+
+        angle = np.linspace(low, high, _CHECKED)
+        for group, (sign, muscle) in enumerate(((1.0, "triceps"), (-1.0, "tibialis"))):
+            _, slopes, _, arms, _ = self.at(group, angle)
+            for values, what in ((slopes, "length"), (arms, "moment arm")):
+                wrong = np.flatnonzero(sign * values <= 0.0)
+                if wrong.size == len(angle) or (wrong.size and not everywhere):
+                    at = f"at {math.degrees(angle[wrong[0]]):.3g}°"
+                    does = "rise" if sign > 0 else "fall"
+                    rule = f"does not {does} with the angle" if what == "length" else "turns round"
+                    where = f"{at}, within the movement; leave these angles out of the fit"
+                    if everywhere:
+                        where = "everywhere: turn the sign of the angle"
+                    raise InputError(f"{self.name}: the {what} of the {muscle} {rule} {where}")
+
     def check_covers(self, inputs: "ModelInputs") -> None:
-        """Refuse a recording that moves where the table has no angles.
+        """Refuse a recording that moves where the table has no angles, or a path turns round.
 
         Raises
         ------
@@ -150,6 +162,7 @@ class GeometryTable:
                 f"{inputs.where}: the joint moves from {moved}, the geometry of {self.name} is "
                 f"known from {known}; give a table that covers the movement"
             )
+        self._check_turns(max(low, self.range[0]), min(high, self.range[1]))
 
 
 @lru_cache(maxsize=16)
