@@ -9,7 +9,7 @@ from pathlib import Path
 import surae
 from surae.protocol import Protocol, generate
 from surae.report.figures import png
-from surae.report.figures.profile import profile_figure
+from surae.report.figures.intervals import profile_figure
 from surae.studies import virtual_subject, virtual_trial
 
 protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.159, rate_hz=125.0)

@@ -1,6 +1,7 @@
 """Numbers as text: as many digits as the standard error allows, powers of ten in print style."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from surae.normal import NORMAL, standard_error_of
@@ -160,3 +161,9 @@ def chance(p_value: float) -> str:
     if not math.isfinite(p_value):
         return f"p = {NO_NUMBER}"
     return "p < 0.001" if p_value < 1e-3 else f"p = {p_value:.2g}"
+
+
+def listed(words: Sequence[str], last: str = "and") -> str:
+    """Words as a sentence has them: ``a, b and c``."""
+    *others, end = words
+    return f"{', '.join(others)} {last} {end}" if others else end

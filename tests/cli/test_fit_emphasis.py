@@ -25,7 +25,7 @@ def test_windows_peaks_and_loss_are_those_of_the_api(run, files) -> None:
     assert done.code == 0, done
     assert "Weights: 30 … the end left out of the fit." in done.out
     assert "Weights: a peak of the EMG counts 5 times as much as rest." in done.out
-    assert "Loss huber: " in done.out
+    assert "Outliers count less (huber loss)" in done.out
     assert "(weighted " in done.out
     windows = ((30.0, float("inf"), 0.0), (float("-inf"), 1.0, 0.0), (3.0, 4.0, 2.0))
     fit_again = surae.fit(

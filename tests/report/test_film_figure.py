@@ -39,9 +39,9 @@ def test_the_terminal_and_the_report_say_how_well_it_is_followed(film, capsys) -
     assert "RMS error 0.30 mm" in film_block("film-0-0", film).blocks[1].alt
     show_films("walk", [film.quality])
     said = capsys.readouterr().out
-    assert said.startswith("walk: fascicle_gm: RMS 0.30 mm, bias ")
+    assert said.startswith("walk: fascicle_gm: RMS error 0.30 mm, mean error ")
     assert "tracker noise 0.4" in said
-    assert said.endswith("60 frames\n")
+    assert said.endswith("frames 60\n")
 
 
 def test_what_cannot_be_known_is_not_printed(capsys) -> None:

@@ -6,7 +6,7 @@ import pytest
 from surae.assessment.posterior.sample import sample
 from surae.estimation import fit_problem, make_problem
 from surae.report.figures import png, svg
-from surae.report.figures.posterior import posterior_figure
+from surae.report.figures.intervals import posterior_figure
 
 from .conftest import TRUTH
 

@@ -5,7 +5,7 @@ import pytest
 
 from surae.assessment.likelihood.profile import ParameterProfile
 from surae.report.figures import png, svg
-from surae.report.figures.profile import profile_figure
+from surae.report.figures.intervals import profile_figure
 
 
 def made(name="f0", unit="Hz", interval=(1.0, 3.0), sem=0.5) -> ParameterProfile:

@@ -147,8 +147,8 @@ from surae.report.figures import png as png
 from surae.report.figures import predictions_figure as predictions_figure
 from surae.report.figures import svg as svg
 from surae.report.figures import write_figure as write_figure
-from surae.report.figures.posterior import posterior_figure as posterior_figure
-from surae.report.figures.profile import profile_figure as profile_figure
+from surae.report.figures.intervals import posterior_figure as posterior_figure
+from surae.report.figures.intervals import profile_figure as profile_figure
 from surae.report.figures.protocol import protocol_figure as protocol_figure
 from surae.report.figures.study import study_figure as study_figure
 from surae.report.figures.style import new_figure as new_figure
@@ -157,7 +157,8 @@ from surae.report.laboratory import trials_section as trials_section
 from surae.report.output import write_blocks as write_blocks
 from surae.report.parameters import repeatable as repeatable
 from surae.report.parameters import shown_parameters as shown_parameters
-from surae.report.provenance import MANY_OUTLIERS as MANY_OUTLIERS
+from surae.report.provenance import emphasis_text as emphasis_text
+from surae.report.recordings import film_facts as film_facts
 from surae.report.references import always_cited as always_cited
 from surae.report.references import cited_by as cited_by
 from surae.report.session import trial_row as trial_row

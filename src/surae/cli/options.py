@@ -23,11 +23,6 @@ F = TypeVar("F", bound=Callable[..., Any])
 _MOST_WORKERS = 1000
 
 
-def or_(words: Sequence[str]) -> str:
-    """Words as a sentence has them."""
-    return f"{', '.join(words[:-1])} or {words[-1]}"
-
-
 def number(where: str, text: str) -> float:
     """A number from a text.
 

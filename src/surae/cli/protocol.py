@@ -7,12 +7,13 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import Number, Picture, flag_of, or_, settings_options
+from surae.cli.options import Number, Picture, flag_of, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line
 from surae.errors import InputError
 from surae.files import shown
+from surae.formatting import listed
 from surae.names import DESIGNED, DEVICES, PROFILES
 from surae.requests import MotionSettings
 from surae.setting import settings_of
@@ -35,8 +36,8 @@ def device_options(function: Command) -> Command:
     "protocol",
     help=f"""Make a measurement protocol: the motion and the effort to ask for.
 
-    NAME is {or_(PROFILES)};
-    or one that was designed: {or_(DESIGNED)}.
+    NAME is {listed(PROFILES, "or")};
+    or one that was designed: {listed(DESIGNED, "or")}.
     The file holds time_s, angle_rad and the target effort 0…1 of the four muscles,
     emg_ta … emg_gm.
     """,

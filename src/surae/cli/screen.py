@@ -114,14 +114,8 @@ def _requests(fit: "api.Fit") -> list[str]:
     lines = [step for step in dict.fromkeys(steps) if step.startswith(_REQUESTS)]
     if result.problem.priors:
         lines.append(f"Priors on {', '.join(result.problem.priors)}.")
-    if result.outliers is not None:
-        lines.append(
-            f"Loss {result.outliers.loss}: {api.significant(100 * result.outliers.share, 2)} % "
-            "of the samples count less than half; noise "
-            f"{api.significant(result.outliers.scale, 3)} Nm."
-        )
-        if result.outliers.share > api.MANY_OUTLIERS:
-            lines.append("So many are no stray artefacts: the model leaves something out.")
+    if text := api.emphasis_text(result, fit.assessment):
+        lines.append(text)
     return lines
 
 
@@ -144,15 +138,8 @@ def show_predictions(predictions: "Sequence[api.Prediction]", paths: Sequence[st
 def show_films(name: str, films: "Sequence[api.FascicleQuality]") -> None:
     """How well each film of a recording is followed."""
     for film in films:
-        parts = [
-            f"RMS {api.significant(film.rmse_mm, 2)} mm",
-            f"bias {api.significant(film.bias_mm, 2)} mm",
-        ]
-        if film.correlation is not None:
-            parts.append(f"correlation {film.correlation:.3f}")
-        if film.noise_mm is not None:
-            parts.append(f"tracker noise {api.significant(film.noise_mm, 2)} mm")
-        show_line(f"{name}: {film.channel}: {', '.join(parts)}, {film.n} frames")
+        facts = ", ".join(f"{label} {text}" for label, text in api.film_facts(film))
+        show_line(f"{name}: {film.channel}: {facts}")
 
 
 def show_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -5,18 +5,20 @@ from typing import Any
 import click
 
 from surae import api, names
-from surae.cli.options import or_, settings_options
+from surae.cli.options import settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_line
 from surae.errors import ComputationError, InputError
 from surae.files import shown
+from surae.formatting import listed
 
 
 @click.command("simulate")
 @click.argument("recording", metavar="IN.csv")
 @click.option("--model", type=click.Choice(names.MODELS), metavar="M",
-              help=f"{or_(names.MODELS)}.  [default: that of FIT.json, else muscle]")  # fmt: skip
+              help=f"{listed(names.MODELS, 'or')}.  [default: that of FIT.json, else "
+              "muscle]")  # fmt: skip
 @click.option("--parameters", required=True, metavar="P.json",
               help='{"parameters": {"m": 2.0, …}} or a FIT.json.')  # fmt: skip
 @click.option("--output", required=True, metavar="OUT.csv", help="Where the torque goes.")

@@ -10,6 +10,7 @@ from surae.assessment.adequacy import Grade
 from surae.assessment.parameter import percent
 from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import FitResult
+from surae.formatting import listed
 from surae.model.sources import SOURCES
 from surae.protocol.planning.filming import covariance_if_filmed
 from surae.report.document import (
@@ -161,9 +162,7 @@ def _sentence(remedy: str, narrowed: list[tuple[float, str]]) -> str:
     texts = [text for _, text in narrowed[:_NAMED]]
     if len(narrowed) > _NAMED:
         texts.append(f"{len(narrowed) - _NAMED} more would be known better")
-    *others, last = texts
-    joined = f"{', '.join(others)} and {last}" if others else last
-    return f"{remedy[0].upper()}{remedy[1:]}, and {joined}.".replace("'", "’")
+    return f"{remedy[0].upper()}{remedy[1:]}, and {listed(texts)}.".replace("'", "’")
 
 
 def _relative(p: ParameterEstimate) -> float:

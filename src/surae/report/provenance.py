@@ -16,7 +16,7 @@ from surae.units import FloatArray
 
 #: Share of samples that count less than half from which they are no stray artefacts; Gaussian noise
 #: has 0.7 % of them under Huber's loss.
-MANY_OUTLIERS = 0.05
+_MANY_OUTLIERS = 0.05
 
 
 def emphasis_text(result: FitResult, assessment: Assessment) -> str:
@@ -27,11 +27,11 @@ def emphasis_text(result: FitResult, assessment: Assessment) -> str:
     if result.outliers is not None:
         share = 100 * result.outliers.share
         texts.append(
-            f"Outliers were let count less ({result.outliers.loss} loss): {significant(share, 2)} "
-            "% of the samples count less than half. They are in the plain VAF and error all the "
-            "same."
+            f"Outliers count less ({result.outliers.loss} loss): {significant(share, 2)} "
+            "% of the samples count less than half. The plain VAF and error "
+            "include them."
         )
-        if result.outliers.share > MANY_OUTLIERS:
+        if result.outliers.share > _MANY_OUTLIERS:
             texts.append(
                 "So many are no stray artefacts: the model leaves something out, and a loss that "
                 "spares outliers hides it."

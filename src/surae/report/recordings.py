@@ -3,7 +3,7 @@
 import numpy as np
 
 from surae.assessment import RecordingQuality, Whiteness
-from surae.assessment.fascicles import Fascicles
+from surae.assessment.fascicles import FascicleQuality, Fascicles
 from surae.formatting import NO_NUMBER, chance, percentage, short, signed, significant
 from surae.model import TendonState
 from surae.recording.samples import sample
@@ -117,30 +117,36 @@ def recording_section(
     )
 
 
+def film_facts(film: FascicleQuality) -> list[tuple[str, str]]:
+    """How well a filmed fascicle is followed: labels, and what they say."""
+    facts = [
+        ("RMS error", f"{significant(film.rmse_mm, 2)} mm"),
+        ("mean error", f"{significant(film.bias_mm, 2)} mm"),
+    ]
+    if film.correlation is not None:
+        facts.append(("correlation", f"{film.correlation:.3f}"))
+    if film.noise_mm is not None:
+        noise = f"{significant(film.noise_mm, 2)} mm from frame to frame"
+        facts.append(("tracker noise", noise))
+    return [*facts, ("frames", f"{film.n}")]
+
+
 def film_block(name: str, film: Fascicles) -> SectionBlock:
     """How well a filmed fascicle is followed, and its figure."""
-    told = film.quality
-    facts = [
-        ("RMS error", f"{significant(told.rmse_mm, 2)} mm"),
-        ("Mean error", f"{significant(told.bias_mm, 2)} mm"),
-        ("Correlation", NO_NUMBER if told.correlation is None else f"{told.correlation:.3f}"),
-        ("Tracker noise", NO_NUMBER if told.noise_mm is None
-         else f"{significant(told.noise_mm, 2)} mm from frame to frame"),
-        ("Frames", f"{told.n}"),
-    ]  # fmt: skip
     lengths = _range(1e3 * film.measured, 1)
     picture = PictureBlock(
         name,
         f"Measured and modelled torque, fascicle length and tendon stretch against time, and force "
         f"against both. The fascicle goes over {lengths} mm; RMS error "
-        f"{significant(told.rmse_mm, 2)} mm.",
+        f"{significant(film.quality.rmse_mm, 2)} mm.",
         "Wide and pale: measured. Thin and dark: the model. The film shows the fascicle; the "
         "tendon’s part is the length of the path less the fascicle. Force is the model’s. A drift "
         "of the tracker by 1 to 2 mm is usual.",
     )
-    return SectionBlock(
-        f"Film: {film.channel} of {film.recording}", (facts_of(facts), picture), look="film"
+    facts = facts_of(
+        (label[0].upper() + label[1:], text) for label, text in film_facts(film.quality)
     )
+    return SectionBlock(f"Film: {film.channel} of {film.recording}", (facts, picture), look="film")
 
 
 def _tendons(number: int, traces: Traces, state: TendonState) -> SectionBlock:

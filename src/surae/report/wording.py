@@ -4,7 +4,7 @@ from surae.assessment import Assessment, Interval, ParameterEstimate, Verdict
 from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
-from surae.formatting import percentage, significant
+from surae.formatting import listed, percentage, significant
 from surae.report.document import AdequacyWords
 from surae.report.provenance import emphasis_text
 
@@ -124,7 +124,7 @@ def _counted(assessment: Assessment) -> str:
             "a more informative movement."
         )
     if unknown:
-        text += f" This torque leaves {_listed(unknown)} undetermined: fix what is known."
+        text += f" This torque leaves {listed(unknown)} undetermined: fix what is known."
     if bound:
         subject = (
             "The value at a bound was" if len(bound) == 1 else
@@ -188,11 +188,6 @@ def _ratio(assessment: Assessment) -> str:
     if middle >= 1:
         return f"too small by a factor of {significant(middle, 2)} (median of the parameters)"
     return f"too large by a factor of {significant(1 / middle, 2)} (median of the parameters)"
-
-
-def _listed(names: list[str]) -> str:
-    *others, last = names
-    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _of(assessment: Assessment, verdict: Verdict) -> list[ParameterEstimate]:
