@@ -75,7 +75,7 @@ def test_many_outliers_are_said_to_be_none(make_trial):
 def test_weights_are_told(make_trial, make_fitted):
     inputs = weighted([make_trial()], Weighting(windows=((1.0, 2.0, 0.0),), peaks=4.0))
     case = make_fitted(fit_problem(make_problem(inputs), starts=1))
-    assert "told to follow some samples more closely" in texts(case)[1]
+    assert "Some samples count more than others" in texts(case)[1]
     assert "Weights: 1 … 2 s left out of the fit." in case.words
     assert "counts 5 times as much as rest" in case.words
     assert "because some samples count more than others" in case.words
