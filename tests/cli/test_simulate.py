@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import surae
+from surae.model import ModelOptions
+from surae.model.geometry import paths
 
 from .conftest import refused
 
@@ -133,3 +135,19 @@ def test_reference_solutions(run, references, tmp_path, case) -> None:
     exact = columns(references / f"{case}.csv")["torque_Nm"]
     error = columns(tmp_path / "out.csv")["torque_Nm"] - exact
     assert np.sqrt((error**2).sum() / (exact**2).sum()) < 0.005
+
+
+def test_a_table_gives_the_torque_of_the_geometry_it_is_of(run, files) -> None:
+    options = ModelOptions(geometry="virtual-work")
+    angle = np.radians(np.arange(-70.0, 71.0, 2.0))
+    both = paths(angle=angle, velocity=0.0 * angle, options=options)
+    rows = np.stack([angle, *(x for p in both for x in (p.length, p.arm))], axis=1)
+    notes = "# slack_tri_mm = 0\n# slack_tib_mm = 0\n"
+    head = f"{notes}angle_rad,length_tri_m,arm_tri_m,length_tib_m,arm_tib_m"
+    np.savetxt(files / "table.csv", rows, delimiter=",", header=head, comments="")
+    of = {}
+    for geometry in ("virtual-work", "table.csv"):
+        assert simulate(run, "--parameters", "true.json", "--geometry", geometry).code == 0
+        of[geometry] = columns(files / "out.csv")["torque_Nm"]
+    np.testing.assert_allclose(of["table.csv"], of["virtual-work"], rtol=0, atol=1e-6)
+    assert np.ptp(of["table.csv"]) > 1.0

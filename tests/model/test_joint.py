@@ -11,7 +11,7 @@ from matplotlib.text import Text
 
 import surae
 from surae.errors import InputError
-from surae.model import ModelOptions, adapted, get_model
+from surae.model import ModelOptions, adapted, get_model, read_geometry
 from surae.model.joint import ANKLE, STATED, read_joint
 from surae.model.laboratory import laboratory
 from surae.model.movement import gravity_torque
@@ -48,6 +48,13 @@ def trial():
     return table.assign(torque_Nm=torque + noise).drop(columns="emg_gm_V")
 
 
+def read_of(path) -> str:
+    """What a page says: no styles, no scripts, no images, and not the title of the thesis."""
+    page = path.read_text(encoding="utf-8")
+    page = re.sub(r"<script.*?</script>|<style.*?</style>|data:[^\"]*", "", page, flags=re.DOTALL)
+    return unescape(re.sub(r"<[^>]+>", " ", page)).replace("Estimating ankle muscle", "")
+
+
 @pytest.fixture(scope="module")
 def fit(trial):
     return surae.fit(trial, "muscle", prepared=True, starts=1, **WRIST)
@@ -70,9 +77,7 @@ def test_its_file_keeps_the_joint(fit, tmp_path) -> None:
 
 def test_nothing_that_is_read_speaks_of_an_ankle(fit, tmp_path) -> None:
     fit.report(tmp_path / "fit.html")
-    page = (tmp_path / "fit.html").read_text(encoding="utf-8")
-    page = re.sub(r"<script.*?</script>|<style.*?</style>|data:[^\"]*", "", page, flags=re.DOTALL)
-    text = unescape(re.sub(r"<[^>]+>", " ", page)).replace("Estimating ankle muscle", "")
+    text = read_of(tmp_path / "fit.html")
     told = [*text.split("."), *str(fit.summary()).splitlines()]
     told += [f"{p.meaning} {p.advice}" for p in adapted(
         get_model("muscle-tendon").parameters, fit.result.problem.options).values()]  # fmt: skip
@@ -140,3 +145,20 @@ def test_another_joint_needs_its_geometry() -> None:
         ModelOptions.of(joint=WRIST["joint"])
     with pytest.raises(InputError, match="populations are known of the ankle alone"):
         surae.expect("multi-sine", model="muscle", **WRIST)
+
+
+def test_a_session_and_its_page_are_of_the_joint(trial, tmp_path) -> None:
+    half = len(trial) // 2
+    for name, part in (("first", trial[:half]), ("second", trial[half:])):
+        shifted = part.assign(time_s=part.time_s - part.time_s.iloc[0])
+        shifted.to_csv(tmp_path / f"{name}.csv", index=False)
+    session = surae.session([tmp_path / "first.csv", tmp_path / "second.csv"], side="left")
+    result = session.run(tmp_path / "out", model="muscle", prepared=True, starts=1, **WRIST)
+    assert set(result.fits) == {"first", "second"}
+    table = read_geometry(WRIST["geometry"])
+    for fit in (*result.fits.values(), result.joint):
+        assert fit.result.problem.options.geometry == table
+        assert fit.result.problem.options.anatomy.name == "wrist"
+    assert result.joint.values["l0_tri"] == pytest.approx(TRUTH["l0_tri"], rel=0.05)
+    said = read_of(tmp_path / "out" / "report.html")
+    assert [line for line in said.split(".") if OF_THE_ANKLE.search(line)] == []
