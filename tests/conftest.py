@@ -3,7 +3,11 @@
 import gc
 import importlib.util
 import os
+import sys
+import tempfile
+import tomllib
 from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +26,25 @@ from undrawn import blank_figures
 threadpool_limits(limits=1)
 for _library in ("OMP", "OPENBLAS", "MKL"):  # for the processes that tests start
     os.environ[f"{_library}_NUM_THREADS"] = "1"
+
+# Plugins of this repository are found, here and by children, where only pytest's path has them too.
+_THESIS = Path(__file__).resolve().parents[1] / "thesis"
+_paths = [str(_THESIS / "src")]
+try:
+    distribution("surae-thesis")
+except PackageNotFoundError:
+    _folder = Path(tempfile.mkdtemp()) / "surae_thesis-0.dist-info"
+    _folder.mkdir()
+    _groups = tomllib.loads((_THESIS / "pyproject.toml").read_text())["project"]["entry-points"]
+    _points = "\n".join(
+        "\n".join((f"[{group}]", *(f"{name} = {at}" for name, at in points.items())))
+        for group, points in _groups.items()
+    )
+    (_folder / "METADATA").write_text("Name: surae-thesis\nVersion: 0\n")
+    (_folder / "entry_points.txt").write_text(_points)
+    sys.path.append(str(_folder.parent))
+    _paths.append(str(_folder.parent))
+os.environ["PYTHONPATH"] = os.pathsep.join([*_paths, *filter(None, [os.environ.get("PYTHONPATH")])])
 
 # What fails once fails again, and a busy computer fails nothing.
 settings.register_profile(

@@ -9,7 +9,8 @@ from surae import names
 from surae.estimation import LOSSES
 from surae.model import MODELS, ModelOptions, laboratory
 from surae.model.anthropometry import FOOT_SHARE
-from surae.model.parameters import OPTIONAL, OPTIONAL_PARAMETERS, PARAMETERS
+from surae.model.parameters import OPTIONAL, OPTIONAL_PARAMETERS
+from surae.model.registry import PARAMETERS
 from surae.protocol import DEVICES, PROFILES, TASKS
 from surae.protocol.planning.ready import ready_protocols
 from surae.studies.populations import POPULATIONS

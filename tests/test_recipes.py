@@ -66,20 +66,19 @@ ADDED: dict[str, list[tuple[str, str, str]]] = {
         ("model/spring.py", "", SPRING),
         ("model/parameters.py", "#: Crosstalk: part", '''\
 SPRING_PARAMETERS: tuple[Parameter, ...] = (
-    _BY_NAME["m"],
+    MUSCLE_PARAMETERS[0],
     _P("s_tri", "N/m", "spring of the triceps", "passive", 1e3, 0.0, 1e5, False, advice=_HOLD),
     _P("s_tib", "N/m", "spring of the tibialis", "passive", 1e3, 0.0, 1e5, False, advice=_HOLD),
-    *(_BY_NAME[name] for name in ("g1", "g2", "g3", "g4", "f0", "beta")),
+    *(p for p in MUSCLE_PARAMETERS if p.name in ("g1", "g2", "g3", "g4", "f0", "beta")),
 )
 '''),
-        ("model/parameters.py", "        *OPTIONAL_PARAMETERS,", "        *SPRING_PARAMETERS,\n"),
-        ("model/registry.py", "    MUSCLE_2010_PARAMETERS,", "    SPRING_PARAMETERS,\n"),
+        ("model/registry.py", "    OPTIONAL_PARAMETERS,", "    SPRING_PARAMETERS,\n"),
         ("model/registry.py", "        ModelSpec(", '''        ModelSpec(
             "spring", "springs", SPRING_PARAMETERS, tuple(p.name for p in SPRING_PARAMETERS),
             "surae.model.spring:SpringSimulator", linear=("m", "s_tri", "s_tib", *_WEIGHTS),
         ),
 '''),
-        ("names.py", '    "muscle-2010",', '    "spring",\n'),
+        ("names.py", '"muscle-tendon-toe"', '"spring", '),
     ],
     "a parameter": [
         ("model/parameters.py", '    "crosstalk": tuple(', '''    "viscosity": (

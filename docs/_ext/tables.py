@@ -11,22 +11,20 @@ from surae.estimation.population import WIDENED
 from surae.estimation.result import TENDONS
 from surae.measures import DEFINITIONS
 from surae.model.parameters import (
-    MUSCLE_2010_PARAMETERS,
     MUSCLE_PARAMETERS,
     OPTIONAL_PARAMETERS,
     TENDON_PARAMETERS,
     Parameter,
 )
-from surae.model.parameters import (
-    PARAMETERS as EVERY,
-)
+from surae.model.registry import PARAMETERS as EVERY
 from surae.model.sources import SOURCES, source_of
 from surae.recording.described import MappedChannel, MappedRecording
 from surae.setting import default_of, settings_of
+from surae_thesis.model_2010 import PARAMETERS_2010
 
 PARAMETERS: dict[str, Iterable[Parameter]] = {
     "muscle": MUSCLE_PARAMETERS,
-    "muscle-2010": MUSCLE_2010_PARAMETERS,
+    "muscle-2010": PARAMETERS_2010,
     "tendon": TENDON_PARAMETERS,
     "drives": [p for p in OPTIONAL_PARAMETERS if p.group != "measurement"],
     "measurement": [p for p in OPTIONAL_PARAMETERS if p.group == "measurement"],

@@ -3,16 +3,43 @@
 `tests/test_names.py` holds them to what they name.
 """
 
-MODELS = (
-    "muscle",
-    "muscle-tendon",
-    "muscle-tendon-strain",
-    "muscle-tendon-toe",
-    "muscle-2010",
+
+class Names(tuple[str, ...]):
+    """Names that help shows; what plugins of a group are called is among them too."""
+
+    group: str
+
+    def __new__(cls, group: str, names: tuple[str, ...]) -> "Names":
+        """Names of what surae itself has, or what is known to be elsewhere."""
+        made = super().__new__(cls, names)
+        made.group = group
+        return made
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or name in self._added()
+
+    def here(self) -> tuple[str, ...]:
+        """Those that are installed, of plugins too; none of these is loaded."""
+        added = self._added()
+        own = [name for name in self if name not in ELSEWHERE]
+        return (*own, *(name for name in added if name not in own))
+
+    def _added(self) -> tuple[str, ...]:
+        from importlib.metadata import entry_points
+
+        return tuple(point.name for point in entry_points(group=f"surae.{self.group}"))
+
+
+#: What surae itself does not bring, and the distribution that does.
+ELSEWHERE = {"muscle-2010": "surae-thesis", "explicit-euler": "surae-thesis"}
+
+MODELS = Names(
+    "models",
+    ("muscle", "muscle-tendon", "muscle-tendon-strain", "muscle-tendon-toe", "muscle-2010"),
 )
 #: The family of models that is searched, and what a fit may be asked.
 AUTO = "auto"
-FITTED = (AUTO, *MODELS)
+FITTED = Names("models", (AUTO, *MODELS))
 #: What of the laboratory's imperfections `auto` takes in.
 NUISANCES = ("all", "none")
 #: Groups of optional parameters that drive or resist the muscles, and what a fit estimates by them.
@@ -32,7 +59,7 @@ CHOICES = {
     "geometry": ("thesis", "virtual-work"),
     "joint": ("ankle",),
     "tendon_strain": ("thesis", "slack-length"),
-    "integrator": ("implicit", "explicit-euler"),
+    "integrator": Names("integrators", ("implicit", "explicit-euler")),
 }
 #: Tasks and devices of protocols, those that come with surae, and their profiles.
 TASKS = ("part-passive", "active", "passive")

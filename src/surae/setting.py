@@ -9,6 +9,7 @@ from types import NoneType, UnionType
 from typing import Any, TypeVar, get_args, get_origin
 
 from surae.errors import InputError
+from surae.names import Names
 
 T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., Any])
@@ -33,6 +34,11 @@ class Setting:
     needs: str = ""  #: The setting without which it has no effect; NAME=VALUE: but for a form only.
     file: bool = False  #: Whether the path of a file may be given in place of a choice.
     first: bool = False  #: Whether a form shows it at once, not among what few people change.
+
+    @property
+    def known(self) -> tuple[str, ...]:
+        """The choices that are installed, plugins' too."""
+        return self.choices.here() if isinstance(self.choices, Names) else self.choices
 
 
 def setting(default: Any, meaning: str, **how: Any) -> Any:

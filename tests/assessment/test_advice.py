@@ -6,7 +6,7 @@ import pytest
 
 from surae.assessment.identifiability.advice import TRADE_OFFS, trade_off
 from surae.model import MODELS
-from surae.model.parameters import PARAMETERS
+from surae.model.registry import PARAMETERS
 
 
 def test_every_parameter_has_advice_and_trade_offs_are_of_parameters():

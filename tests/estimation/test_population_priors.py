@@ -13,7 +13,8 @@ from surae.estimation.population import (
     wide_priors,
 )
 from surae.model import ModelOptions, get_model
-from surae.model.parameters import MUSCLE_PARAMETERS, PARAMETERS, TENDON_PARAMETERS
+from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
+from surae.model.registry import PARAMETERS
 from surae.protocol import Protocol, generate
 from surae.studies import POPULATIONS, virtual_subject, virtual_trial
 from surae.studies.populations import TENDONS

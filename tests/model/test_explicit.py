@@ -7,12 +7,9 @@ import pytest
 
 from surae.model import ModelOptions, get_model
 from surae.model.contraction import force_velocity
-from surae.model.euler import speed_of
-from surae.model.muscle_tendon import (
-    MuscleTendonSimulator,
-    ThesisSimulator,
-    muscle_tendon_simulator,
-)
+from surae.model.muscle_tendon import MuscleTendonSimulator, muscle_tendon_simulator
+from surae_thesis.euler import speed_of
+from surae_thesis.explicit import ThesisSimulator
 
 SPEC = get_model("muscle-tendon")
 NAMES = list(SPEC.names)

@@ -11,8 +11,8 @@ from scipy.signal import StateSpace, butter, lsim, sosfiltfilt
 
 from surae.errors import InputError
 from surae.model import ModelOptions, activation, adapted, check_value, contraction, get_model
-from surae.model.muscle_2010 import Muscle2010Simulator, integrated
 from surae.signals import ModelInputs
+from surae_thesis.muscle_2010 import Muscle2010Simulator, integrated
 
 SPEC = get_model("muscle-2010")
 TEN = ["m", "k_tri", "x0_tri", "e1", "e2", "e3", "e4", "f", "b_tri", "F0"]
@@ -337,7 +337,7 @@ def test_read_only_and_strided_arrays_do_not_compile_again(make_inputs) -> None:
 
 
 def test_importing_it_needs_no_signal_processing() -> None:
-    code = "import sys, surae.model.muscle_2010; print('scipy.signal' in sys.modules)"
+    code = "import sys, surae_thesis.muscle_2010; print('scipy.signal' in sys.modules)"
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
     )

@@ -78,7 +78,7 @@ from surae.model.laboratory import richest as richest
 from surae.model.options import ModelOptions as ModelOptions
 from surae.model.parameters import OPTIONAL as OPTIONAL
 from surae.model.parameters import OPTIONAL_PARAMETERS as OPTIONAL_PARAMETERS
-from surae.model.parameters import PARAMETERS as PARAMETERS
+from surae.model.registry import PARAMETERS as PARAMETERS
 from surae.protocol import DEVICES as DEVICES
 from surae.protocol import PROFILES as PROFILES
 from surae.protocol import TASKS as TASKS

@@ -9,7 +9,7 @@ import numpy as np
 
 from surae.assessment.uncertainty.covariance import Covariance
 from surae.filed import filed
-from surae.model.parameters import PARAMETERS
+from surae.model.registry import PARAMETERS
 
 #: Half-width of the 95 % interval, as a part of the value, up to which a parameter is identified.
 IDENTIFIED = 0.10

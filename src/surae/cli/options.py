@@ -148,6 +148,18 @@ class ChoiceOrFile(OptionType):
         return text
 
 
+class OneOf(click.Choice):  # type: ignore[type-arg]  # generic since click 8.2 alone
+    """One of several names, those of plugins too."""
+
+    def __init__(self, names: tuple[str, ...]) -> None:
+        super().__init__(names)
+        self._names = names
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Give the name; help lists only what it is known to be."""
+        return value if value in self._names else super().convert(value, param, ctx)
+
+
 class Span(OptionType):
     """A stretch of time, START:END, either of which may be left away; with a weight START:END:W."""
 
@@ -247,7 +259,7 @@ def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
             "metavar": "|".join((*record.choices, "FILE")),
         }
     elif record.choices:
-        how["type"] = click.Choice(record.choices)
+        how["type"] = OneOf(record.choices)
     elif kind == "flag":
         return how | {"is_flag": True, "flag_value": not default_of(each), "default": None}
     elif kind == "numbers":

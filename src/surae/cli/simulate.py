@@ -5,7 +5,7 @@ from typing import Any
 import click
 
 from surae import api, names
-from surae.cli.options import settings_options
+from surae.cli.options import OneOf, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_line
@@ -16,7 +16,7 @@ from surae.formatting import listed
 
 @click.command("simulate")
 @click.argument("recording", metavar="IN.csv")
-@click.option("--model", type=click.Choice(names.MODELS), metavar="M",
+@click.option("--model", type=OneOf(names.MODELS), metavar="M",
               help=f"{listed(names.MODELS, 'or')}.  [default: that of FIT.json, else "
               "muscle]")  # fmt: skip
 @click.option("--parameters", required=True, metavar="P.json",

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.estimation.coordinates import STRAIGHT
+from surae.estimation.coordinates import is_straight
 from surae.estimation.evidence import Quadratic
 from surae.estimation.noise import NoiseModel, noise_behind, whitened
 from surae.estimation.problem import FitProblem
@@ -29,8 +29,8 @@ from surae.units import FloatArray
 _HELD_AGAINST = ("zero", "delay", "crosstalk")
 #: What is known of the tendons, as they are searched.
 TENDONS = {"dlt_tri": Gaussian(np.log(0.025), 1.0), "dlt_tib": Gaussian(np.log(0.010), 1.0)}
-#: Parameters that are not on a logarithm: none is no contradiction.
-_STRAIGHT = {*STRAIGHT, "pt_tri", "pt_tib"} - TENDONS.keys()
+#: Not on a logarithm either: none is no contradiction.
+_TOES = ("pt_tri", "pt_tib")
 #: Standard deviation of what has no prior: of the logarithm, or in parts of its bounds' distance.
 _VAGUE = 3.0
 #: Largest order of the noise's autoregression, and what is slow of it [Hz].
@@ -136,7 +136,7 @@ class _Linear:
         base = dict(zip(names, problem.base.tolist(), strict=True))
         self.values = np.array([values.get(n, base[n]) for n in names])
         own = self.values[problem.columns]
-        log = np.array([n not in _STRAIGHT for n in problem.free])
+        log = np.array([n in TENDONS or not (n in _TOES or is_straight(n)) for n in problem.free])
         self.scale = np.where(log, own, 1.0)
         self.z = np.where(log, np.log(np.maximum(own, 1e-300)), own)
         vague = np.where(log, _VAGUE, _VAGUE * (problem.upper - problem.lower))

@@ -8,14 +8,17 @@ import numpy.typing as npt
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import stiffness_valleys
 from surae.model.laboratory import Gaussian
-from surae.model.parameters import PARAMETERS
+from surae.model.registry import PARAMETERS
 from surae.units import FloatArray
 
-#: Parameters that are searched as they are; all others on a logarithm.
-STRAIGHT = {name for name, p in PARAMETERS.items() if p.straight}
 #: Least value of a parameter on a logarithm whose bound is zero, as a part of its prior's median.
 _FLOOR = 1e-2
 _ZERO = "torque_zero"
+
+
+def is_straight(name: str) -> bool:
+    """Whether a parameter is searched as it is; all others are on a logarithm."""
+    return name in PARAMETERS and PARAMETERS[name].straight
 
 
 class Coordinates:
@@ -97,4 +100,4 @@ class Coordinates:
 
 def straight(names: Sequence[str]) -> npt.NDArray[np.bool_]:
     """Which parameters are searched as they are."""
-    return np.array([name in STRAIGHT for name in names], dtype=bool)
+    return np.array([is_straight(name) for name in names], dtype=bool)

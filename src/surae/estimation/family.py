@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from surae.estimation.coordinates import STRAIGHT
+from surae.estimation.coordinates import is_straight
 from surae.estimation.evidence import subsets
 from surae.estimation.film import TRAVEL, group_of_film, names_of_film
 from surae.estimation.fit import fit_problem
@@ -209,7 +209,7 @@ class _Search:
         wide |= {n: (p.median, p.spread) for n, p in problem.priors.items()}
         return {
             name: Gaussian(median, spread * median)
-            if name in STRAIGHT
+            if is_straight(name)
             else Gaussian(float(np.log(median)), spread)
             for name, (median, spread) in wide.items()
             if name in problem.free
@@ -316,7 +316,7 @@ def _white(problem: FitProblem, part: float) -> tuple[NoiseModel, ...]:
 
 def _searched(name: str, belief: Gaussian) -> Gaussian:
     """A nuisance's prior as it is searched: of what is on a logarithm, with its mean and sd."""
-    if name in STRAIGHT:
+    if is_straight(name):
         return belief
     spread = float(np.sqrt(np.log1p((belief.sd / belief.mean) ** 2)))
     return Gaussian(float(np.log(belief.mean)) - 0.5 * spread**2, spread)

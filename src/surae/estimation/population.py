@@ -22,7 +22,8 @@ import numpy as np
 from surae.errors import InputError
 from surae.filed import filed
 from surae.model import ModelOptions
-from surae.model.parameters import PARAMETERS, adapted
+from surae.model.parameters import adapted
+from surae.model.registry import PARAMETERS
 from surae.names import POPULATIONS
 
 #: Below this part of its median a parameter's prior no longer changes: its logarithm would not end.

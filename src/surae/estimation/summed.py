@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.estimation.coordinates import STRAIGHT
+from surae.estimation.coordinates import is_straight
 from surae.estimation.evidence import Subset
 from surae.estimation.posterior import LogPosterior, Point
 from surae.estimation.problem import FitProblem
@@ -111,7 +111,7 @@ def summed(
             sizes=FrozenDict({**post.sizes, "drive": post.fast or 0.0}),
             population=FrozenDict(
                 {
-                    n: float(post.priors[n].sd * (1.0 if n in STRAIGHT else values[n]))
+                    n: float(post.priors[n].sd * (1.0 if is_straight(n) else values[n]))
                     for n in post.names
                     if group_of(n) is None
                 }

@@ -80,10 +80,10 @@ def exported(result: FitResult, assessment: Assessment, to: str) -> ExportedMode
         raise InputError(f"to is {to!r}; use one of: {', '.join(FORMATS)}")
     problem = result.problem
     leg = Leg(problem.spec, problem.options, result.values, problem.inputs)
-    if leg.is_of_2010:
+    if "l0_tri" not in leg.values:
         raise InputError(
-            "the model of 2010 has a triceps without active force-length curve; fit `muscle` or "
-            "`muscle-tendon`, and export that"
+            f"{problem.spec.name} has no optimal lengths; fit `muscle` or `muscle-tendon`, and "
+            "export that"
         )
     joint = joint_of(leg, measured_range(result), springs=FORMATS[to][2])
     near = ExportedModel(

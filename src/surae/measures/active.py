@@ -227,7 +227,7 @@ def _alpha(leg: Leg, torque: float) -> float:
 
 
 def _filter(leg: Leg) -> tuple[float, float]:
-    if leg.is_of_2010:
+    if "f0" not in leg.values:
         return leg.values["f"], 1.0
     return leg.values["f0"], leg.values["beta"]
 

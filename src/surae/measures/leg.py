@@ -86,11 +86,6 @@ class Leg:
         return Leg(self.spec, self.options, own, self.inputs, _ties=self._ties)
 
     @property
-    def is_of_2010(self) -> bool:
-        """Whether it is the model of 2010, which has neither relaxation nor a passive tibialis."""
-        return "F0" in self.values
-
-    @property
     def is_compliant(self) -> bool:
         """Whether its tendons give way."""
         return "dlt_tri" in self.values
@@ -106,10 +101,9 @@ class Leg:
         return 1.0 / (1.0 + self.values.get("k_rel", 0.0))
 
     def optimal_length(self, group: str) -> float:
-        """l0 [m]; of the model of 2010 the length at 0 rad."""
-        if self.is_of_2010:
-            return self.rigid_length(group, 0.0)
-        return self.values[f"l0_{group}"]
+        """l0 [m]; of a model without one the length at 0 rad."""
+        own = self.values.get(f"l0_{group}")
+        return self.rigid_length(group, 0.0) if own is None else own
 
     def rigid_length(self, group: str, degrees: float) -> float:
         """Length of muscle and tendon together beyond the tendon's slack length [m]."""
@@ -142,7 +136,7 @@ class Leg:
 
     def _muscle(self, group: str) -> "_Muscle":
         if group not in self._muscles:
-            v, curve, pulls = self.values, None, not (self.is_of_2010 and group == "tib")
+            v, curve, pulls = self.values, None, f"k_{group}" in self.values
             if self.is_compliant:
                 in_metres = self.options.tendon_strain == "thesis"
                 eps0 = v[f"dlt_{group}"] * (
@@ -352,7 +346,7 @@ class _Muscle(NamedTuple):
     x0: float  #: Slack length [m]; infinite where it has no tissue.
     l0: float  #: Optimal length [m].
     relaxed: float  #: As of `Leg`.
-    shift: float  #: F0 of the model of 2010 [N].
+    shift: float  #: F0, of models that have one [N].
     shape: tuple[float, float, float, float]  #: Of its curves, as of `Leg.curves`.
     curve: TendonCurve | None  #: Of its tendon; None where that is rigid.
 

@@ -99,7 +99,7 @@ def neutral_angle(leg: Leg, _: float) -> float:
     """
     from scipy.optimize import brentq
 
-    if leg.is_of_2010:
+    if "k_tib" not in leg.values:
         raise NotDefinedError("the tibialis of this model has no tissue that would balance")
     ends = [passive_torque(leg, angle) for angle in (_LOWEST, _HIGHEST)]
     if not (np.isfinite(ends).all() and ends[0] * ends[1] < 0.0):
@@ -128,7 +128,7 @@ def relaxed_share(leg: Leg, at: float) -> float:
 
     k_rel/(1 + k_rel)·(1 − exp(−(1 + k_rel)·t/τ_rel)), the step response of equation (10).
     """
-    if leg.is_of_2010:
+    if "k_rel" not in leg.values:
         raise NotDefinedError("nothing relaxes in this model")
     k, tau = leg.values["k_rel"], leg.values["tau_rel"]
     return 100.0 * k / (1.0 + k) * -float(np.expm1(-(1.0 + k) * at / tau))

@@ -1,7 +1,7 @@
 """The muscle-tendon models tied to a recording (thesis 2.4): one model, whatever is freed of it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,33 +21,26 @@ from surae.model.compliant import (
     drive_columns,
     stages,
 )
-from surae.model.euler import explicit_states
-from surae.model.movement import LegMovement, MusclePath
+from surae.model.movement import MusclePath
 from surae.model.muscle import GROUP_COLUMNS
 from surae.model.options import ModelOptions
 from surae.model.parameters import (
     MUSCLE_PARAMETERS,
-    OPTIONAL,
-    OPTIONAL_PARAMETERS,
     TENDON_PARAMETERS,
 )
 from surae.model.rigid import K_REL, TAU
 from surae.model.simulator import TendonLaw, TendonState
 from surae.model.tendon import tendon_curve
 from surae.model.tied import Sums, TiedModel
+from surae.names import CHOICES, ELSEWHERE
+from surae.plugins import plugins
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
-#: Relative step of the central differences that the explicit scheme's derivatives are made of.
-DIFFERENCE = 1e-6
 _OWN = MUSCLE_PARAMETERS + TENDON_PARAMETERS
 _NAMES = tuple(p.name for p in _OWN)
-#: What such a step is relative to where a parameter is 0: of an optional one a part of its range.
-_SCALES = {p.name: p.start for p in _OWN} | {p.name: 0.1 * p.upper for p in OPTIONAL_PARAMETERS}
-#: Nothing comes before it is caused.
-_DELAYS = (*OPTIONAL["emd"], "reflex_delay")
 #: Columns of each group's own parameters, in the order of `surae.model.compliant`.
-_COLUMNS = tuple(
+COLUMNS = tuple(
     np.concatenate([own, [_NAMES.index(f"{of}_{group}") for of in ("dlt", "pt", "kt", "fmax")]])
     for own, group in zip(GROUP_COLUMNS, ("tri", "tib"), strict=True)
 )
@@ -209,7 +202,7 @@ class MuscleTendonSimulator(TiedModel):
         lengths, slopes = self._stages(group, muscle)
         states = np.full((5, len(muscle.length)), np.nan)
         # the last value and the last row are of what the model does not have
-        columns = np.concatenate([_COLUMNS[group], self._curves[group]])
+        columns = np.concatenate([COLUMNS[group], self._curves[group]])
         linear = np.empty((0, 5, 0)) if into.linear is None else into.linear[group]
         seen = np.empty((0, 0)) if into.seen is None else into.seen[group]
         compliant_states(
@@ -246,7 +239,7 @@ class MuscleTendonSimulator(TiedModel):
     def _response(self, p: FloatArray, linear: FloatArray, arms: FloatArray) -> DriveResponse:
         delay = float(p[self._at["emd"]]) if "emd" in self._at else 0.0
         instants = self.activation(p).instants(delay)
-        k_rel, tau = p[_COLUMNS[0][K_REL]], p[_COLUMNS[0][TAU]]
+        k_rel, tau = p[COLUMNS[0][K_REL]], p[COLUMNS[0][TAU]]
         return DriveResponse(
             drives=self._excitation.weighted(p),
             steps=np.stack([steps for steps, _ in instants]),
@@ -266,60 +259,24 @@ class MuscleTendonSimulator(TiedModel):
         return self._staged[group]
 
     def _law(self, values: FloatArray, group: int) -> TendonLaw:
-        eps0, *others = (float(value) for value in values[_COLUMNS[group][EPS0:]])
+        eps0, *others = (float(value) for value in values[COLUMNS[group][EPS0:]])
         strain_length = float(self._strain_lengths[group])
         return TendonLaw(float(self._slack[group]), tendon_curve(eps0 * strain_length, *others))
-
-
-class ThesisSimulator(MuscleTendonSimulator):
-    """The muscle-tendon models by the thesis's explicit Euler scheme, at the recording's rate.
-
-    Its derivatives are central differences with a relative step of `DIFFERENCE`. Where the scheme
-    chatters between its clamps, the torque jumps with the parameters and no derivative is of use.
-    """
-
-    def _summed(
-        self, p: FloatArray, columns: Sequence[int], leg: LegMovement,
-        linear: FloatArray | None = None, seen: FloatArray | None = None,
-    ) -> Sums:  # fmt: skip
-        """The torque and its derivatives; the drives' response is the implicit scheme's."""
-        none = np.zeros(0, dtype=np.int64)
-        into = Sums(p[:0], p[:0], none, none)
-        if linear is not None:
-            into = super()._summed(p, columns, leg, linear, seen)
-        torque, names, values = self.torque(p), list(self._at), p
-        jacobian = np.empty((len(columns) + 1, len(torque)))
-        for row, j in zip(jacobian, columns, strict=False):
-            step = DIFFERENCE * (abs(values[j]) or _SCALES[names[j]])
-            below, above = np.array(values), np.array(values)
-            below[j] -= step
-            above[j] += step
-            if names[j] in _DELAYS:
-                below[j] = max(below[j], 0.0)
-            row[:] = (self.torque(above) - self.torque(below)) / (above[j] - below[j])
-        return replace(into, torque=torque, jacobian=jacobian)
-
-    def _states(
-        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
-    ) -> FloatArray:
-        states = np.full((5, len(muscle.length)), np.nan)
-        explicit_states(
-            p[_COLUMNS[group]], float(self._strain_lengths[group]), muscle.length,
-            active.alpha[-1], self._factor, self._dt, states,
-        )  # fmt: skip
-        return states
 
 
 def muscle_tendon_simulator(
     inputs: ModelInputs, options: ModelOptions, optional: Sequence[str] = ()
 ) -> MuscleTendonSimulator:
     """The simulator whose integrator `options` name, with these optional parameters."""
-    if options.integrator == "explicit-euler":
-        if set(OPTIONAL["curves"]).intersection(optional):
+    if options.integrator != CHOICES["integrator"][0]:
+        added = plugins("integrators", type)
+        if options.integrator not in added:
+            home = ELSEWHERE.get(options.integrator, "what brings it")
             raise InputError(
-                "integrator explicit-euler has no fl_ and fv_ parameters; use implicit"
+                f"integrator {options.integrator} is not installed; run pip install {home}"
             )
-        return ThesisSimulator(inputs, options, optional)
+        tied: MuscleTendonSimulator = added[options.integrator](inputs, options, optional)
+        return tied
     return MuscleTendonSimulator(inputs, options, optional)
 
 

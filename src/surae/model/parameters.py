@@ -198,24 +198,6 @@ MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
        advice="faster bursts of effort, or fix it at 1, critical damping"),
 )  # fmt: skip
 
-_BY_NAME = {p.name: p for p in MUSCLE_PARAMETERS}
-#: The ten parameters of the model of 2010 (thesis Table 1, left), in the order of the thesis.
-MUSCLE_2010_PARAMETERS: tuple[Parameter, ...] = (
-    _BY_NAME["m"],
-    _BY_NAME["k_tri"],
-    replace(_BY_NAME["x0_tri"], meaning="length shift, triceps surae"),
-    *(
-        replace(_BY_NAME[f"g{n}"], name=f"e{n}", meaning="I" + _BY_NAME[f"g{n}"].meaning)
-        for n in (1, 2, 3, 4)
-    ),
-    replace(_BY_NAME["f0"], name="f", known=FrozenDict(), wide=Known(1.96, 0.375, _FILTER)),
-    _P("b_tri", "N·s/m", "viscosity, triceps surae", "passive", 500.0, 0.0, 2e4, positive=False,
-       wide=Known(500.0, 1.5, "assumed, around the start of the model of 2010; none known"),
-       advice="stretch the relaxed triceps faster, and at several speeds"),
-    _P("F0", "N", "force shift, triceps surae", "passive", 0.0, -500.0, 500.0, False, True,
-       "add a passive part with the triceps slack: plantarflexion at rest"),
-)  # fmt: skip
-
 #: The tendons (thesis Table 2), after the fifteen; slack lengths matter to no torque and are
 #: constants. ε0 is in metres as the printed equations take it.
 TENDON_PARAMETERS: tuple[Parameter, ...] = (
@@ -400,17 +382,6 @@ OPTIONAL_PARAMETERS: tuple[Parameter, ...] = tuple(chain(*_OPTIONAL.values()))
 OPTIONAL: dict[str, tuple[str, ...]] = {
     group: tuple(p.name for p in members) for group, members in _OPTIONAL.items()
 }
-#: All by name; where a name means something else in another model, as in the muscle model.
-PARAMETERS: dict[str, Parameter] = {
-    p.name: p
-    for p in (
-        *MUSCLE_PARAMETERS,
-        *TENDON_PARAMETERS,
-        *OPTIONAL_PARAMETERS,
-        *(p for p in MUSCLE_2010_PARAMETERS if p.name not in _BY_NAME),
-    )
-}
-
 #: What differs where the EMG is normalised (unit "1"): weights are forces, rest is a part of 1.
 _NORMALISED: dict[str, dict[str, Any]] = {
     "N/V": {

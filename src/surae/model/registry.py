@@ -1,4 +1,4 @@
-"""The models by name: adding one is one file with a simulator and one line here."""
+"""The models by name: adding one is one file with a simulator and one line here, or a plugin."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -12,7 +12,6 @@ from surae.frozen import Comparable
 from surae.model.geometry_table import GeometryTable
 from surae.model.options import ModelOptions
 from surae.model.parameters import (
-    MUSCLE_2010_PARAMETERS,
     MUSCLE_PARAMETERS,
     OPTIONAL,
     OPTIONAL_PARAMETERS,
@@ -21,11 +20,12 @@ from surae.model.parameters import (
     adapted,
 )
 from surae.model.simulator import Simulator
+from surae.names import ELSEWHERE
+from surae.plugins import Extended, plugins
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
 _WEIGHTS = ("g1", "g2", "g3", "g4")
-_WEIGHTS_2010 = ("e1", "e2", "e3", "e4")
 #: Optional parameters in which the torque is linear.
 _LINEAR = ("reflex_tri", "reflex_tib", *(p.name for p in OPTIONAL_PARAMETERS if p.torque))
 
@@ -60,6 +60,8 @@ class ModelSpec(Comparable):
         Those along which the sum of squares, its linear parameters solved, has several valleys.
     optional : tuple of str
         Its optional parameters, the last of `parameters`, see `with_optional`; empty without.
+    cites : mapping of str to str
+        What the model itself stands on: keys of ``report/references.bib``, and for what.
     """
 
     name: str
@@ -73,6 +75,7 @@ class ModelSpec(Comparable):
     slack: Mapping[str, str] = field(default_factory=dict)
     scanned: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
+    cites: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -194,7 +197,7 @@ def check_value(parameter: Parameter, value: float, spec: ModelSpec) -> None:
 _FIFTEEN = tuple(p.name for p in MUSCLE_PARAMETERS)
 _WITH_TENDON = MUSCLE_PARAMETERS + TENDON_PARAMETERS
 
-MODELS: dict[str, ModelSpec] = {
+_OWN: dict[str, ModelSpec] = {
     spec.name: spec
     for spec in (
         ModelSpec(
@@ -206,16 +209,6 @@ MODELS: dict[str, ModelSpec] = {
             linear=("m", *_WEIGHTS),
             slack={"x0_tri": "k_tri", "x0_tib": "k_tib"},
             scanned=("l0_tri", "l0_tib"),
-        ),
-        ModelSpec(
-            "muscle-2010",
-            "muscle model of 2010, reconstructed",
-            MUSCLE_2010_PARAMETERS,
-            tuple(p.name for p in MUSCLE_2010_PARAMETERS),
-            "surae.model.muscle_2010:Muscle2010Simulator",
-            weights=_WEIGHTS_2010,
-            linear=("m", *_WEIGHTS_2010, "b_tri", "F0"),
-            slack={"x0_tri": "k_tri"},
         ),
         ModelSpec(
             "muscle-tendon",
@@ -245,6 +238,17 @@ MODELS: dict[str, ModelSpec] = {
 }
 
 
+#: Every model by name, those of plugins too.
+MODELS: Mapping[str, ModelSpec] = Extended(_OWN, lambda: plugins("models", ModelSpec))
+#: Every parameter by name; where a name means something else in another model, as in the muscle
+#: model.
+PARAMETERS: Mapping[str, Parameter] = Extended(
+    {p.name: p for spec in _OWN.values() for p in spec.parameters}
+    | {p.name: p for p in (*_WITH_TENDON, *OPTIONAL_PARAMETERS)},
+    lambda: {p.name: p for spec in plugins("models", ModelSpec).values() for p in spec.parameters},
+)
+
+
 def get_model(name: str) -> ModelSpec:
     """The model called `name`.
 
@@ -254,5 +258,7 @@ def get_model(name: str) -> ModelSpec:
         The name is unknown; the message lists the known ones.
     """
     if name not in MODELS:
+        if name in ELSEWHERE:
+            raise InputError(f"model {name} is not installed; run pip install {ELSEWHERE[name]}")
         raise InputError(f"unknown model {name!r}; known models: {', '.join(MODELS)}")
     return MODELS[name]

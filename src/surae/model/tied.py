@@ -16,10 +16,12 @@ from surae.model.activation import ActivationFilter, ActiveState, IntArray
 from surae.model.excitation import Excitation
 from surae.model.movement import LegMovement, Movement, MusclePath
 from surae.model.options import ModelOptions
-from surae.model.parameters import PARAMETERS
+from surae.model.parameters import OPTIONAL_PARAMETERS
 from surae.model.simulator import TorqueParts
 from surae.signals import ModelInputs
 from surae.units import FloatArray
+
+_TORQUES = {p.name: p.torque for p in OPTIONAL_PARAMETERS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +67,7 @@ class TiedModel:
         self._dt, self._lags = 1.0 / inputs.rate_hz, lags
         self._factor = float(options.vmax_factor)
         self._cutoff, self._damping = self._at[cutoff], self._at.get(damping, -1)
-        added = ((self._at[name], PARAMETERS[name].torque) for name in optional)
+        added = ((self._at[name], _TORQUES[name]) for name in optional)
         #: Part, column and torque of one unit of all that adds a torque by itself.
         self._added = [(a.part, column, a.of(inputs)) for column, a in added if a is not None]
         self._movement = Movement(inputs, options, self._at)

@@ -2,12 +2,14 @@
 
 import math
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from surae.errors import InputError
 from surae.filed import filed
 from surae.files import PathLike, read_bytes, shown
+from surae.plugins import Extended, plugins
 from surae.records import from_plain
 
 
@@ -153,10 +155,11 @@ def allowed_range(
 
 
 _FILES = Path(__file__).parent / "devices"
-#: The devices that come with surae, by name.
-DEVICES: dict[str, Device] = {
-    device.name: device for device in map(read_device, sorted(_FILES.glob("*.toml")))
-}
+#: The devices that come with surae, and those of plugins, by name.
+DEVICES: Mapping[str, Device] = Extended(
+    {device.name: device for device in map(read_device, sorted(_FILES.glob("*.toml")))},
+    lambda: plugins("devices", Device),
+)
 
 
 def named_device(name: str) -> Device:

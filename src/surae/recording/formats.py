@@ -1,10 +1,13 @@
-"""The formats of data files. A new one is a module like these and one line here."""
+"""The formats of data files. A new one is a module like these and one line here, or a plugin."""
 
+from collections.abc import Iterable
+from itertools import chain
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from surae.errors import InputError
 from surae.files import PathLike, shown
+from surae.plugins import plugins
 from surae.recording import (
     c3d,
     delimited,
@@ -21,8 +24,9 @@ from surae.recording.source import Source
 from surae.recording.table import Table
 
 
+@runtime_checkable
 class FormatModule(Protocol):
-    """What a format's module offers."""
+    """What a format's module offers; a plugin's may say how its files end, in `ENDINGS`."""
 
     def recognises(self, source: Source) -> bool:
         """Whether the content, not the name, is of this format."""
@@ -33,7 +37,7 @@ class FormatModule(Protocol):
         ...
 
 
-#: In the order in which they are asked; CSV takes what no other claims.
+#: In the order in which they are asked, plugins behind them; CSV takes what no other claims.
 FORMATS: tuple[FormatModule, ...] = (
     hdf5,
     matlab,
@@ -44,10 +48,7 @@ FORMATS: tuple[FormatModule, ...] = (
     excel,
     opensim,
     trigno,
-    delimited,
 )
-
-
 #: Columns of a file.
 _MOST = 10_000
 #: How the names of files end that can hold signals.
@@ -69,8 +70,9 @@ def data_files(folder: PathLike) -> list[Path]:
         files = [path for path in Path(folder).iterdir() if path.is_file()]
     except OSError as error:
         raise InputError(f"cannot read {shown(folder)}: {str(error.strerror).lower()}") from None
+    ends = {*ENDINGS, *chain(*(getattr(form, "ENDINGS", ()) for form in _plugins()))}
     return sorted(
-        path for path in files if path.suffix.lower() in ENDINGS and not path.name.startswith(".")
+        path for path in files if path.suffix.lower() in ends and not path.name.startswith(".")
     )
 
 
@@ -84,12 +86,15 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
     InputError
         The file is of no supported format or its header is wrong.
     """
-    form = next(form for form in FORMATS if form.recognises(source))
-    counted = form is delimited and not timed
-    table = delimited.open_table(source, timed=False) if counted else form.open_table(source)
+    form = next((form for form in chain(FORMATS, _plugins()) if form.recognises(source)), None)
+    table = form.open_table(source) if form else delimited.open_table(source, timed=timed)
     if len(table.names) > _MOST:
         raise InputError(
             f"{source.shown}: {len(table.names)} columns, more than the {_MOST} that are read; "
             "keep those of the recording"
         )
     return table
+
+
+def _plugins() -> Iterable[FormatModule]:
+    return plugins("readers", FormatModule).values()

@@ -92,9 +92,7 @@ def cited_by(result: FitResult, assessment: Assessment) -> tuple[Cited, ...]:
     """
     spec, options = result.problem.spec, result.problem.options
     known = {p.group for p in spec.parameters}
-    cited = []
-    if spec.name == "muscle-2010":
-        cited.append(_cited("devlugt2010", "the model, reconstructed"))
+    cited = [_cited(key, why) for key, why in spec.cites.items()]
     if "tendon" in known:
         cited.append(_cited("thelen2003", "the tendons"))
         if options.integrator == "implicit":

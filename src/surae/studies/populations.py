@@ -27,7 +27,8 @@ import numpy as np
 from surae import names
 from surae.errors import InputError
 from surae.model import ModelOptions, get_model
-from surae.model.parameters import MUSCLE_PARAMETERS, PARAMETERS, TENDON_PARAMETERS
+from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
+from surae.model.registry import PARAMETERS
 
 Ranges = dict[str, tuple[float, float]]
 

@@ -21,7 +21,7 @@ from surae.assessment.parameter import IDENTIFIED
 from surae.assessment.uncertainty.covariance import half_width
 from surae.estimation import FitResult
 from surae.frozen import read_only
-from surae.model.parameters import PARAMETERS
+from surae.model.registry import PARAMETERS
 from surae.units import FloatArray
 
 #: Correlation from which a parameter is a partner, and partners at most.

@@ -31,7 +31,7 @@ def _fields(kind: Any, *within: str) -> list[dict[str, Any]]:
             "path": [*within, each.name],
             "label": record.label,
             "kind": "choice" if record.choices else kind_of(each),
-            "choices": list((record.words or _words(record.choices)).items()),
+            "choices": list((record.words or _words(record.known)).items()),
             "least": record.least if record.above is None else record.above,
             "most": record.most,
             "default": default_of(each),

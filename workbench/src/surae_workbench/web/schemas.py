@@ -5,7 +5,7 @@ from dataclasses import is_dataclass
 from functools import reduce
 from operator import or_
 from types import GenericAlias, UnionType
-from typing import Annotated, Any, Literal, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, create_model
 
@@ -41,8 +41,11 @@ Group = Literal["", "healthy", "patient"]
 Notes = Annotated[str, StringConstraints(max_length=4000, pattern=r"^[^\x00]*$")]
 Side = Literal["left", "right"]
 Choice = Annotated[str, StringConstraints(max_length=40)]
-Model = Literal[names.MODELS]  # type: ignore[valid-type]
-Fitted = Literal[names.FITTED]  # type: ignore[valid-type]
+if TYPE_CHECKING:  # known where it runs: plugins add to them
+    Model = str
+    Fitted = str
+else:
+    Model, Fitted = Literal[names.MODELS.here()], Literal[names.FITTED.here()]
 Population = Literal[names.POPULATIONS]  # type: ignore[valid-type]
 Role = Literal[api.ROLES]  # type: ignore[valid-type]
 
@@ -127,7 +130,7 @@ def limited(annotation: Any, record: Setting) -> Any:
         most = record.most or (1e12 if kind is float else 2**53)
         kind = Annotated[kind, Field(**limits, le=most)]
     elif kind is str:
-        kind = Literal[record.choices] if record.choices else Name
+        kind = Literal[record.known] if record.choices else Name
     elif kind is UnionType:
         kind = reduce(or_, parts)
     elif kind is Mapping:

@@ -74,7 +74,7 @@ def get_choices() -> dict[str, Any]:
         ],
         "devices": [asdict(choice) for choice in api.DEVICES.values()],
         "populations": ["healthy", "patient"],
-        "models": [{"name": name, "title": model_title(name)} for name in FITTED],
+        "models": [{"name": name, "title": model_title(name)} for name in FITTED.here()],
         "start": _START.model_dump(),
     }
 

@@ -32,13 +32,13 @@ from surae.model.contraction import contraction
 from surae.model.geometry import paths
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
-from surae.model.parameters import MUSCLE_2010_PARAMETERS
 from surae.model.tied import Sums, TiedModel
 from surae.signals import ModelInputs
 from surae.signals.filters import HIGHEST_CUTOFF, butterworth
 from surae.units import FloatArray
+from surae_thesis.model_2010 import PARAMETERS_2010
 
-_NAMES = tuple(p.name for p in MUSCLE_2010_PARAMETERS)
+_NAMES = tuple(p.name for p in PARAMETERS_2010)
 _K, _X0, _B, _F0 = (_NAMES.index(name) for name in ("k_tri", "x0_tri", "b_tri", "F0"))
 
 #: What makes an EMG envelope an integrated EMG: −3 dB [Hz] of both passes of a zero-phase

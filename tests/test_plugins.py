@@ -1,0 +1,165 @@
+"""Models, readers and devices of other distributions, found where they are installed."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from surae import plugins
+from surae.errors import InputError
+from surae.model import MODELS, ModelOptions, get_model
+from surae.model.muscle_tendon import muscle_tendon_simulator
+
+SOURCE = '''
+from dataclasses import replace
+
+import numpy as np
+
+from surae.model import MODELS
+from surae.protocol import Device
+from surae.recording.samples import sample
+from surae.recording.table import Column, Table
+
+MODEL = replace(MODELS["muscle"], name="ours", title="a model of ours")
+ROBOT = Device("slow-robot", max_velocity=0.2)
+WRONG = Device("another")
+
+
+class TwoColumns:
+    """Lines `angle torque`, a hundred a second, behind a line of its own."""
+
+    ENDINGS = (".two",)
+
+    def recognises(self, source):
+        return source.head()[:1] == ["two columns"]
+
+    def open_table(self, source):
+        rows = np.array([line.split() for line in list(source.lines())[1:]], dtype=float)
+        time = np.arange(len(rows)) / 100.0
+        names = ("angle_deg", "torque_Nm")
+
+        def load(wanted):
+            return {
+                n: Column(n, time, rows[:, names.index(n)], "row", sample) for n in wanted
+            }
+
+        return Table(source.shown, "two columns", names, "row", load)
+
+
+READER = TwoColumns()
+'''
+POINTS = """
+[surae.models]
+ours = ours_of_a_laboratory:MODEL
+broken = no_such_module:MODEL
+
+[surae.readers]
+two = ours_of_a_laboratory:READER
+
+[surae.devices]
+slow-robot = ours_of_a_laboratory:ROBOT
+mismatch = ours_of_a_laboratory:WRONG
+wrong = ours_of_a_laboratory:MODEL
+"""
+
+
+@pytest.fixture
+def laboratory(tmp_path, monkeypatch) -> Path:
+    """A distribution as pip would leave it, in a folder on the path."""
+    folder = tmp_path / "site"
+    (folder / "ours-1.0.dist-info").mkdir(parents=True)
+    (folder / "ours-1.0.dist-info" / "METADATA").write_text("Name: ours\nVersion: 1.0\n")
+    (folder / "ours-1.0.dist-info" / "entry_points.txt").write_text(POINTS)
+    (folder / "ours_of_a_laboratory.py").write_text(SOURCE)
+    path = os.pathsep.join(filter(None, (str(folder), os.environ.get("PYTHONPATH"))))
+    monkeypatch.setenv("PYTHONPATH", path)
+    return folder
+
+
+def python(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=300,
+        cwd=folder,
+    )  # fmt: skip
+
+
+def shell(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    return python(f"import sys; sys.argv = {['surae', *words]!r}\n"
+                  "from surae.cli import main; main()", folder)  # fmt: skip
+
+
+def test_a_model_is_simulated_and_a_broken_one_is_a_line(laboratory, tmp_path) -> None:
+    (tmp_path / "in.csv").write_text(
+        "time_s,angle_rad,torque_Nm,emg_ta_V,emg_gl_V,emg_sol_V,emg_gm_V\n"
+        + "".join(f"{n / 100},{0.1 * n / 100},1,0,0,0,0\n" for n in range(300))
+    )
+    values = {p.name: p.start for p in MODELS["muscle"].parameters}
+    (tmp_path / "p.json").write_text(json.dumps({"parameters": values}))
+    out = {}
+    for model in ("muscle", "ours"):
+        done = shell(tmp_path, "simulate", "in.csv", "--model", model, "--parameters", "p.json",
+                     "--output", f"{model}.csv")  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        lines = (tmp_path / f"{model}.csv").read_text().splitlines()
+        out[model] = [line for line in lines if not line.startswith("#")]
+        complaints = [line for line in done.stderr.splitlines() if "left out" in line]
+        assert complaints == ([] if model == "muscle" else [
+            "surae: broken is left out of surae.models: ModuleNotFoundError: No module named "
+            "'no_such_module'"
+        ])  # fmt: skip
+    assert out["ours"] == out["muscle"]
+
+
+def test_a_reader_reads_its_files_and_no_others(laboratory, tmp_path) -> None:
+    (tmp_path / "leg.two").write_text("two columns\n" + "10 2.5\n20 3.5\n" * 100)
+    (tmp_path / "leg.csv").write_text("time_s,angle_rad\n0,1\n0.01,2\n")
+    code = (
+        "from surae.recording.formats import data_files; print([p.name for p in data_files('.')])"
+    )
+    done = shell(tmp_path, "inspect", "leg.two")
+    assert done.returncode == 0, done.stderr
+    assert "two columns" in done.stdout
+    assert "torque_Nm" in done.stdout
+    assert "CSV" in shell(tmp_path, "inspect", "leg.csv").stdout
+    assert python(code, tmp_path).stdout.strip() == "['leg.csv', 'leg.two']"
+
+
+def test_a_device_limits_a_protocol_and_wrong_ones_are_left_out(laboratory, tmp_path) -> None:
+    words = ("protocol", "sine", "--output", "p.csv", "--device")
+    done = shell(tmp_path, *words, "slow-robot")
+    assert done.returncode == 0, done.stderr
+    time, angle = np.loadtxt(tmp_path / "p.csv", delimiter=",", skiprows=1, usecols=(0, 1)).T
+    assert np.abs(np.diff(angle) / np.diff(time)).max() <= 0.2 * (1 + 1e-6)
+    complaints = done.stderr.splitlines()
+    assert (
+        "surae: mismatch is left out of surae.devices: ValueError: it calls itself 'another'"
+        in (complaints)
+    )
+    assert "surae: wrong is left out of surae.devices: TypeError: it is no Device" in complaints
+    assert "use one of: achilles, slow-robot" in shell(tmp_path, *words, "hercules").stderr
+
+
+def test_help_loads_no_plugin(laboratory, tmp_path) -> None:
+    (laboratory / "ours_of_a_laboratory.py").write_text("raise SystemExit(77)")
+    assert shell(tmp_path, "fit", "--help").returncode == 0
+    assert shell(tmp_path, "fit", "none.csv", "--model", "muscle").returncode == 2
+
+
+def test_what_is_elsewhere_says_where(monkeypatch) -> None:
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: ())
+    plugins.plugins.cache_clear()
+    try:
+        with pytest.raises(
+            InputError, match=r"muscle-2010 is not installed; run pip install surae-thesis$"
+        ):
+            get_model("muscle-2010")
+        with pytest.raises(
+            InputError, match=r"explicit-euler is not installed; run pip install surae-thesis$"
+        ):
+            muscle_tendon_simulator(None, ModelOptions(integrator="explicit-euler"))
+    finally:
+        plugins.plugins.cache_clear()

@@ -1,0 +1,41 @@
+"""The model of 2010 as data; what computes it, `surae_thesis.muscle_2010`, is loaded with a fit."""
+
+from dataclasses import replace
+
+from surae.frozen import FrozenDict
+from surae.model import ModelSpec
+from surae.model.parameters import MUSCLE_PARAMETERS, Known, Parameter
+
+_OF = {p.name: p for p in MUSCLE_PARAMETERS}
+#: The ten parameters of the model of 2010 (thesis Table 1, left), in the order of the thesis.
+PARAMETERS_2010: tuple[Parameter, ...] = (
+    _OF["m"],
+    _OF["k_tri"],
+    replace(_OF["x0_tri"], meaning="length shift, triceps surae"),
+    *(
+        replace(_OF[f"g{n}"], name=f"e{n}", meaning="I" + _OF[f"g{n}"].meaning)
+        for n in (1, 2, 3, 4)
+    ),
+    replace(_OF["f0"], name="f", known=FrozenDict(), wide=Known(
+        1.96, 0.375, "about 2 Hz (van de Poll 2015, Table 1); spread assumed")),
+    Parameter("b_tri", "N·s/m", "viscosity, triceps surae", "passive", 500.0, 0.0, 2e4,
+       positive=False,
+       wide=Known(500.0, 1.5, "assumed, around the start of the model of 2010; none known"),
+       advice="stretch the relaxed triceps faster, and at several speeds"),
+    Parameter("F0", "N", "force shift, triceps surae", "passive", 0.0, -500.0, 500.0, False, True,
+       "add a passive part with the triceps slack: plantarflexion at rest"),
+)  # fmt: skip
+_NAMES = tuple(p.name for p in PARAMETERS_2010)
+_WEIGHTS = ("e1", "e2", "e3", "e4")
+
+MUSCLE_2010 = ModelSpec(
+    "muscle-2010",
+    "muscle model of 2010, reconstructed",
+    PARAMETERS_2010,
+    _NAMES,
+    "surae_thesis.muscle_2010:Muscle2010Simulator",
+    weights=_WEIGHTS,
+    linear=("m", *_WEIGHTS, "b_tri", "F0"),
+    slack={"x0_tri": "k_tri"},
+    cites={"devlugt2010": "the model, reconstructed"},
+)
