@@ -197,7 +197,8 @@ def check_value(parameter: Parameter, value: float, spec: ModelSpec) -> None:
 _FIFTEEN = tuple(p.name for p in MUSCLE_PARAMETERS)
 _WITH_TENDON = MUSCLE_PARAMETERS + TENDON_PARAMETERS
 
-_OWN: dict[str, ModelSpec] = {
+#: Those that come with surae.
+OWN: dict[str, ModelSpec] = {
     spec.name: spec
     for spec in (
         ModelSpec(
@@ -239,11 +240,11 @@ _OWN: dict[str, ModelSpec] = {
 
 
 #: Every model by name, those of plugins too.
-MODELS: Mapping[str, ModelSpec] = Extended(_OWN, lambda: plugins("models", ModelSpec))
+MODELS: Mapping[str, ModelSpec] = Extended(OWN, lambda: plugins("models", ModelSpec))
 #: Every parameter by name; where a name means something else in another model, as in the muscle
 #: model.
 PARAMETERS: Mapping[str, Parameter] = Extended(
-    {p.name: p for spec in _OWN.values() for p in spec.parameters}
+    {p.name: p for spec in OWN.values() for p in spec.parameters}
     | {p.name: p for p in (*_WITH_TENDON, *OPTIONAL_PARAMETERS)},
     lambda: {p.name: p for spec in plugins("models", ModelSpec).values() for p in spec.parameters},
 )

@@ -9,7 +9,8 @@ from typing import Any
 
 from surae.errors import InputError
 from surae.files import PathLike, read_bytes, shown
-from surae.model import MODELS, ModelOptions
+from surae.model import ModelOptions
+from surae.model.registry import OWN
 from surae.protocol import PROFILES, TASKS, Protocol, chirp_rate
 from surae.protocol.profiles import DEFAULT_RATE
 from surae.setting import Setting, checked
@@ -20,9 +21,9 @@ MOST_FITS = 1_000_000
 #: A settings file is small; a larger one is some other file.
 _MOST_BYTES = 1_000_000
 
-#: Models whose parameters a virtual subject has: it is their truth.
+#: Models of surae whose parameters a virtual subject has: it is their truth.
 SIMULATED_MODELS = tuple(
-    name for name, spec in MODELS.items() if set(POPULATIONS["healthy"]) <= set(spec.names)
+    name for name, spec in OWN.items() if set(POPULATIONS["healthy"]) <= set(spec.names)
 )
 
 Value = str | float | int
