@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from scipy.stats import norm
 
 from surae.assessment import whiteness
 from surae.assessment.residual import autocovariance, most_lags
@@ -66,7 +67,7 @@ def test_the_autocorrelation_of_a_first_order_process_is_the_known_one():
 
 def test_the_band_and_the_first_lag_of_white_noise():
     found = whiteness(np.random.default_rng(0).standard_normal(4096), 256.0)
-    assert found.band == pytest.approx(1.96 / 64)
+    assert found.band == pytest.approx(norm.ppf(0.975) / 64)
     assert abs(found.lag1) < found.band
     assert found.fall_s == pytest.approx(1 / 256)
 
