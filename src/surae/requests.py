@@ -139,6 +139,7 @@ class AimSettings(LegSettings):
         EFFORTS[0], "What the subject can do: bursts of any level, or nothing.", choices=EFFORTS,
         help="What the subject can do.",
     )  # fmt: skip
+    film: str | tuple[str, ...] = _film()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -158,7 +159,6 @@ class DesignSettings(AimSettings):
         None, "Plans that are judged; more is better and takes longer.", least=1, most=10_000_000,
         help="Plans that are judged: more is better and slower.",
     )  # fmt: skip
-    film: str | tuple[str, ...] = _film()
     seed: int = setting(0, "Of the search.", least=0, help="Of what is random.")
 
 

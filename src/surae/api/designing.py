@@ -133,6 +133,7 @@ def design_session(
     settings, options = parted(SittingSettings, {"minutes": minutes, **asked})
     who, rate_hz = _leg(fit, after), settings.rate_hz
     legs, level = asked_legs(settings, who, _PLANNED, options, rate_hz)
+    legs = filmed(legs, muscles_of(settings.film))
     limits = as_device(device)
     angles = _range_of(limits, settings.range, settings.population, who)
     trials = possible_trials(limits, angles, rate_hz, legs, effort=settings.effort == "levels")

@@ -68,9 +68,7 @@ def command(
         "after": None if after is None else api.fit_of(after),
     }
     if minutes is not None:
-        refused = [
-            f"--{name}" for name in ("duration", "evaluations", "seed", "film") if name in options
-        ]
+        refused = [f"--{name}" for name in ("duration", "evaluations", "seed") if name in options]
         refused += ["--target"] * (target is not None) + ["--figure"] * (figure is not None)
         if refused:
             raise InputError(f"{refused[0]} is of a single trial; leave it out, or --session")
