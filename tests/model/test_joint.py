@@ -10,6 +10,8 @@ import pytest
 from matplotlib.text import Text
 
 import surae
+import surae.api
+from surae.cli.screen import show_fit
 from surae.errors import InputError
 from surae.model import ModelOptions, adapted, get_model, read_geometry
 from surae.model.joint import ANKLE, STATED, read_joint
@@ -75,12 +77,17 @@ def test_its_file_keeps_the_joint(fit, tmp_path) -> None:
     assert "joint" not in ModelOptions().as_dict()
 
 
-def test_nothing_that_is_read_speaks_of_an_ankle(fit, tmp_path) -> None:
+def test_nothing_that_is_read_speaks_of_an_ankle(fit, tmp_path, capsys) -> None:
     fit.report(tmp_path / "fit.html")
     text = read_of(tmp_path / "fit.html")
     told = [*text.split("."), *str(fit.summary()).splitlines()]
     told += [f"{p.meaning} {p.advice}" for p in adapted(
         get_model("muscle-tendon").parameters, fit.result.problem.options).values()]  # fmt: skip
+    told += [measure.meaning for measure in fit.measures(angles=[0.0]).values()]
+    surae.api.write_clinical_page(tmp_path / "page.html", [fit])
+    told += read_of(tmp_path / "page.html").split(".")
+    show_fit(fit)
+    told += capsys.readouterr().out.splitlines()
     assert [line for line in told if OF_THE_ANKLE.search(line)] == []
     assert "wrist flexors" in text
     drawn = dict(

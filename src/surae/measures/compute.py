@@ -250,7 +250,7 @@ def _measure(
     bare = Measure(
         name,
         unit,
-        definition.meaning,
+        result.problem.options.anatomy.said(definition.meaning),
         value,
         None,
         None,

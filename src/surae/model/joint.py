@@ -103,19 +103,22 @@ class Joint:
         """What is said of the ankle, said of this joint."""
         if self.name == ANKLE.name:
             return text
-        own = dict(zip(_terms(ANKLE), _terms(self), strict=True))
+        own = _words(self)
         return _ANKLE.sub(lambda match: _as(match[0], own[match[0].lower()]), text)
 
 
-def _terms(joint: Joint) -> tuple[str, ...]:
-    """The words for a joint, those of the ankle in small letters."""
-    first, second = joint.short
-    return (
-        joint.name, f"{joint.name}s", joint.body, f"{joint.body}s", joint.limb,
-        f"{joint.limb}plate" if joint.limb == "foot" else f"{joint.limb} plate",
-        *joint.groups, first, second, *(muscle or "no muscle" for muscle in joint.muscles[1:]),
-        joint.groups[0] if joint.name != "ankle" else "calf", *joint.directions,
-    )  # fmt: skip
+def _words(joint: Joint) -> dict[str, str]:
+    """What the ankle's words are for a joint."""
+    group, (first, second) = joint.groups[0], joint.short
+    muscles = zip(ANKLE.muscles[1:], joint.muscles[1:], strict=True)
+    return {
+        "ankle": joint.name, "ankles": f"{joint.name}s", "leg": joint.body,
+        "legs": f"{joint.body}s", "foot": joint.limb, "footplate": f"{joint.limb} plate",
+        "triceps surae": group, "calf": group, "calf muscles": group, "triceps": first,
+        "achilles tendon": f"tendon of the {group}", "tibialis anterior": joint.groups[1],
+        "tibialis": second, **{of: own or "no muscle" for of, own in muscles},
+        **dict(zip(ANKLE.directions, joint.directions, strict=True)),
+    }  # fmt: skip
 
 
 def _as(written: str, own: str) -> str:
@@ -135,7 +138,7 @@ ANKLE = Joint(
 )  # fmt: skip
 #: The title of the thesis stays.
 _ANKLE = re.compile(
-    rf"(?<!Estimating )\b({'|'.join(sorted(_terms(ANKLE), key=len, reverse=True))})\b",
+    rf"(?<!Estimating )\b({'|'.join(sorted(_words(ANKLE), key=len, reverse=True))})\b",
     re.IGNORECASE,
 )
 

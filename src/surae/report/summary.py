@@ -3,6 +3,7 @@
 from surae.assessment import Assessment, ParameterEstimate
 from surae.estimation import FitResult
 from surae.formatting import estimate, percentage, significant
+from surae.report.joint import reworded
 from surae.report.parameters import shown_parameters
 from surae.report.wording import adequacy_words
 from surae.tables import TextTable
@@ -13,7 +14,7 @@ _HEADS = ("parameter", "value", "95 % interval", "unit", "verdict", "meaning")
 def fit_table(result: FitResult, assessment: Assessment) -> TextTable:
     """What it is worth, its parameters, what came of the search: some thirty lines."""
     words = adequacy_words(assessment.adequacy)
-    return TextTable(
+    table = TextTable(
         _HEADS,
         tuple(_row(p) for p in shown_parameters(assessment) if p.free),
         above=(
@@ -24,6 +25,7 @@ def fit_table(result: FitResult, assessment: Assessment) -> TextTable:
         below=tuple(_closing(result, assessment)),
         numbers=("value", "95 % interval"),
     )
+    return reworded(result.problem.options.anatomy, table)
 
 
 def _row(p: ParameterEstimate) -> tuple[str, ...]:
