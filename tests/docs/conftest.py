@@ -5,10 +5,12 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.io import savemat
 
 import surae
+from surae.model import ModelOptions, adapted, get_model
 from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES, write_csv, write_hdf5
 from surae.signals import ModelInputs
@@ -40,6 +42,24 @@ def _columns(trial: ModelInputs) -> dict[str, FloatArray]:
     return {"time_s": trial.time, "angle_rad": trial.angle, "torque_Nm": trial.torque} | emg
 
 
+def _of_a_wrist(files: Path) -> dict[str, np.ndarray]:
+    """Twelve seconds of the example's wrist."""
+    t = np.arange(0.0, 12.0, 0.01)
+    columns = {"time_s": t, "angle_rad": 0.5 * np.sin(t) + 0.1 * np.sin(5.0 * t)}
+    columns |= {
+        f"emg_{m}_V": 2e-4 * np.clip(np.sin(1.3 * t + k), 0.0, None) ** 2
+        for k, m in enumerate(("ta", "gl", "sol"))
+    }
+    wrist = {"joint": files / "joint.toml", "geometry": files / "geometry.csv"}
+    start = adapted(get_model("muscle").parameters, ModelOptions.of(**wrist))
+    values = {n: p.start for n, p in start.items()} | {"g4": 0.0}
+    still = columns | {"torque_Nm": 0.0 * t}
+    table = pd.DataFrame(still | {"emg_gm_V": 0.0 * t})
+    torque = surae.simulate("muscle", values, table, **wrist)
+    noise = 0.02 * np.random.default_rng(1).standard_normal(len(t))
+    return still | {"torque_Nm": torque + noise}
+
+
 @pytest.fixture(scope="session")
 def prepared(tmp_path_factory) -> Path:
     """Every file that a page takes for granted, small."""
@@ -68,6 +88,8 @@ def prepared(tmp_path_factory) -> Path:
     columns = _columns(trials["trial"])
     write_csv(folder / "lab.csv", {_LAB[n]: _TO_LAB.get(n, 1.0) * columns[n] for n in columns})
     shutil.copy(Path(__file__).parents[1] / "data" / "geometry.csv", folder)
+    shutil.copytree(Path(__file__).parents[2] / "examples" / "wrist", folder / "wrist")
+    write_csv(folder / "wrist.csv", _of_a_wrist(folder / "wrist"), ["emg: envelope"])
     (folder / "leg").mkdir()
     for name, source in {"trial1": "trial", "trial2": "other", "rest": "trial"}.items():
         own = _columns(trials[source])
