@@ -98,6 +98,19 @@ def test_what_was_not_measured_is_not_compared(pair) -> None:
     assert told.measures["passive_torque@45deg"].verdict is NOT
 
 
+def test_timing_is_not_compared_where_a_muscle_had_no_electrode(pair) -> None:
+    fit, other = pair
+    problem = fit.result.problem
+    deaf = tuple(replace(recording, missing_emg=("gl",)) for recording in problem.inputs)
+    partly = replace(fit, result=replace(fit.result, problem=replace(problem, inputs=deaf)))
+    told = surae.change(partly, other)
+    for d in (told.measures["bandwidth"], told.parameters["f0"], told.parameters["beta"]):
+        assert d.verdict is NOT
+        assert "electrode" in d.note
+    assert told.measures["passive_stiffness@10deg"].verdict is not NOT
+    assert surae.change(fit, other).measures["bandwidth"].verdict is not NOT
+
+
 def test_an_inadequate_fit_changes_nothing(pair) -> None:
     fit, other = pair
     worse = replace(fit.adequacy, grade=Grade.INADEQUATE, reasons=("the ankle hardly moves",))

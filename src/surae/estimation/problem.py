@@ -63,6 +63,12 @@ class FitProblem(Comparable):
         """Samples that count, of all recordings together."""
         return sum(recording.counted for recording in self.inputs)
 
+    @property
+    def has_unheard(self) -> bool:
+        """Whether a muscle of the joint has no EMG in one of the recordings."""
+        absent = {MUSCLES[channel] for channel in self.options.anatomy.silent}
+        return any({*recording.missing_emg} - absent for recording in self.inputs)
+
     def fixed(self, name: str) -> float:
         """The value of a parameter that is not free."""
         return float(self.base[self.spec.names.index(name)])

@@ -27,7 +27,6 @@ from surae.estimation.uncertainty import (
 )
 from surae.frozen import FrozenDict, read_only
 from surae.model.laboratory import COMPLIANT, group_of
-from surae.recording import MUSCLES
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 from surae.versions import versions
@@ -57,8 +56,7 @@ def summed(
             dynamics(post, V, unheard=False),
         ]
     )
-    absent = {MUSCLES[channel] for channel in asked.options.anatomy.silent}
-    if any({*recording.missing_emg} - absent for recording in inputs):
+    if asked.has_unheard:
         shifts["unheard"] = dynamics(post, V, unheard=True)
     shifts["trials"] = between_trials(blocks, V)
     problem = replace(post.problem, inputs=inputs)

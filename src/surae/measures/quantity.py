@@ -18,6 +18,13 @@ from surae.records import OrNaN
 
 #: Where there is no interval.
 _NONE = (np.nan, np.nan, np.nan)
+#: Parameters that time the force after the EMG.
+_TIMING = ("f0", "beta", "emd")
+#: Of one unchanged leg with one electrode, f0 was 1.6 Hz in one trial and 2.8 Hz in another.
+_UNHEARD = (
+    "a muscle had no electrode: it acts earlier or later than the others, and not by the same "
+    "time in another movement"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +76,7 @@ def quantities(
         if assessment.adequacy.grade is Grade.INADEQUATE
         else ""
     )
+    timing = np.isin(spread.names, _TIMING) & problem.has_unheard
     by_name: dict[str, Quantity] = {}
     for evaluated, m in judged_measures(result, assessment, spread, angles):
         alone = evaluated.point.definition.alone
@@ -82,7 +90,8 @@ def quantities(
             total, session, model = deviations
             bent = max(standard_error_of(m.ci95) / total if total > 0.0 else 1.0, 1.0)
             deviations = bent * total, bent * session, bent * model
-            why = inadequate or alone or extrapolated(evaluated, result)
+            unheard = _UNHEARD if np.any(evaluated.gradient[timing]) else ""
+            why = inadequate or alone or unheard or extrapolated(evaluated, result)
         between = bool(alone) and alone != ELECTRODES and why == alone
         by_name[m.name] = Quantity(
             m.name, m.unit, m.meaning, "measure", m.value, *deviations, why,
@@ -99,6 +108,8 @@ def quantities(
             why = p.note
         elif name in problem.spec.weights and not has_reference:
             why = ELECTRODES
+        elif name in _TIMING and problem.has_unheard:
+            why = _UNHEARD
         deviations = _NONE if p.ci95 is None else spread.deviations(gradient)
         by_name[name] = Quantity(
             name, p.unit, p.meaning, "parameter", p.value, *deviations, inadequate or why,
