@@ -156,6 +156,12 @@ def test_a_film_comes_with_its_trial(browser, trial, tmp_path, clock) -> None:
     made = browser.post("/api/imports", json={"mapping": told["mapping"]}).json()
     (seen,) = (c for c in made["channels"] if c["role"] == "fascicle_tib")
     assert (seen["n"], round(seen["rate_hz"], 6)) == (90, 30.0)
+    told["mapping"]["channels"]["fascicle_tib"] |= {"start_s": 1.5, "rate_hz": 25.0}
+    again = {"recordings": [made["id"]], "mapping": told["mapping"]}
+    (row,) = browser.post("/api/descriptions", json=again).json()["recordings"]
+    url = f"/api/recordings/{row['id']}/window"
+    (film,) = browser.get(url, params={"signals": "fascicle_tib"}).json()["signals"]
+    assert film["t"] == pytest.approx((1.5 + frames / 25.0).tolist())
 
 
 def test_subjects(serve, trial) -> None:

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from surae.recording import write_csv
+
 from .conftest import MUSCLES, WHOLE, Desk, Server, expect
 
 PARAMETERS = 15
@@ -125,6 +127,24 @@ def test_a_mat_file_is_mapped_by_hand(desk: Desk, mat: Path) -> None:
     angle, emg = window["signals"]
     assert max(map(abs, angle["v"])) < 1.5  # rad
     assert max(emg["v"]) < 1e-2  # V
+
+
+def test_the_clock_of_a_film_is_told_with_its_columns(desk: Desk, csv: Path, tmp_path: Path) -> None:
+    film, frames = tmp_path / "film.csv", np.arange(40)
+    write_csv(film, {"time_s": frames / 25.0, "fascicle_tib_mm": 60.0 + np.sin(frames)})
+    page = desk.go("/import")
+    page.set_input_files("#files", [csv, film])
+    muscle = "of Fascicle length, tibialis"
+    for label, value in (("First frame", "0.5"), ("Frames per second", "30")):
+        page.get_by_label(f"{label} {muscle}").fill(value)
+        with page.expect_response("**/api/imports/preview"):
+            page.get_by_label(f"{label} {muscle}").press("Tab")
+    page.get_by_role("button", name="Import this recording").click()
+    page.wait_for_url("**/recordings/*")
+    id_ = page.url.rsplit("/", 1)[-1]
+    window = desk.api("GET", f"/api/recordings/{id_}/window?signals=fascicle_tib&points=2000")
+    (seen,) = window["signals"]
+    np.testing.assert_allclose(seen["t"], 0.5 + frames / 30.0)
 
 
 def test_sliders_move_the_torque_and_undo_takes_them_back(desk: Desk, csv: Path) -> None:

@@ -29,7 +29,7 @@ _LONGEST = 160
 #: Names that Windows takes for devices, whatever their ending.
 _RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9¹²³]|lpt[0-9¹²³]|conin\$|conout\$) *(\.|$)", re.I)
 #: What says when the first frame of a film was, and how fast they follow.
-_CLOCK = ("time", "start_s", "rate_hz")
+CLOCK = ("time", "start_s", "rate_hz")
 #: Points of a preview.
 _PREVIEW = 200
 
@@ -165,7 +165,7 @@ def _of_mapping(data: bytes, name: str, ids: Mapping[str, str]) -> dict[str, Any
             "sign": -1 if entry.get("sign") == -1 else 1,
             "scale": _number(entry.get("scale"), 1.0),
             "offset": _number(entry.get("offset"), 0.0),
-            **{key: entry[key] for key in _CLOCK if key in entry},
+            **{key: entry[key] for key in CLOCK if key in entry},
         }
     lacking = ", ".join(dict.fromkeys(missing))
     mapping = {
@@ -323,7 +323,7 @@ def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
     channels = mapping["channels"]
     if mapping.get("emg") is None and any(role.startswith("emg_") for role in channels):
         raise InputError("EMG is raw or an envelope: choose which, its samples do not say")
-    kept = ("column", "unit", "sign", "scale", "offset", "zero", *_CLOCK)
+    kept = ("column", "unit", "sign", "scale", "offset", "zero", *CLOCK)
     described = {}
     for role, channel in channels.items():
         if channel["upload"] not in names:

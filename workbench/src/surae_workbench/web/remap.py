@@ -13,7 +13,7 @@ from surae import api
 from surae.errors import InputError
 from surae.frozen import read_only
 from surae.units import FACTORS, SI, FloatArray, kind
-from surae_workbench.web.imports import Upload, described, imported, preview, read_recording
+from surae_workbench.web.imports import CLOCK, Upload, described, imported, preview, read_recording
 from surae_workbench.web.rows import Thing
 
 #: What of a recording's row belongs to its description.
@@ -29,7 +29,7 @@ FIELDS = (
 )
 _UNIT = re.compile(r"\[([^\]]+)\]")
 _ADVISED = re.compile(r'unit = "([^"]+)"')
-_FILE = "the file is needed to choose another column; drop it on the page Import again"
+_FILE = "the file is needed for another column or clock; drop it on the page Import again"
 
 
 def first_mapping(row: Thing) -> dict[str, Any]:
@@ -72,12 +72,12 @@ def described_anew(
 
     `first` is the description that it was imported with, `wanted` the one that it shall have.
     """
-    roles = {(each["upload"], each["column"]): role for role, each in first["channels"].items()}
+    roles = {_samples(each): role for role, each in first["channels"].items()}
     channels = {}
     for role, new in wanted["channels"].items():
-        source = roles.get((new["upload"], new["column"]))
+        source = roles.get(_samples(new))
         if source is None:
-            raise InputError(f"{role}: {new['column']!r} was not imported: {_FILE}")
+            raise InputError(f"{role}: {new['column']!r} was not imported so: {_FILE}")
         old, measured = first["channels"][source], recording.channels[source]
         unit = new["unit"] or SI[kind(role)]
         if new["scale"] == 0:
@@ -100,6 +100,11 @@ def described_anew(
         fixed=dict(wanted["fixed"]),
         prepare=dict(wanted["prepare"]),
     )
+
+
+def _samples(channel: Mapping[str, Any]) -> tuple[Any, ...]:
+    """Where a channel's samples and their times come from."""
+    return channel["upload"], channel["column"], *(channel.get(key) for key in CLOCK)
 
 
 def _factor(role: str, unit: str) -> float:
@@ -151,11 +156,9 @@ def imported_columns(path: str, first: Mapping[str, Any]) -> list[dict[str, Any]
 
 
 def needs_files(first: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
-    """Whether a description names columns that were not imported."""
-    known = {(each["upload"], each["column"]) for each in first["channels"].values()}
-    return any(
-        (each["upload"], each["column"]) not in known for each in wanted["channels"].values()
-    )
+    """Whether a description names columns, or their clocks, that were not imported."""
+    known = {_samples(each) for each in first["channels"].values()}
+    return any(_samples(each) not in known for each in wanted["channels"].values())
 
 
 def like(wanted: Mapping[str, Any], own: Mapping[str, Any], name: str) -> dict[str, Any]:
@@ -165,7 +168,8 @@ def like(wanted: Mapping[str, Any], own: Mapping[str, Any], name: str) -> dict[s
     for role, channel in wanted["channels"].items():
         if channel["column"] not in columns:
             raise InputError(f"{name} has no column {channel['column']!r}; leave it out")
-        channels[role] = {**channel, "upload": columns[channel["column"]]["upload"]}
+        same = columns[channel["column"]]  # each film begins at a time of its own
+        channels[role] = channel | {key: same.get(key) for key in ("upload", *CLOCK)}
     return {
         **own, "channels": channels, "emg": wanted["emg"], "fixed": wanted["fixed"],
         "prepare": wanted["prepare"],

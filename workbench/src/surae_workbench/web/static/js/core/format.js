@@ -82,6 +82,7 @@ const ROLES = {
 };
 const MUSCLES = { tib: "tibialis", gl: "gastrocnemius lateralis", sol: "soleus", gm: "gastrocnemius medialis" };
 const FILMED = { fascicle: "Fascicle length", pennation: "Pennation" };
+export const ofFilm = (role) => role.split("_")[0] in FILMED;
 export function roleText(role) {
   const [kind, muscle] = role.split("_");
   return ROLES[role] ?? (FILMED[kind] ? `${FILMED[kind]}, ${MUSCLES[muscle]}` : role);

@@ -1,12 +1,14 @@
 // Which column is what: one row per role, with unit, sign and a picture of the signal.
 
 import { button, h, select, table } from "../core/dom.js";
-import { EMG, number, roleText, unitText } from "../core/format.js";
+import { EMG, number, ofFilm, roleText, unitText } from "../core/format.js";
 import { sparkline } from "../plot/sparkline.js";
 
 export const emptyMapping = () => ({ name: "", emg: null, side: null, channels: {}, fixed: {}, prepare: {} });
 
 const NEEDED = ["angle", "torque", ...EMG];
+/** What a number of a channel is that is left blank. */
+const BLANK = { scale: 1, offset: 0, start_s: null, rate_hz: null };
 
 /**
  * The table of a mapping; it changes the mapping in place and calls `changed` after every change.
@@ -17,6 +19,7 @@ export function mappingTable(mapping, files, { roles, units }, changed) {
   const all = roles.length ? roles : NEEDED;
   const usual = (role) => NEEDED.includes(role) || role in mapping.channels;
   const others = all.filter((role) => !usual(role));
+  const filmed = all.filter((role) => ofFilm(role) && mapping.channels[role] && !mapping.channels[role].time);
   const part = (some, label, caption) => table(
     label,
     ["Signal", "Column", "Unit", "Sign", "Scale", "Offset", "Range in the file", "Preview"],
@@ -26,6 +29,12 @@ export function mappingTable(mapping, files, { roles, units }, changed) {
   return [
     part(all.filter(usual), "Channels, units, signs", "Angle: dorsiflexion positive. Torque: positive where the triceps pulls. Turn a sign where the file has it the other way. A value is sign · (scale · number + offset), in the unit."),
     others.length > 0 && h("details", {}, h("summary", {}, "Other signals: velocity, ultrasound"), part(others, "Other signals", "Signals that a file may have too")),
+    filmed.length > 0 && table(
+      "Clock of a film",
+      ["Signal", "First frame at [s]", "Frames per second"],
+      filmed.map((role) => [roleText(role), ...[["start_s", "First frame"], ["rate_hz", "Frames per second"]].map(([key, label]) => amount(mapping.channels[role], role, key, label, changed))]),
+      { class: "mapping", caption: "The first frame is at this time of the other signals. Leave blank what the film's file has right." },
+    ),
   ];
 }
 
@@ -80,23 +89,26 @@ function cells(role, mapping, files, units, changed) {
       "data-focus": `sign-${role}`,
     },
   );
-  const amount = (key, label) => {
-    const input = h("input", { type: "number", step: "any", value: channel ? String(channel[key]) : "", disabled: !channel, "aria-label": `${label} of ${roleText(role)}`, "data-focus": `${key}-${role}` });
-    input.addEventListener("change", () => {
-      channel[key] = Number.isFinite(input.valueAsNumber) && (key !== "scale" || input.valueAsNumber) ? input.valueAsNumber : key === "scale" ? 1 : 0;
-      changed();
-    });
-    return input;
-  };
   const range = column ? `${number(column.low, 3)} … ${number(column.high, 3)} ${unitText(told)}` : "—";
   return [
     [roleText(role), NEEDED.includes(role) ? "" : h("span", { class: "muted small" }, " (optional)")],
     choose,
     unit,
     sign,
-    amount("scale", "Scale"),
-    amount("offset", "Offset"),
+    amount(channel, role, "scale", "Scale", changed),
+    amount(channel, role, "offset", "Offset", changed),
     h("td", { class: "nowrap" }, range),
     h("td", { class: "spark" }, column?.preview ? sparkline(column.preview, `Preview of ${roleText(role)}`, channel.sign) : "—"),
   ];
+}
+
+/** An input of a number of a channel. */
+function amount(channel, role, key, label, changed) {
+  const input = h("input", { type: "number", step: "any", value: channel?.[key] ?? "", disabled: !channel, "aria-label": `${label} of ${roleText(role)}`, "data-focus": `${key}-${role}` });
+  input.addEventListener("change", () => {
+    const value = input.valueAsNumber;
+    channel[key] = Number.isFinite(value) && (key !== "scale" || value) ? value : BLANK[key];
+    changed();
+  });
+  return input;
 }
