@@ -29,6 +29,8 @@ def test_a_panel_for_each_parameter_and_the_correlated_pairs(posterior):
     assert all(title.startswith("correlation") for title in drawn[4:])
     assert len(drawn) > 4
     assert figure.get_supxlabel() == posterior.noise == "variance of the noise ×1"
+    filmed = replace(posterior, names=(*posterior.names, "film_zero_gm"))
+    assert filmed.noise.endswith("of the torque alone: without the film of gm")
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["posterior", "covariance", "prior", "95 % credible"]
     assert png(figure).startswith(b"\x89PNG")

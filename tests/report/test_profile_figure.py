@@ -1,9 +1,12 @@
 """The figure of profiles, from profiles made by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from surae.assessment.likelihood.profile import ParameterProfile
+from surae.assessment.likelihood.profiles import Profiles
 from surae.report.figures import png, svg
 from surae.report.figures.intervals import profile_figure
 
@@ -67,3 +70,10 @@ def test_the_same_bytes_twice():
     single = [made("dlt_tib", "m")]
     assert png(profile_figure(single), 60) == png(profile_figure(single), 60)
     assert svg(profile_figure(single)) == svg(profile_figure(single))
+
+
+def test_profiles_say_that_a_film_is_left_out():
+    filmed = replace(made(), others=("m", "film_scale_tib", "film_zero_tib"))
+    told = [Profiles("auto", {"f0": p}, (), "", 0.0, {}).noise for p in (made(), filmed)]
+    assert told[0] == "variance of the noise ×1"
+    assert told[1] == f"{told[0]}; of the torque alone: without the film of tib"

@@ -129,7 +129,9 @@ def test_a_mat_file_is_mapped_by_hand(desk: Desk, mat: Path) -> None:
     assert max(emg["v"]) < 1e-2  # V
 
 
-def test_the_clock_of_a_film_is_told_with_its_columns(desk: Desk, csv: Path, tmp_path: Path) -> None:
+def test_the_clock_of_a_film_is_told_with_its_columns(
+    desk: Desk, csv: Path, tmp_path: Path
+) -> None:
     film, frames = tmp_path / "film.csv", np.arange(40)
     write_csv(film, {"time_s": frames / 25.0, "fascicle_tib_mm": 60.0 + np.sin(frames)})
     page = desk.go("/import")

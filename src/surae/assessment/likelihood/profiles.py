@@ -63,9 +63,10 @@ class Profiles(Saved):
 
     @property
     def noise(self) -> str:
-        """What the noise was taken for, in a line; empty without a profile."""
+        """What the noise was taken for, and films left out, in a line; empty without a profile."""
         factors = {name: own.variance_inflation for name, own in self.profiles.items()}
-        return described(factors, self.inflation_reason) if factors else ""
+        free = {n: None for own in self.profiles.values() for n in (own.name, *own.others)}
+        return described(factors, self.inflation_reason, tuple(free)) if factors else ""
 
 
 def profiles(

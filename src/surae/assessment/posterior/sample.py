@@ -147,8 +147,8 @@ class Posterior(Comparable):
 
     @property
     def noise(self) -> str:
-        """What the noise was taken for, in a line."""
-        return described({"all": self.variance_inflation}, self.inflation_reason)
+        """What the noise was taken for, and films left out, in a line."""
+        return described({"all": self.variance_inflation}, self.inflation_reason, self.names)
 
     def of(self, name: str) -> FloatArray:
         """All draws of one parameter, chain after chain."""
