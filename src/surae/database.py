@@ -45,7 +45,7 @@ class UnavailableError(ComputationError):
 
 
 @contextmanager
-def told(name: str, kind: Format) -> Iterator[None]:
+def sqlite_errors(name: str, kind: Format) -> Iterator[None]:
     """SQLite's errors in words, `name` being the file's.
 
     A file that is no database is an InputError, one that is full or held by another program an

@@ -218,14 +218,14 @@ class FitSettings:
                 raise InputError(f"{each.name} has no effect without body_mass; give both")
 
     @classmethod
-    def of(cls, model: "str | FitSettings" = AUTO, **asked: Any) -> "FitSettings":
+    def of(cls, model: "str | FitSettings" = AUTO, **keywords: Any) -> "FitSettings":
         """Settings from the keywords of `surae.fit`.
 
         Parameters
         ----------
         model : str or FitSettings
             Name of the model, or settings that the keywords are put in place of.
-        **asked
+        **keywords
             Fields, and switches of the model by their own names. None: not given. `priors` may be
             the name of a population too, or a pair of it and a mapping.
 
@@ -240,7 +240,7 @@ class FitSettings:
             A keyword is unknown, or what it says is.
         """
         base = model if isinstance(model, FitSettings) else cls(model)
-        given = {name: value for name, value in asked.items() if value is not None}
+        given = {name: value for name, value in keywords.items() if value is not None}
         options = given.pop("options", base.options)
         switches = with_files({n: given.pop(n) for n in _OPTIONS if n in given})
         if "priors" in given:

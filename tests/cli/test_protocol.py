@@ -15,7 +15,7 @@ from surae.protocol import (
     named_device,
     read_protocol,
 )
-from surae.protocol.planning.demand import asked_limits
+from surae.protocol.planning.demand import requested_limits
 
 from .conftest import refused
 from .test_startup import COMPUTING, imported
@@ -120,7 +120,7 @@ def test_what_strong_legs_ask_of_the_device_is_given_up_and_said(run, tmp_path) 
         made = read_protocol(tmp_path / "p.csv")
         whole = generate(Protocol(profile="sine", device=device))
         judged = replace(made, settings=replace(made.settings, device=device))
-        assert not any(limit.exceeded for limit in asked_limits(judged))
+        assert not any(limit.exceeded for limit in requested_limits(judged))
         assert made.angle.max() == pytest.approx(0.54, abs=0.01)
         assert 0.9 < made.effort.sum() / whole.effort.sum() < 0.99
         relaxed = ~whole.effort.any(axis=1)

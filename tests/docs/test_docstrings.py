@@ -55,7 +55,7 @@ USERS = [name for name in FUNCTIONS if ".".join(name.split(".")[:2]) in
 
 
 def _parameters(function: Callable[..., object], bound: bool) -> list[str]:
-    if "__signature__" in vars(function) and "\n**asked\n" in inspect.getdoc(function):
+    if "__signature__" in vars(function) and "\n**keywords\n" in inspect.getdoc(function):
         function = FunctionType(function.__code__, {})  # completion says more than is repeated
     return list(inspect.signature(function).parameters)[bound:]
 

@@ -124,9 +124,9 @@ def test_its_constants_reach_the_model(fit) -> None:
 
 def test_words_keep_their_capitals() -> None:
     wrist = read_joint(WRIST["joint"])
-    assert wrist.said("Ankle angle of the foot plate") == "Wrist angle of the hand plate"
-    assert wrist.said("more dorsiflexion of the triceps") == "more extension of the flexors"
-    assert ANKLE.said("Ankle") == "Ankle"
+    assert wrist.worded("Ankle angle of the foot plate") == "Wrist angle of the hand plate"
+    assert wrist.worded("more dorsiflexion of the triceps") == "more extension of the flexors"
+    assert ANKLE.worded("Ankle") == "Ankle"
 
 
 @pytest.mark.parametrize(

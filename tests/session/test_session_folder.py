@@ -124,7 +124,7 @@ def test_a_killed_run_leaves_an_index_and_goes_on(walks, tmp_path, monkeypatch):
     assert json.loads((out / "session.json").read_text())["interrupted"] is True
     monkeypatch.setattr(session_run, "fit_inputs", whole)
     told = []
-    again = surae.session(folder).run(out, told=told.append, **QUICK)
+    again = surae.session(folder).run(out, progress=told.append, **QUICK)
     assert any("(kept)" in step.outcome for step in told)
     assert again.rows() == result.rows()
 

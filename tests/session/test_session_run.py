@@ -191,7 +191,7 @@ def test_one_reference_of_emg_for_all_trials(leg):
 
 def test_progress_is_told_with_an_estimate(leg):
     steps = []
-    surae.session(leg).run(told=steps.append, **QUICK)
+    surae.session(leg).run(progress=steps.append, **QUICK)
     outcomes = [step for step in steps if step.outcome]
     assert [step.done for step in outcomes] == list(range(1, 7))
     assert outcomes[-1].left_s == pytest.approx(0.0)
@@ -204,7 +204,7 @@ def test_what_was_there_already_is_no_measure_of_the_time_left(done, leg, tmp_pa
     shutil.copytree(done[0], out)
     (out / "joint.json").unlink()
     steps = []
-    surae.session(leg).run(out, told=steps.append, **QUICK)
+    surae.session(leg).run(out, progress=steps.append, **QUICK)
     kept = [step for step in steps if "(kept)" in step.outcome]
     assert len(kept) == 3
     assert all(step.left_s is None for step in kept)  # nobody knows how long a fit takes

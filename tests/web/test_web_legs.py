@@ -47,7 +47,7 @@ def test_trials_are_sorted_and_an_effort_can_be_told(browser, imported) -> None:
     asked["efforts"] = {imported["hold"]: "maximal"}
     told = {t["name"]: t for t in browser.post("/api/sessions/trials", json=asked).json()["trials"]}
     assert told["hold"]["use"] == "reference of EMG"
-    assert told["hold"]["told"]
+    assert told["hold"]["stated"]
 
 
 def test_a_session_is_that_of_surae(browser, imported, files) -> None:

@@ -76,7 +76,7 @@ def test_what_is_wrong_is_told_and_not_copied(filled) -> None:
     database.change("recording", "1" * 16, bad, "1" * 16)
     code, said = told("check", root)
     assert code == 1
-    assert "3 things are wrong" in said
+    assert "3 entries are wrong" in said
     lines = upkeep.check(root)
     assert sorted(line.split(": ")[0] for line in lines.problems) == [
         f"recording {'1' * 16} is damaged", f"recording {'a' * 16}", f"recording {'b' * 16}",

@@ -96,8 +96,8 @@ from surae.protocol import write_protocol_target as write_protocol_target
 from surae.protocol.adaptation import peaks as peaks
 from surae.protocol.coverage import TricepsPath as TricepsPath
 from surae.protocol.coverage import triceps_path as triceps_path
-from surae.protocol.planning.demand import asked_limits as asked_limits
 from surae.protocol.planning.demand import held_to_torque as held_to_torque
+from surae.protocol.planning.demand import requested_limits as requested_limits
 from surae.protocol.planning.expectation import Expectation as Expectation
 from surae.protocol.planning.plan import Plan as Plan
 from surae.protocol.planning.ready import ready_protocols as ready_protocols

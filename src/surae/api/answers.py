@@ -32,7 +32,7 @@ def change(
     after: Fit | PathLike,
     *,
     baselines: Sequence[Fit | PathLike] = (),
-    **asked: Any,
+    **keywords: Any,
 ) -> Change:
     """Whether a leg has changed between two sessions, or how its two legs differ.
 
@@ -56,7 +56,7 @@ def change(
         A file cannot be read, both are one, an angle is out of reach, or baselines are given of
         two legs.
     """
-    settings = ChangeSettings(**asked)
+    settings = ChangeSettings(**keywords)
     places = [
         id(each) if isinstance(each, Fit) else _file_of(each).resolve() for each in (before, after)
     ]
@@ -73,7 +73,7 @@ def cohort(
     *,
     engine: Engine | None = None,
     progress: Progress | None = None,
-    **asked: Any,
+    **keywords: Any,
 ) -> Cohort:
     """Groups of legs, their differences and changes, and each leg among them.
 
@@ -99,9 +99,9 @@ def cohort(
     InputError
         The table is damaged, or has no fit that can be read.
     """
-    settings, where = CohortSettings(**asked), engine or Engine("threads", 1)
+    settings, where = CohortSettings(**keywords), engine or Engine("threads", 1)
     rows = read_table(table)
-    members = measured(rows, settings.angles, where, told=progress)
+    members = measured(rows, settings.angles, where, progress=progress)
     pooled = pool(members)
     if not settings.refit:
         return pooled
@@ -109,14 +109,14 @@ def cohort(
     return borrowed(pooled, again, rounds)
 
 
-def write_cohort_page(path: PathLike, told: Cohort) -> None:
+def write_cohort_page(path: PathLike, cohort: Cohort) -> None:
     """Write the page of a cohort: groups, differences, changes, and every leg.
 
     Parameters
     ----------
     path : path
         HTML, or a PDF where it ends in ``.pdf``.
-    told : Cohort
+    cohort : Cohort
         As `cohort` made it.
 
     Raises
@@ -126,7 +126,7 @@ def write_cohort_page(path: PathLike, told: Cohort) -> None:
     """
     from surae.report.cohort import cohort_report  # matplotlib
 
-    cohort_report(told, created=datetime.now().astimezone()).write(path)
+    cohort_report(cohort, created=datetime.now().astimezone()).write(path)
 
 
 def write_clinical_page(
@@ -136,7 +136,7 @@ def write_clinical_page(
     language: str = "en",
     angle: float = 10.0,
     norms: PathLike | None = None,
-    told: Change | None = None,
+    change: Change | None = None,
 ) -> None:
     """Write the page for clinicians: of one fit, or of what changed between two.
 
@@ -145,14 +145,14 @@ def write_clinical_page(
     path : path
         HTML, which prints on one A4, or a PDF where it ends in ``.pdf``.
     fits : sequence of Fit
-        One, or the two of `told`.
+        One, or the two of `change`.
     language : {"en", "nl", "de", "fr"}
         Of the page.
     angle : float
         Where torque and stiffness are given [deg].
     norms : path, optional
         A laboratory's own norms, in place of those of cited papers.
-    told : Change, optional
+    change : Change, optional
         What `change` made of two fits.
 
     Raises
@@ -163,10 +163,10 @@ def write_clinical_page(
     from surae.report.clinical import change_page, fit_page  # matplotlib
 
     now, sides = datetime.now().astimezone(), [(fit.result, fit.assessment) for fit in fits]
-    if told is None:
+    if change is None:
         page = fit_page(*sides[0], created=now, language=language, angle=angle, norms=norms)
     else:
-        page = change_page(told, sides, created=now, language=language, angle=angle)
+        page = change_page(change, sides, created=now, language=language, angle=angle)
     page.write(path)
 
 

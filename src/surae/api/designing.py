@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from surae.api.expecting import asked_legs, muscles_of, parted
+from surae.api.expecting import muscles_of, parted, requested_legs
 from surae.api.fitted import Fit
 from surae.errors import InputError
 from surae.files import PathLike
@@ -38,7 +38,7 @@ def design(
     fit: Fit | None = None,
     after: Fit | None = None,
     progress: SearchProgress | None = None,
-    **asked: Any,
+    **keywords: Any,
 ) -> Design:
     """Design the most informative protocol within the limits of a device and a subject.
 
@@ -69,15 +69,15 @@ def design(
     InputError
         Something given is unusable, or the device cannot do it: then what to give up.
     """
-    settings, options = parted(DesignSettings, {"duration": duration, **asked})
+    settings, options = parted(DesignSettings, {"duration": duration, **keywords})
     who = _leg(fit, after)
     chosen = settings.model if who is None else who.result.problem.spec.name
     rigid = chosen == "muscle"
     count = _SEARCHED if rigid else _SEARCHED_COMPLIANT
     first = _SEARCH_SEEDS if who is None else 1
     rate_hz, effort = settings.rate_hz, settings.effort == "levels"
-    legs, level = asked_legs(settings, who, count, options, rate_hz, first=first)
-    unseen, _ = asked_legs(settings, who, _JUDGED, options, rate_hz)
+    legs, level = requested_legs(settings, who, count, options, rate_hz, first=first)
+    unseen, _ = requested_legs(settings, who, _JUDGED, options, rate_hz)
     legs, unseen = (filmed(each, muscles_of(settings.film)) for each in (legs, unseen))
     limits = as_device(device)
     return make_design(
@@ -106,7 +106,7 @@ def design_session(
     device: str | PathLike | Device | None = "achilles",
     fit: Fit | None = None,
     after: Fit | None = None,
-    **asked: Any,
+    **keywords: Any,
 ) -> SessionPlan:
     """Which trials to make, and how often, in the minutes that there are.
 
@@ -130,9 +130,9 @@ def design_session(
     InputError
         Something given is unusable, or there is no time for any trial.
     """
-    settings, options = parted(SittingSettings, {"minutes": minutes, **asked})
+    settings, options = parted(SittingSettings, {"minutes": minutes, **keywords})
     who, rate_hz = _leg(fit, after), settings.rate_hz
-    legs, level = asked_legs(settings, who, _PLANNED, options, rate_hz)
+    legs, level = requested_legs(settings, who, _PLANNED, options, rate_hz)
     legs = filmed(legs, muscles_of(settings.film))
     limits = as_device(device)
     angles = _range_of(limits, settings.range, settings.population, who)
@@ -182,7 +182,7 @@ def measure_next(
     InputError
         The fit failed, or something given is unusable.
     """
-    legs, level = asked_legs(LegSettings(noise=noise), fit, _SEARCHED, ModelOptions(), 256.0)
+    legs, level = requested_legs(LegSettings(noise=noise), fit, _SEARCHED, ModelOptions(), 256.0)
     limits = as_device(device)
     return measure_next_of(
         fit.result, fit.assessment, legs, noise=level, device=limits,

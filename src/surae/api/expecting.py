@@ -40,7 +40,7 @@ def expect(
     model: str = AUTO,
     *,
     fit: Fit | None = None,
-    **asked: Any,
+    **keywords: Any,
 ) -> Expectation:
     """Standard errors, intervals and verdicts that a protocol will give, over many legs.
 
@@ -71,9 +71,9 @@ def expect(
         Something given is unknown, contradictory or unusable.
     """
     trajectory = as_trajectory(protocol)
-    settings, options = parted(ExpectSettings, {"model": model, **asked})
+    settings, options = parted(ExpectSettings, {"model": model, **keywords})
     rate_hz = trajectory.settings.rate_hz
-    who, level = asked_legs(settings, fit, settings.legs, options, rate_hz)
+    who, level = requested_legs(settings, fit, settings.legs, options, rate_hz)
     return expected(trajectory, filmed(who, muscles_of(settings.film)), level)
 
 
@@ -82,11 +82,11 @@ def muscles_of(film: str | Sequence[str]) -> tuple[str, ...]:
     return tuple(filter(None, film.split(","))) if isinstance(film, str) else tuple(film)
 
 
-def parted(kind: type[S], asked: Mapping[str, Any]) -> tuple[S, ModelOptions]:
+def parted(kind: type[S], keywords: Mapping[str, Any]) -> tuple[S, ModelOptions]:
     """Settings and switches of the model, of keywords for both."""
     own = {each.name for each, _ in settings_of(kind)}
-    switches = {name: value for name, value in asked.items() if name not in own}
-    return kind(**{k: v for k, v in asked.items() if k in own}), ModelOptions.of(**switches)
+    switches = {name: value for name, value in keywords.items() if name not in own}
+    return kind(**{k: v for k, v in keywords.items() if k in own}), ModelOptions.of(**switches)
 
 
 def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:
@@ -108,7 +108,7 @@ def protocol_trajectory(settings: Protocol) -> Trajectory:
     Parameters
     ----------
     settings : Protocol
-        What is asked.
+        The requested protocol.
 
     Raises
     ------
@@ -136,8 +136,8 @@ def ready_trajectory(
     return ready.trajectory(device, range_of_motion, rate_hz, legs)
 
 
-def asked_legs(
-    asked: LegSettings,
+def requested_legs(
+    settings: LegSettings,
     fit: Fit | None,
     count: int,
     options: ModelOptions,
@@ -148,14 +148,14 @@ def asked_legs(
     """Whose legs are meant, so many of them, and the noise of their torque."""
     if fit is None:
         who = population_legs(
-            asked.model, asked.population, count, first=first, nuisances=asked.nuisances,
+            settings.model, settings.population, count, first=first, nuisances=settings.nuisances,
             options=options,
         )  # fmt: skip
-        return who, asked.noise or NOISE
-    if asked.population is not None:
+        return who, settings.noise or NOISE
+    if settings.population is not None:
         raise InputError("give a population or a fit, not both")
     who = fit_legs(fit.result, fit.assessment, count, seed=first)
-    return who, asked.noise or fit_noise(fit, rate_hz)
+    return who, settings.noise or fit_noise(fit, rate_hz)
 
 
 def fit_noise(fit: Fit, rate_hz: float) -> float:

@@ -22,7 +22,7 @@ from surae.recording import MUSCLES, Recording
 from surae.setting import takes
 from surae.signals import ModelInputs
 
-#: Has a function's ``**asked`` stand for all settings of a fit.
+#: Has a function's ``**keywords`` stand for all settings of a fit.
 asks_as_fit = takes(FitSettings, ModelOptions, defaults=False)
 
 
@@ -36,7 +36,7 @@ def fit(
     quality: Sequence[Quality] | None = None,
     progress: SearchProgress | None = None,
     follow: Follow | None = None,
-    **asked: Any,
+    **keywords: Any,
 ) -> Fit:
     """Estimate a model's parameters from one recording, or from several together.
 
@@ -72,7 +72,7 @@ def fit(
     InputError
         Something given is unknown, contradictory or unusable.
     """
-    settings = FitSettings.of(model, **asked)
+    settings = FitSettings.of(model, **keywords)
     measured = [read_in(recording) for recording in several(recordings)]
     inputs = inputs_for(settings, measured, [read_in(recording) for recording in several(mvc)])
     if quality is None:

@@ -47,17 +47,17 @@ def profile(
     InputError
         A parameter is unknown, fixed or given twice, or the fit has nothing to profile.
     """
-    asked = ProfileSettings(**settings)
+    request = ProfileSettings(**settings)
     wanted = fitted.result.problem.free if names is None else names
     wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
     reason = "given"
-    if asked.variance_inflation is None:
+    if request.variance_inflation is None:
         inflation = variance_inflation(fitted.assessment)
         reason = inflation.reason
         factors = {n: factor for n, factor in inflation.factors.items() if n in wanted}
-        asked = replace(asked, variance_inflation=factors)
+        request = replace(request, variance_inflation=factors)
     return profiles(
-        fitted.result, wanted, **asdict(asked), inflation_reason=reason, store=store,
+        fitted.result, wanted, **asdict(request), inflation_reason=reason, store=store,
         progress=progress,
     )  # fmt: skip
 
@@ -88,11 +88,11 @@ def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any)
         The sampler is not installed, a setting or prior is impossible, or the fit has no residual
         to draw from.
     """
-    asked, reason = PosteriorSettings(**settings), "given"
-    if asked.variance_inflation is None:
+    request, reason = PosteriorSettings(**settings), "given"
+    if request.variance_inflation is None:
         inflation = variance_inflation(fitted.assessment)
-        asked = replace(asked, variance_inflation=inflation.common)
+        request = replace(request, variance_inflation=inflation.common)
         reason = inflation.reason
         if inflation.common != 1.0:
             reason = f"{reason}; the median over the parameters"
-    return sample(fitted.result, **asdict(asked), inflation_reason=reason, progress=progress)
+    return sample(fitted.result, **asdict(request), inflation_reason=reason, progress=progress)

@@ -272,7 +272,7 @@ def write_index(result: SessionResult, root: Path, *, begun: bool = False) -> No
     """Write the index; of a run that has `begun`, before there is any fit.
 
     A fit that is on its way is the run's own then, whenever it is stopped; what was there before is
-    no longer told as a result.
+    no longer a result.
     """
     data = _index(replace(result, fits={}, joint=None, interrupted=True) if begun else result)
     data["results"] = sorted(_results(result))

@@ -50,11 +50,11 @@ class Step:
     outcome: str = ""
 
 
-Told = Callable[[Step], None]
+StepProgress = Callable[[Step], None]
 
 
 def run(
-    session: TrialSet, settings: FitSettings, output: PathLike | None, told: Told | None
+    session: TrialSet, settings: FitSettings, output: PathLike | None, progress: StepProgress | None
 ) -> SessionResult:
     """Check, fit each and all, cross-predict; see `Session.run`."""
     if any(trial.name == "joint" for trial in session.trials):
@@ -62,7 +62,7 @@ def run(
     root = None if output is None else claimed(output, session.trials)
     if root is not None:
         write_index(SessionResult(session, settings), root, begun=True)
-    work = _Run(session, settings, root, told or _unheard)
+    work = _Run(session, settings, root, progress or _silent)
     try:
         work.every_trial()
         work.together()
@@ -76,7 +76,7 @@ def run(
     return result
 
 
-def _unheard(step: Step) -> None:
+def _silent(step: Step) -> None:
     del step
 
 
@@ -84,9 +84,9 @@ class _Run:
     """The state of a run: what is done already is kept whatever happens next."""
 
     def __init__(
-        self, session: TrialSet, settings: FitSettings, root: Path | None, told: Told
+        self, session: TrialSet, settings: FitSettings, root: Path | None, progress: StepProgress
     ) -> None:
-        self.session, self.settings, self.root, self.told = session, settings, root, told
+        self.session, self.settings, self.root, self.progress = session, settings, root, progress
         self.inputs: dict[str, ModelInputs] = {}
         self.fits: dict[str, Fit] = {}
         self.joint: Fit | None = None
@@ -219,12 +219,12 @@ class _Run:
         return fit, f"{fit.adequacy.grade}, R² {fit.adequacy.r2:.2f} %, {seconds:.0f} s"
 
     def _tell(self, step: str) -> None:
-        self.told(Step(step, self._done, len(self._steps), self._left()))
+        self.progress(Step(step, self._done, len(self._steps), self._left()))
 
     def _step(self, name: str, outcome: str) -> None:
         self._done += 1
         self._cost.pop(name, None)
-        self.told(Step(name, self._done, len(self._steps), self._left(), outcome))
+        self.progress(Step(name, self._done, len(self._steps), self._left(), outcome))
 
     def _left(self) -> float | None:
         """About how long the rest takes, by how long a sample has taken."""
@@ -233,7 +233,7 @@ class _Run:
         return self._spent * sum(self._cost.values()) / self._paid
 
 
-#: Why the fit of a passive trial predicts no active one: nothing told it what EMG does.
+#: Why the fit of a passive trial predicts no active one: none of it shows what EMG does.
 NO_EFFORT = "no effort here"
 
 

@@ -9,7 +9,7 @@ from surae.api.fitted import Fit
 from surae.api.fitting import asks_as_fit, fit_inputs
 from surae.api.quality import check
 from surae.api.session_result import SessionResult
-from surae.api.session_run import Told, run
+from surae.api.session_run import StepProgress, run
 from surae.errors import InputError
 from surae.files import PathLike, shown
 from surae.model.laboratory import AUTO
@@ -26,7 +26,7 @@ class Session(TrialSet):
     """The trials of one leg, to be fitted each and together; `session` makes one from files."""
 
     @asks_as_fit
-    def fit(self, trial: str, model: str | FitSettings = AUTO, **asked: Any) -> Fit:
+    def fit(self, trial: str, model: str | FitSettings = AUTO, **keywords: Any) -> Fit:
         """Fit one trial.
 
         Parameters
@@ -35,7 +35,7 @@ class Session(TrialSet):
             Its name, one of `fitted`.
         model : str or FitSettings
             As of `surae.fit`.
-        **asked
+        **keywords
             Keywords of `surae.fit`. ``normalise`` divides EMG by the session's reference.
 
         Returns
@@ -48,7 +48,7 @@ class Session(TrialSet):
         InputError
             There is no such trial, it cannot be fitted, or what is asked makes no sense.
         """
-        return self.fit_together(model, names=[trial], **asked)
+        return self.fit_together(model, names=[trial], **keywords)
 
     @asks_as_fit
     def fit_together(
@@ -56,7 +56,7 @@ class Session(TrialSet):
         model: str | FitSettings = AUTO,
         *,
         names: Sequence[str] | None = None,
-        **asked: Any,
+        **keywords: Any,
     ) -> Fit:
         """Fit several trials jointly: they share all parameters of the leg.
 
@@ -66,7 +66,7 @@ class Session(TrialSet):
             As of `surae.fit`.
         names : sequence of str, optional
             Trials; by default all that can be fitted.
-        **asked
+        **keywords
             Keywords of `surae.fit`. ``normalise`` divides EMG by the session's reference.
 
         Returns
@@ -79,8 +79,8 @@ class Session(TrialSet):
         InputError
             A trial is unknown or cannot be fitted, or what is asked makes no sense.
         """
-        callbacks = {key: asked.pop(key, None) for key in ("progress", "follow", "baseline")}
-        settings = FitSettings.of(model, **asked)
+        callbacks = {key: keywords.pop(key, None) for key in ("progress", "follow", "baseline")}
+        settings = FitSettings.of(model, **keywords)
         chosen = self.fitted if names is None else tuple(names)
         if not chosen:
             raise InputError(f"{self.name}: no trial can be fitted: none of them moves")
@@ -96,8 +96,8 @@ class Session(TrialSet):
         output: PathLike | None = None,
         model: str | FitSettings = AUTO,
         *,
-        told: Told | None = None,
-        **asked: Any,
+        progress: StepProgress | None = None,
+        **keywords: Any,
     ) -> SessionResult:
         """Check every trial, fit each and all together, and predict each by the others.
 
@@ -108,9 +108,9 @@ class Session(TrialSet):
             are, and every new one is written as soon as it is made.
         model : str or FitSettings
             As of `surae.fit`.
-        told : callable, optional
+        progress : callable, optional
             Called before every step and after it; see `surae.api.session_run.Step`.
-        **asked
+        **keywords
             Keywords of `surae.fit`.
 
         Returns
@@ -118,7 +118,7 @@ class Session(TrialSet):
         SessionResult
             Ctrl-C keeps the fits that are complete; `SessionResult.interrupted` says so.
         """
-        return run(self, FitSettings.of(model, **asked), output, told)
+        return run(self, FitSettings.of(model, **keywords), output, progress)
 
 
 def session(
@@ -176,7 +176,7 @@ def session(
     sides = {r.recording.side for r in readings if r.recording is not None and r.recording.side}
     if side is None and len(sides) > 1:
         raise InputError("the trials are of both legs; a session is of one: give side")
-    about = TrialDescription() if description is None else description.said()
+    about = TrialDescription() if description is None else description.mapped()
     return Session(
         trials=sorted_trials(readings, efforts),
         name=name or (description.name if description else None) or _folder_name(paths),
@@ -191,12 +191,12 @@ def session(
 
 def _reading(name: str, path: Path, description: Description | None) -> Reading:
     """A trial's file as it was read, or why it could not be."""
-    about = TrialDescription() if description is None else description.said(name)
+    about = TrialDescription() if description is None else description.mapped(name)
     try:
         recording = read(path) if description is None else description.read(path, name)
     except InputError as error:
         return Reading(name, str(path), None, str(error), about)
-    return Reading(name, str(path), replace(recording, name=name), said=about)
+    return Reading(name, str(path), replace(recording, name=name), description=about)
 
 
 def _check_named(description: Description | None, names: Sequence[str]) -> None:

@@ -51,5 +51,5 @@ def command(
         angles = options.get("angles", ())
         angle = angles[0] if len(angles) == 1 else 10.0
         sides = [api.fit_of(before), api.fit_of(after)]
-        api.write_clinical_page(report, sides, language=language, angle=angle, told=change)
+        api.write_clinical_page(report, sides, language=language, angle=angle, change=change)
     show_files({"change": output, "report": report})

@@ -30,5 +30,5 @@ def command(fitted: str, to: str, output: str | None) -> None:
     with compilation_notice():
         model = api.export(fitted, to=to)
     model.save(path)
-    show_line(model.said)
+    show_line(model.agreement)
     show_files({"model": path})

@@ -111,7 +111,7 @@ def command(
         table = _table(settings, trajectory, api.triceps_path(trajectory), given_up)
         model = "muscle"
     with compilation_notice():
-        limits_checked = api.asked_limits(trajectory, model)
+        limits_checked = api.requested_limits(trajectory, model)
     beyond = "; ".join(limit.text for limit in limits_checked if limit.exceeded)
     if beyond and despite is None:
         raise InputError(

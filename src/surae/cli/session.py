@@ -65,7 +65,7 @@ def command(
 
         trials = api.session(list(recordings), mapping=mapping)
         with compilation_notice():
-            result = trials.run(output, settings, told=lambda step: _tell(progress, step))
+            result = trials.run(output, settings, progress=lambda step: _tell(progress, step))
     _show(result, output)
     if earlier is not None:
         result.report(Path(output, "report.html"), before=earlier)

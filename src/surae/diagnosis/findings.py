@@ -7,7 +7,7 @@ import numpy as np
 from surae.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.diagnosis.units import scaled, wrong_units
 from surae.quality import Commanded, Finding, Quality, check_recording
-from surae.quality.kinds import found
+from surae.quality.kinds import make_finding
 from surae.quality.numeric import quantiles
 from surae.quality.registry import ordered, unfit
 from surae.quality.torque import GRAVITY
@@ -24,7 +24,7 @@ _SHIFT_GAIN = 0.03
 STILL = 0.03
 #: A zero that is worth a word [Nm], in a fit that explains so much and leaves so much less by it.
 _ZERO, _GOOD_ENOUGH, _ZERO_GAIN = 8.0, 0.9, 1.3
-#: Part of a zero told by the torque's constant part that a fit must find too.
+#: Part of a zero seen in the torque's constant part that a fit must find too.
 _AGREED = 0.25
 
 
@@ -36,46 +36,46 @@ def examined(recording: Recording, commanded: Commanded | None = None) -> Qualit
 
     `commanded` is the motion that the device was to follow.
     """
-    told, right = wrong_units(recording)
+    findings, right = wrong_units(recording)
     quality = check_recording(right, commanded)
     if unfit(right) is not None:
-        return _together(quality, told)
+        return _together(quality, findings)
     signals = signals_of(right)
     degrees = _degrees(right, signals, quality)
     if degrees is not None:
-        told.append(degrees[0])
+        findings.append(degrees[0])
         right = degrees[1]
         signals = signals_of(right)
         quality = check_recording(right, commanded)
     still = _still(signals)
     if still is not None:
-        return _together(quality, [*told, still], but=("angle-units", "rom-not-covered"))
+        return _together(quality, [*findings, still], but=("angle-units", "rom-not-covered"))
     fit = None if signals.torque is None else quick_fit(right, signals)
     if fit is None:
-        return _together(quality, told)
+        return _together(quality, findings)
     turned = _signs(right, signals, fit)
     if turned is not None:
         if turned[1] is not right:
             quality = check_recording(turned[1], commanded)
-        return _together(quality, [*told, *turned[0]], but=("torque-sign",))
+        return _together(quality, [*findings, *turned[0]], but=("torque-sign",))
     constant = next((f for f in quality.findings if f.code == "torque-offset"), None)
     if constant is None:
         zero = _zero(right, signals, fit)
-        told += [] if zero is None else [zero]
+        findings += [] if zero is None else [zero]
     elif fit.r2 >= _GOOD_ENOUGH and not _borne_out(constant, fit):
-        findings = tuple(f for f in quality.findings if f is not constant)
-        quality = replace(quality, findings=findings)
-    return _together(_without_false_lags(right, signals, quality, fit), told)
+        kept = tuple(f for f in quality.findings if f is not constant)
+        quality = replace(quality, findings=kept)
+    return _together(_without_false_lags(right, signals, quality, fit), findings)
 
 
-def _together(quality: Quality, told: list[Finding], but: tuple[str, ...] = ()) -> Quality:
-    """The findings of the checks, but for those of some codes, and what else was told."""
-    own = {*but, *(finding.code for finding in told)}
-    if not told:
+def _together(quality: Quality, findings: list[Finding], but: tuple[str, ...] = ()) -> Quality:
+    """The findings of the checks, but for those of some codes, and others."""
+    own = {*but, *(finding.code for finding in findings)}
+    if not findings:
         return quality
     kept = [finding for finding in quality.findings if finding.code not in own]
     skipped = tuple(reason for reason in quality.skipped if reason.check not in own)
-    return replace(quality, findings=ordered([*told, *kept]), skipped=skipped)
+    return replace(quality, findings=ordered([*findings, *kept]), skipped=skipped)
 
 
 def _degrees(
@@ -99,7 +99,7 @@ def _degrees(
 def _signs(
     recording: Recording, signals: Signals, first: QuickFit
 ) -> tuple[list[Finding], Recording] | None:
-    """What is said of the signs, and the recording with them right; None where nothing is."""
+    """Findings about the signs, and the recording with them right; None where they are right."""
     if first.r2 >= _GOOD:
         return None
     tried = {
@@ -141,7 +141,7 @@ def _signs(
             recording = scaled(recording, name, -1.0)
     texts = [text, "The torque is turned, too: see angle-sign."]
     return [
-        found(
+        make_finding(
             f"{name}-sign",
             name,
             span,
@@ -158,7 +158,7 @@ def _still(signals: Signals) -> Finding | None:
     low, high = quantiles(signals.angle, 0.005, 0.995)
     if high - low >= STILL:
         return None
-    return found(
+    return make_finding(
         "angle-still",
         "angle",
         (signals.time[0], signals.time[-1]),
@@ -174,7 +174,7 @@ def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Finding | No
     without = quick_fit(recording, signals, zero=False)
     if without is None or without.left < _ZERO_GAIN * fit.left:
         return None
-    return found(
+    return make_finding(
         "torque-offset",
         "torque",
         (signals.time[0], signals.time[-1]),

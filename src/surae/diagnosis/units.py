@@ -7,7 +7,7 @@ import numpy as np
 from surae.diagnosis.quick import percent, quick_fit
 from surae.frozen import read_only
 from surae.quality import Finding
-from surae.quality.kinds import found
+from surae.quality.kinds import make_finding
 from surae.quality.numeric import quantile, quantiles
 from surae.quality.registry import unfit
 from surae.quality.trial import signals_of
@@ -25,16 +25,16 @@ _Righted = tuple[Finding, Recording]
 
 
 def wrong_units(recording: Recording) -> tuple[list[Finding], Recording]:
-    """Units that cannot be what they are said to be, and the recording with them put right."""
-    told: list[Finding] = []
+    """Units that cannot be what they are declared to be, and the recording with them put right."""
+    findings: list[Finding] = []
     if "angle" not in recording.channels:
-        return told, recording
+        return findings, recording
     for of_unit in (_time_unit, _torque_unit, *[_emg_unit] * len(MUSCLES)):
         righted = of_unit(recording)
-        if righted is not None and righted[0] not in told:
-            told.append(righted[0])
+        if righted is not None and righted[0] not in findings:
+            findings.append(righted[0])
             recording = righted[1]
-    return told, recording
+    return findings, recording
 
 
 def scaled(recording: Recording, role: str, factor: float) -> Recording:
@@ -45,7 +45,7 @@ def scaled(recording: Recording, role: str, factor: float) -> Recording:
 
 
 def _time_unit(recording: Recording) -> _Righted | None:
-    """Times in ms or µs that are said to be in seconds."""
+    """Times in ms or µs that are declared as seconds."""
     angle = recording.channels["angle"]
     seconds, rate = float(angle.time[-1] - angle.time[0]), angle.rate_hz
     for unit, factor in (("ms", 1e-3), ("µs", 1e-6)):
@@ -60,19 +60,19 @@ def _time_unit(recording: Recording) -> _Righted | None:
         advice = (
             f"The times are in {unit}: name the column time_{unit}, or divide by {1 / factor:g}."
         )
-        told = found(
+        finding = make_finding(
             "time-unit", "time", (angle.time[0], angle.time[-1]), seconds, message, advice=advice
         )
         channels = {
             role: replace(c, time=read_only(c.time * factor))
             for role, c in recording.channels.items()
         }
-        return told, replace(recording, channels=channels)
+        return finding, replace(recording, channels=channels)
     return None
 
 
 def _torque_unit(recording: Recording) -> _Righted | None:
-    """A torque in mNm or kNm that is said to be in Nm."""
+    """A torque in mNm or kNm that is declared as Nm."""
     torque = recording.channels.get("torque")
     if torque is None:
         return None
@@ -84,7 +84,7 @@ def _torque_unit(recording: Recording) -> _Righted | None:
         right = scaled(recording, "torque", factor)
         before, after = (_r2(each) for each in (recording, right))
         numbers = f" R² rises from {before} to {after}." if before and after else ""
-        told = found(
+        finding = make_finding(
             "torque-unit",
             "torque",
             (torque.time[0], torque.time[-1]),
@@ -93,7 +93,7 @@ def _torque_unit(recording: Recording) -> _Righted | None:
             advice=f'Write unit = "{unit}" for the torque in the TOML, or multiply it by '
             f"{factor:g}.",
         )
-        return told, right
+        return finding, right
     return None
 
 
@@ -104,7 +104,7 @@ def _r2(recording: Recording) -> str:
 
 
 def _emg_unit(recording: Recording) -> _Righted | None:
-    """EMG of one muscle, or of all, in mV or µV that is said to be in volts."""
+    """EMG of one muscle, or of all, in mV or µV that is declared as volts."""
     tops = {}
     for role, channel in recording.channels.items():
         if role.startswith("emg_") and channel.unit == "V":
@@ -121,7 +121,7 @@ def _emg_unit(recording: Recording) -> _Righted | None:
     if others and top > _MUSCLES * max(others):
         factor = 1e-6 if top > 1e4 * max(others) else 1e-3
         unit = "µV" if factor == 1e-6 else "mV"
-        told = found(
+        finding = make_finding(
             "emg-unit",
             largest,
             span,
@@ -130,13 +130,13 @@ def _emg_unit(recording: Recording) -> _Righted | None:
             f"taken as {unit}, {top * factor:.2g} V.",
             advice=f'Write unit = "{unit}" for {largest} in the TOML.',
         )
-        return told, scaled(recording, largest, factor)
+        return finding, scaled(recording, largest, factor)
     if others and top * _MUSCLES < max(others):
         return None
     if top <= _SKIN:
         return None
     if top <= _AMPLIFIER:
-        return found(
+        return make_finding(
             "emg-unit",
             None,
             span,
@@ -146,7 +146,7 @@ def _emg_unit(recording: Recording) -> _Righted | None:
             advice="Give the unit or the amplifier's gain if weights are to be compared with "
             "other legs.",
         ), recording
-    told = found(
+    finding = make_finding(
         "emg-unit",
         None,
         span,
@@ -155,4 +155,4 @@ def _emg_unit(recording: Recording) -> _Righted | None:
     )
     for role in tops:
         recording = scaled(recording, role, 1e-6)
-    return told, recording
+    return finding, recording

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.estimation.coordinates import is_straight
-from surae.estimation.evidence import Quadratic
+from surae.estimation.evidence import LaplaceApproximation
 from surae.estimation.noise import NoiseModel, noise_behind, whitened
 from surae.estimation.problem import FitProblem
 from surae.estimation.result import FitResult, is_at_bound
@@ -198,7 +198,7 @@ class _Linear:
 
 def _quadratic(
     target: _Linear, own: list[tuple[FloatArray, NoiseModel]], zero: Gaussian | None
-) -> Quadratic:
+) -> LaplaceApproximation:
     """What data say around the named model: its own residual, and what the richer one can do.
 
     The richer model's residual is another there: its stiffest tendons are none that are rigid.
@@ -222,7 +222,7 @@ def _quadratic(
         information += block[:-1] @ block[:-1].T
         gradient += block[:-1] @ block[-1]
         cost += float(block[-1] @ block[-1])
-    return Quadratic(
+    return LaplaceApproximation(
         information,
         gradient,
         cost,
@@ -246,10 +246,10 @@ def _blurred(target: _Linear, recording: ModelInputs, torque: FloatArray) -> Flo
     return error if np.isfinite(error).all() else np.zeros(recording.n)
 
 
-def _gain(quadratic: Quadratic, off: Mapping[int, float]) -> tuple[float, FloatArray]:
+def _gain(laplace: LaplaceApproximation, off: Mapping[int, float]) -> tuple[float, FloatArray]:
     """By how much −2 ln Z is less with what is off let free, and the mode then; 0: not at all."""
     try:
-        alone, better = quadratic.solved(off), quadratic.solved({})
+        alone, better = laplace.solved(off), laplace.solved({})
     except np.linalg.LinAlgError:
-        return 0.0, quadratic.z
+        return 0.0, laplace.z
     return alone[0] - better[0], better[1]

@@ -38,7 +38,7 @@ def root(covariance: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class Quadratic:
+class LaplaceApproximation:
     """−2 ln p of the data around a point, and the priors."""
 
     information: FloatArray  #: JᵀJ of the data, shape (q, q).
@@ -89,7 +89,7 @@ class Subset:
 
 
 def subsets(
-    quadratic: Quadratic,
+    laplace: LaplaceApproximation,
     groups: Mapping[str, Sequence[int]],
     off: Mapping[int, float],
     odds: Mapping[str, float] | None = None,
@@ -105,7 +105,7 @@ def subsets(
         for chosen in combinations(names, size):
             held = {j: off[j] for g in names if g not in chosen for j in groups[g]}
             try:
-                evidence, mode, covariance = quadratic.solved(held)
+                evidence, mode, covariance = laplace.solved(held)
             except np.linalg.LinAlgError:
                 continue
             evidence -= 2.0 * sum(float(np.log((odds or {}).get(g, 1.0))) for g in chosen)

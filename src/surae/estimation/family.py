@@ -86,7 +86,7 @@ class _Search:
 
     def __init__(self, problem: FitProblem, progress: SearchProgress | None) -> None:
         self._progress, self._inputs = progress, problem.inputs
-        self._asked = replace(problem, inputs=tuple(sharpened(r) for r in problem.inputs))
+        self._original = replace(problem, inputs=tuple(sharpened(r) for r in problem.inputs))
         held = {*problem.settings.fixed, *(n for trial in problem.inputs for n in trial.fixed)}
         self._silent = frozenset(m for trial in problem.inputs for m in trial.missing_emg) | {
             muscle
@@ -123,12 +123,12 @@ class _Search:
         self._say(1)
         choice = self._choose(values, noise)
         self._say(2)
-        return summed(choice, self._inputs, self._asked, begin, self._starts)
+        return summed(choice, self._inputs, self._original, begin, self._starts)
 
     def stopped(self, begin: float) -> FitResult:
         """What is kept where the user stopped: the rigid model, nothing weighed."""
         plain = fit_problem(self._rigid(), starts=1)
-        without = ", without priors," if self._asked.priors else ""
+        without = ", without priors," if self._original.priors else ""
         return replace(
             plain,
             message=f"stopped by the user: the rigid model alone{without} is kept; fit again for "
@@ -138,13 +138,15 @@ class _Search:
         )
 
     def _rigid(self) -> FitProblem:
-        asked, spec = self._asked, get_model(RIGID)
-        table = adapted(spec.parameters, asked.options, asked.inputs[0].emg_unit)
-        values = dict(zip(asked.spec.names, asked.base.tolist(), strict=True))
-        limits = dict(zip(asked.free, zip(asked.lower, asked.upper, strict=True), strict=True))
-        free = tuple(n for n in spec.names if n in asked.free)
+        original, spec = self._original, get_model(RIGID)
+        table = adapted(spec.parameters, original.options, original.inputs[0].emg_unit)
+        values = dict(zip(original.spec.names, original.base.tolist(), strict=True))
+        limits = dict(
+            zip(original.free, zip(original.lower, original.upper, strict=True), strict=True)
+        )
+        free = tuple(n for n in spec.names if n in original.free)
         return replace(
-            asked, spec=spec, free=free, inputs=self._inputs, priors=FrozenDict(),
+            original, spec=spec, free=free, inputs=self._inputs, priors=FrozenDict(),
             base=np.array([values.get(n, p.start) for n, p in table.items()]),
             lower=np.array([limits[n][0] for n in free]),
             upper=np.array([limits[n][1] for n in free]),
@@ -159,14 +161,16 @@ class _Search:
         sizes: Mapping[str, float], like: LogPosterior | None = None,
     ) -> LogPosterior:  # fmt: skip
         """The posterior of the data at a rate with these departures."""
-        asked = self._asked
+        original = self._original
         if like is not None and like.rate_hz == rate_hz:
             inputs, latents = like.problem.inputs, like.latents
         else:
-            inputs = tuple(thinned(r, thinning_factor(r, rate_hz, _SAMPLES)) for r in asked.inputs)
+            inputs = tuple(
+                thinned(r, thinning_factor(r, rate_hz, _SAMPLES)) for r in original.inputs
+            )
             latents = tuple(
                 Latents.of(r, self._silent, whole.n / whole.rate_hz, perfect=self._perfect)
-                for r, whole in zip(inputs, asked.inputs, strict=True)
+                for r, whole in zip(inputs, original.inputs, strict=True)
             )
         beliefs = {
             name: belief
@@ -175,21 +179,23 @@ class _Search:
         }
         spec = get_model(COMPLIANT)
         spec = with_optional(
-            spec, [n for n in (*beliefs, *asked.spec.optional) if n not in spec.names]
+            spec, [n for n in (*beliefs, *original.spec.optional) if n not in spec.names]
         )
-        table = adapted(spec.parameters, self._options, asked.inputs[0].emg_unit)
+        table = adapted(spec.parameters, self._options, original.inputs[0].emg_unit)
         limits = {n: (p.lower, p.upper) for n, p in table.items()}
-        limits |= dict(zip(asked.free, zip(asked.lower, asked.upper, strict=True), strict=True))
+        limits |= dict(
+            zip(original.free, zip(original.lower, original.upper, strict=True), strict=True)
+        )
         for name, pair in _WIDER.items():  # priors hold them, and not the bounds of a search
-            if name in asked.free and name not in asked.settings.bounds:
+            if name in original.free and name not in original.settings.bounds:
                 limits[name] = pair
         for name, belief in beliefs.items():
             if group_of(name) == "rest":  # amplifiers differ a thousandfold
                 limits[name] = (belief.mean - _REST * belief.sd, belief.mean + _REST * belief.sd)
-        free = tuple(n for n in spec.names if n in asked.free or n in beliefs)
-        base = dict(zip(asked.spec.names, asked.base.tolist(), strict=True))
+        free = tuple(n for n in spec.names if n in original.free or n in beliefs)
+        base = dict(zip(original.spec.names, original.base.tolist(), strict=True))
         problem = replace(
-            asked, spec=spec, options=self._options, free=free, inputs=inputs,
+            original, spec=spec, options=self._options, free=free, inputs=inputs,
             base=np.array([base.get(n, p.start) for n, p in table.items()]),
             lower=np.array([limits[n][0] for n in free], dtype=float),
             upper=np.array([limits[n][1] for n in free], dtype=float),
@@ -220,10 +226,12 @@ class _Search:
         rate, best = _RATES[0], None
         post: LogPosterior | None = None
         for relaxation in _RELAXATIONS:
-            post = self._posterior((), rate, _white(self._asked, _TEMPERS[0]), _NEARLY_NONE, post)
-            given = {"tau_rel": relaxation, "k_rel": _RELAXED, **self._asked.settings.start}
+            post = self._posterior(
+                (), rate, _white(self._original, _TEMPERS[0]), _NEARLY_NONE, post
+            )
+            given = {"tau_rel": relaxation, "k_rel": _RELAXED, **self._original.settings.start}
             point = post.descend(post.start(given), evaluations=10, tolerance=0.3)
-            post = post.having(noise=_white(self._asked, _TEMPERS[1]))
+            post = post.having(noise=_white(self._original, _TEMPERS[1]))
             point = post.descend(point.z, point.c, evaluations=10, tolerance=0.3)
             post = post.having(sizes=_BEGIN)
             point = post.again(point)
@@ -276,7 +284,7 @@ class _Search:
                 positions.setdefault(group, []).append(j)
                 off[j] = self._beliefs[name].off
         odds = dict.fromkeys(possible, _ODDS)
-        scored = subsets(full.quadratic(point), positions, off, odds=odds)
+        scored = subsets(full.laplace(point), positions, off, odds=odds)
         own = self._posterior(scored[0].groups, _RATES[1], full.noise, full.sizes, full)
         own = own.having(fast=full.fast)
         best = own.descend(

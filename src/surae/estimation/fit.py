@@ -97,7 +97,7 @@ def fit_problem(
                     stall=_AT_REST / problem.n,
                 )  # fmt: skip
         except KeyboardInterrupt:
-            if len(minima) == number:  # and not while the caller was told of a whole start
+            if len(minima) == number:  # and not while the caller learnt of a whole start
                 here = minimise(
                     residuals.rows, initial, problem.lower, problem.upper, max_iterations=1
                 )

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_banded
 
 from surae.estimation.coordinates import Coordinates
-from surae.estimation.evidence import Quadratic
+from surae.estimation.evidence import LaplaceApproximation
 from surae.estimation.latent import Latents
 from surae.estimation.least_squares import box_quadratic
 from surae.estimation.noise import NoiseModel
@@ -259,8 +259,8 @@ class LogPosterior(Coordinates):
         """The point of another posterior with the normal equations of this one."""
         return replace(point, blocks=self.blocks(point.z, point.c, point.w))
 
-    def quadratic(self, point: Point) -> Quadratic:
+    def laplace(self, point: Point) -> LaplaceApproximation:
         """What the data say around a point, latents eliminated."""
         H, g = self.reduced(point.blocks)
         cost = sum(b.cost - b.latent_gain for b in point.blocks)
-        return Quadratic(H, g, cost, point.z, self.mean, self.weight)
+        return LaplaceApproximation(H, g, cost, point.z, self.mean, self.weight)

@@ -81,7 +81,7 @@ class FitProblem(Comparable):
 
 
 def make_problem(
-    inputs: Sequence[ModelInputs], model: str | FitSettings = "muscle", **asked: Any
+    inputs: Sequence[ModelInputs], model: str | FitSettings = "muscle", **keywords: Any
 ) -> FitProblem:
     """Check everything that was asked for and make a problem of it.
 
@@ -93,7 +93,7 @@ def make_problem(
     model : str or FitSettings
         Name of the model, or everything that is asked. What is fixed overrides what a recording
         prescribes.
-    **asked
+    **keywords
         Other settings by name, see `FitSettings.of`.
 
     Raises
@@ -101,7 +101,7 @@ def make_problem(
     InputError
         Something asked for is unknown, contradictory or impossible.
     """
-    settings = FitSettings.of(model, **asked)
+    settings = FitSettings.of(model, **keywords)
     options, fixed, start = settings.options, settings.fixed, settings.start
     bounds, priors = settings.bounds, settings.priors
     held = {*fixed, *(name for recording in inputs for name in recording.fixed)}

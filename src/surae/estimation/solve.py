@@ -28,17 +28,19 @@ def solve(
     InputError
         A loss is asked for of no named model.
     """
-    asked = problem.settings
-    if asked.model == AUTO:
-        if asked.loss is not None:
+    settings = problem.settings
+    if settings.model == AUTO:
+        if settings.loss is not None:
             raise InputError(
                 "a loss that spares outliers goes with a named model; give model='muscle' (--model "
                 "muscle), or leave it out"
             )
         return fit_family(problem, progress=progress)
-    count = asked.starts if starts is None else starts
-    if asked.loss is None:
-        return fit_problem(problem, starts=count, seed=asked.seed, progress=progress, follow=follow)
+    count = settings.starts if starts is None else starts
+    if settings.loss is None:
+        return fit_problem(
+            problem, starts=count, seed=settings.seed, progress=progress, follow=follow
+        )
     return fit_robust(
-        problem, asked.loss, starts=count, seed=asked.seed, progress=progress, follow=follow
+        problem, settings.loss, starts=count, seed=settings.seed, progress=progress, follow=follow
     )

@@ -43,7 +43,7 @@ class ChosenDepartures:
 
 
 def summed(
-    choice: ChosenDepartures, inputs: tuple[ModelInputs, ...], asked: FitProblem, begin: float,
+    choice: ChosenDepartures, inputs: tuple[ModelInputs, ...], original: FitProblem, begin: float,
     met: Sequence[tuple[Point, dict[str, float]]],
 ) -> FitResult:  # fmt: skip
     """The fit at a mode, and what makes it unsure."""
@@ -56,7 +56,7 @@ def summed(
             dynamics(post, V, unheard=False),
         ]
     )
-    if asked.has_unheard:
+    if original.has_unheard:
         shifts["unheard"] = dynamics(post, V, unheard=True)
     shifts["trials"] = between_trials(blocks, V)
     problem = replace(post.problem, inputs=inputs)
@@ -89,7 +89,7 @@ def summed(
         R=read_only(_factor(covariance, sse, problem) if finite else covariance * np.nan),
         starts=(Start(initial, free, sse, "converged", 1), *starts[1:]),
         agreeing=int(sum(end.cost - best < 2.0 for end, _ in met)),
-        seed=asked.settings.seed,
+        seed=original.settings.seed,
         seconds=time.perf_counter() - begin,
         versions=versions(),
         family=Family(

@@ -34,7 +34,7 @@ class ExportedModel:
     missing_rms: float  #: Root mean square of the torque that these make over the recordings [Nm].
 
     @property
-    def said(self) -> str:
+    def agreement(self) -> str:
         """How near the torque is, as a sentence or two."""
         name, part = FORMATS[self.to][0], 100.0 * self.rms / self.largest
         text = (
@@ -89,14 +89,14 @@ def exported(result: FitResult, assessment: Assessment, to: str) -> ExportedMode
     near = ExportedModel(
         to, "", joint.rms, joint.largest, joint.moving, joint.missing, joint.missing_rms
     )
-    text = _WRITERS[to](joint, [near.said, *_comments(joint, leg, to), *_values(assessment)])
+    text = _WRITERS[to](joint, [near.agreement, *_comments(joint, leg, to), *_values(assessment)])
     return replace(near, text=text)
 
 
 def _comments(joint: JointModel, leg: Leg, to: str) -> list[str]:
     """What a reader has to know, a sentence or two each."""
     low, high = (math.degrees(end) for end in joint.moved)
-    told = [
+    comments = [
         f"The ankle that surae fitted ({leg.spec.name}). It is true from {low:.3g}° to "
         f"{high:.3g}°, "
         "where the leg was moved; dorsiflexion is positive.",
@@ -122,10 +122,12 @@ def _comments(joint: JointModel, leg: Leg, to: str) -> list[str]:
             f"{leg.values[gain] / muscle.scale:.6g}·emg_{channels[gain]}"
             for gain in GAINS[muscle.group]
         )
-        told.append(f"Excitation of {muscle.name}: {sums}, EMG's envelope in {unit}.")
+        comments.append(f"Excitation of {muscle.name}: {sums}, EMG's envelope in {unit}.")
     if leg.is_compliant and not FORMATS[to][2]:
-        told.append("Its tendons find no balance at an activation of 0: keep it at 0.01 or above.")
-    return [joint.anatomy.said(text) for text in told]
+        comments.append(
+            "Its tendons find no balance at an activation of 0: keep it at 0.01 or above."
+        )
+    return [joint.anatomy.worded(text) for text in comments]
 
 
 def _values(assessment: Assessment) -> list[str]:

@@ -250,7 +250,7 @@ def _measure(
     bare = Measure(
         name,
         unit,
-        result.problem.options.anatomy.said(definition.meaning),
+        result.problem.options.anatomy.worded(definition.meaning),
         value,
         None,
         None,

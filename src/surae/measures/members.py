@@ -102,7 +102,7 @@ def measured(
     angles: Sequence[float],
     engine: Engine,
     priors: Mapping[str, PriorTable] | None = None,
-    told: Progress | None = None,
+    progress: Progress | None = None,
 ) -> list[CohortMember]:
     """The rows with what their fits bring; with priors by group, of fits made anew with them."""
     calls = {
@@ -120,8 +120,8 @@ def measured(
         for batch in batches:
             for key, outcome in batch:
                 done[int(key)] = outcome
-            if told is not None:
-                told(len(done), len(calls))
+            if progress is not None:
+                progress(len(done), len(calls))
     members = []
     for i, (_, member) in enumerate(rows):
         outcome = done[i]

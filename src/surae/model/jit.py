@@ -101,12 +101,12 @@ def on_compilation(notice: Callable[[], None]) -> Iterator[None]:
         """Passes on the first compilation."""
 
         def __init__(self) -> None:
-            self.told = False
+            self.compiled = False
 
         def on_start(self, event: Any) -> None:
             del event
-            if not self.told:
-                self.told = True
+            if not self.compiled:
+                self.compiled = True
                 notice()
 
         def on_end(self, event: Any) -> None:

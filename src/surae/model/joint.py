@@ -99,8 +99,8 @@ class Joint:
         """The channels, of TA, GL, SOL, GM, that stand for no muscle."""
         return tuple(i for i, muscle in enumerate(self.muscles) if not muscle)
 
-    def said(self, text: str) -> str:
-        """What is said of the ankle, said of this joint."""
+    def worded(self, text: str) -> str:
+        """A text about the ankle in the words of this joint."""
         if self.name == ANKLE.name:
             return text
         own = _words(self)

@@ -414,7 +414,7 @@ def adapted(
 
 def _adapted(p: Parameter, options: ModelOptions, emg_unit: str) -> Parameter:
     joint = options.anatomy
-    p = replace(p, meaning=joint.said(p.meaning), advice=joint.said(p.advice))
+    p = replace(p, meaning=joint.worded(p.meaning), advice=joint.worded(p.advice))
     if p.name in joint.parameters and not (emg_unit == "1" and p.unit in _NORMALISED):
         start, lower, upper, spread, source = astuple(joint.parameters[p.name])
         strained = p.strain is not None and options.tendon_strain == "slack-length"

@@ -109,7 +109,7 @@ TYPICAL_RANGE = (-0.9, 0.6)
 
 
 def allowed_range(
-    device: Device | None, asked: tuple[float, float] | None = None
+    device: Device | None, requested: tuple[float, float] | None = None
 ) -> tuple[float, float]:
     """Angles between which a trial moves.
 
@@ -117,28 +117,28 @@ def allowed_range(
     ----------
     device : Device or None
         What is to move the leg.
-    asked : (float, float), optional
+    requested : (float, float), optional
         The subject's full plantarflexion and dorsiflexion [rad]; by default those of a healthy leg,
         as far as the device reaches.
 
     Returns
     -------
     (float, float)
-        What was asked for, or that default [rad].
+        The requested range, or that default [rad].
 
     Raises
     ------
     InputError
-        What was asked for is no range of an ankle, or beyond the device's.
+        The requested range is none of an ankle, or beyond the device's.
     """
     reach = None if device is None else device.range_of_motion
-    if asked is None:
+    if requested is None:
         low, high = TYPICAL_RANGE
         if reach is not None:
             low, high = max(low, reach[0]), min(high, reach[1])
             low, high = (low, high) if low < high else reach
         return low, high
-    low, high = asked
+    low, high = requested
     if not -3.0 <= low < high <= 3.0:
         raise InputError(
             f"range of motion {low:g} … {high:g} rad: full plantarflexion must be below "

@@ -6,7 +6,7 @@ import numpy as np
 
 from surae.quality.emg import REST_VOLTS
 from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import found
+from surae.quality.kinds import make_finding
 from surae.quality.numeric import BoolArray, quantile, quantiles, runs, smooth, span_of
 from surae.quality.reflex import Reflex, reflex
 from surae.quality.trial import CheckedTrial
@@ -55,7 +55,7 @@ def passive_part(trial: CheckedTrial) -> Iterator[Finding]:
             continue
         where = np.flatnonzero(active)
         level = float(envelope[active].max())
-        yield found(
+        yield make_finding(
             "passive-not-passive", channel.role, span_of(trial.time, where), level / top,
             f"The {MUSCLE_NAMES[muscle]} is active for {seconds:.2g} s of the passive part, up "
             f"to {100 * level / top:.2g} % of its largest activity.",
@@ -65,8 +65,8 @@ def passive_part(trial: CheckedTrial) -> Iterator[Finding]:
 def _quiet_time(trial: CheckedTrial) -> BoolArray:
     """Until the first effort that is asked for, less the time a level is averaged over."""
     assert trial.effort is not None
-    asked = np.flatnonzero(trial.effort.max(axis=1) > 0.0)
-    end = int(asked[0]) if asked.size else len(trial.time)
+    requested = np.flatnonzero(trial.effort.max(axis=1) > 0.0)
+    end = int(requested[0]) if requested.size else len(trial.time)
     quiet = np.zeros(len(trial.time), dtype=bool)
     quiet[: max(end - round(0.3 * trial.rate_hz), 0)] = True
     return quiet
@@ -76,14 +76,14 @@ def active_part(trial: CheckedTrial) -> Iterator[Finding]:
     """Muscles that are not active in the time that was to be active."""
     if not trial.slow:
         raise Unjudged("There is no EMG.")
-    asked = None if trial.commanded is None else trial.commanded.effort
-    if asked is not None and float(np.max(asked)) == 0.0:
+    requested = None if trial.commanded is None else trial.commanded.effort
+    if requested is not None and float(np.max(requested)) == 0.0:
         raise Unjudged("No effort was asked for.")
     idle = {m: _idle(trial, m) for m in trial.slow}
     if all(idle.values()):
         top = max(quantile(e, 0.98) for e in trial.slow.values())
         unit = trial.emg[next(iter(trial.slow))].unit
-        yield found(
+        yield make_finding(
             "active-not-active", None, trial.span, top, "No muscle is active at any time.",
             unit=unit,
             advice="Record efforts in both directions; of a passive trial, fix g1 to g4, "
@@ -113,7 +113,7 @@ def _side(trial: CheckedTrial, name: str, muscles: tuple[str, ...]) -> Finding:
     long = "triceps surae" if name == "triceps" else MUSCLE_NAMES["ta"]
     lost = "g2 to g4 and l0_tri" if name == "triceps" else "g1 and l0_tib"
     top = max(quantile(trial.slow[m], 0.98) for m in muscles)
-    return found(
+    return make_finding(
         "active-not-active", f"emg_{muscles[0]}", trial.span, top,
         f"The {long} is not active at any time.",
         unit=trial.emg[muscles[0]].unit,
@@ -130,21 +130,21 @@ def _bursts(trial: CheckedTrial) -> Iterator[Finding]:
     for muscles in (trial.triceps, tuple(m for m in trial.slow if m == "ta")):
         if not muscles:
             continue
-        asked = trial.effort[:, [MUSCLES.index(m) for m in muscles]].mean(axis=1)
+        requested = trial.effort[:, [MUSCLES.index(m) for m in muscles]].mean(axis=1)
         done = np.mean([_relative(trial.slow[m]) for m in muscles], axis=0)
-        centre = asked > 0.15
+        centre = requested > 0.15
         edges = np.flatnonzero(np.diff(np.concatenate([[0], centre.astype(np.int8), [0]])))
         for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
             total += 1
             # Subjects follow what they see with a delay.
             later = slice(first, min(last + round(0.3 * trial.rate_hz), len(done)))
-            if float(done[later].max()) < 0.25 * float(asked[first:last].max()):
+            if float(done[later].max()) < 0.25 * float(requested[first:last].max()):
                 missed.append((first, last))
     if total == 0 or len(missed) <= MISSED * total:
         return
     first = min(stretch[0] for stretch in missed)
     last = max(stretch[1] for stretch in missed) - 1
-    yield found(
+    yield make_finding(
         "active-not-active", None, (trial.time[first], trial.time[last]), len(missed) / total,
         f"{len(missed)} of {total} efforts of the task were not made.",
     )  # fmt: skip
@@ -162,7 +162,7 @@ def _stopped(trial: CheckedTrial) -> Iterator[Finding]:
     seconds = (last - first) / trial.rate_hz
     if seconds < STILL_SECONDS or last - first < STILL_SHARE * (len(active) - begun):
         return
-    yield found(
+    yield make_finding(
         "active-not-active", None, (trial.time[begun + first], trial.time[begun + last - 1]),
         seconds, f"No muscle is active for {seconds:.2g} s, once efforts have begun.", unit="s",
         advice="Repeat the trial if efforts were asked for: that time shows no active muscle.",
@@ -192,7 +192,7 @@ def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
     if share <= CO_CONTRACTION:
         return
     where = np.flatnonzero(both)
-    yield found(
+    yield make_finding(
         "co-contraction", "emg_ta", span_of(trial.time, where), share,
         f"Triceps and tibialis anterior are active together in {100 * share:.0f} % of the time "
         "in which either is.",

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from surae.quality.finding import Finding, quantity, weight_of
-from surae.quality.kinds import found
+from surae.quality.kinds import make_finding
 from surae.quality.numeric import equal_runs, quantile, runs, smooth, span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLE_NAMES, MUSCLES, Channel
@@ -51,7 +51,7 @@ def kind(trial: CheckedTrial) -> Iterator[Finding]:
             statement, _, advice = sentence.partition(": ")
             if declared == "raw":
                 advice += "; a fit refuses it else, unless all signals are prepared (--prepared)"
-            yield found(
+            yield make_finding(
                 "emg-kind",
                 role,
                 trial.span,
@@ -72,7 +72,7 @@ def missing(trial: CheckedTrial) -> Iterator[Finding]:
         if role in trial.recording.channels:
             continue
         is_fixed = weight in trial.recording.fixed
-        yield found(
+        yield make_finding(
             "emg-missing", role, trial.span, None,
             f"There is no EMG of the {MUSCLE_NAMES[muscle]}"
             + (f"; its weight {weight} is fixed." if is_fixed else "."),
@@ -120,7 +120,7 @@ def _dropouts(trial: CheckedTrial, channel: Channel) -> Iterator[Finding]:
 def _flat(channel: Channel, state: str, first: int = 0, last: int = -1) -> Finding:
     start, end = float(channel.time[first]), float(channel.time[last])
     whole, muscle = (start, end) == span_of(channel.time), channel.role.removeprefix("emg_")
-    return found(
+    return make_finding(
         "emg-flat", channel.role, (start, end), end - start,
         f"The EMG of the {MUSCLE_NAMES[muscle]} {state}.", severity="error" if whole else "warning",
         advice=f"Check electrode and cable; fix {weight_of(muscle)} at 0 if the muscle was at "
@@ -149,7 +149,7 @@ def clipped(trial: CheckedTrial) -> Iterator[Finding]:
                 continue  # flat, not clipped
             where = np.flatnonzero(at)
             share = count / len(values)
-            yield found(
+            yield make_finding(
                 "emg-clipped", channel.role, span_of(channel.time, where), share,
                 f"{count} samples of the EMG of the {MUSCLE_NAMES[muscle]} stop at "
                 f"{quantity(float(values[where[0]]), channel)}.",
@@ -181,7 +181,7 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
             advice = "Subtract the level of a relaxed muscle, or tell the subject to relax."
         if ratio <= limit:
             continue
-        yield found(
+        yield make_finding(
             "emg-offset", channel.role, span_of(channel.time), level,
             f"The EMG of the {MUSCLE_NAMES[muscle]} {rest} {quantity(level, channel)} instead "
             f"of 0 ({100 * ratio:.2g} % of its "
@@ -215,7 +215,7 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
         spans = list(runs(near))
         where = np.flatnonzero(wrong)
         worst = int(np.argmax(np.where(wrong, size, 0.0)))
-        yield found(
+        yield make_finding(
             "emg-artefact", channel.role, span_of(channel.time, where), float(size[worst]),
             f"{len(spans)} "
             + ("artefact" if len(spans) == 1 else "artefacts")

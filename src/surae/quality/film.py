@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from surae.quality.finding import Finding
-from surae.quality.kinds import found
+from surae.quality.kinds import make_finding
 from surae.quality.numeric import span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import Channel
@@ -44,7 +44,7 @@ def unit(trial: CheckedTrial) -> Iterator[Finding]:
         middle = float(np.median(channel.values))
         if not _likely(channel):
             text = f"The fascicle is {1e3 * middle:.4g} mm long: its unit is not what it says."
-            yield found("film-unit", channel.role, span_of(channel.time), middle, text)
+            yield make_finding("film-unit", channel.role, span_of(channel.time), middle, text)
 
 
 def lost(trial: CheckedTrial) -> Iterator[Finding]:
@@ -58,7 +58,7 @@ def lost(trial: CheckedTrial) -> Iterator[Finding]:
         if part > _LOST:
             span = float(channel.time[pauses[0]]), float(channel.time[pauses[-1] + 1])
             text = f"{frames:.0f} frames have no length ({100 * part:.0f} %)."
-            yield found("film-lost", channel.role, span, part, text)
+            yield make_finding("film-lost", channel.role, span, part, text)
 
 
 def repeated(trial: CheckedTrial) -> Iterator[Finding]:
@@ -70,7 +70,7 @@ def repeated(trial: CheckedTrial) -> Iterator[Finding]:
         part = float(np.mean(np.diff(channel.values)[moving] == 0.0)) if moving.any() else 0.0
         if part > _REPEATED:
             text = f"{100 * part:.0f} % of the frames of a moving fascicle repeat the one before."
-            yield found("film-repeated", channel.role, span_of(channel.time), part, text)
+            yield make_finding("film-repeated", channel.role, span_of(channel.time), part, text)
 
 
 def jumps(trial: CheckedTrial) -> Iterator[Finding]:
@@ -85,7 +85,7 @@ def jumps(trial: CheckedTrial) -> Iterator[Finding]:
             worst, times = float(size[at].max()), f"{at.size} time{'s' * (at.size > 1)}"
             span = float(channel.time[at[0]]), float(channel.time[at[-1] + 1])
             text = f"The fascicle jumps {times}, by up to {1e3 * worst:.1f} mm within a frame."
-            yield found("film-jump", channel.role, span, worst, text)
+            yield make_finding("film-jump", channel.role, span, worst, text)
 
 
 def against_the_robot(trial: CheckedTrial) -> Iterator[Finding]:
@@ -106,7 +106,7 @@ def against_the_robot(trial: CheckedTrial) -> Iterator[Finding]:
         if abs(by) > _LATE and here > len(time) * _LEFT**2 and left[best] < (1.0 - _LESS) * here:
             word = "late" if by > 0.0 else "early"
             text = f"The film is {1e3 * abs(by):.0f} ms {word}, by what angle and torque say."
-            yield found("film-clock", channel.role, span_of(channel.time), by, text)
+            yield make_finding("film-clock", channel.role, span_of(channel.time), by, text)
             continue
         since = (time - time[0]) / (time[-1] - time[0])
         drift = float(np.polyfit(since, _left(trial, time, length), 1)[0])
@@ -115,7 +115,7 @@ def against_the_robot(trial: CheckedTrial) -> Iterator[Finding]:
                 f"The fascicle drifts by {1e3 * drift:+.1f} mm over the trial at like angles and "
                 "torques."
             )
-            yield found("film-drift", channel.role, span_of(channel.time), drift, text)
+            yield make_finding("film-drift", channel.role, span_of(channel.time), drift, text)
 
 
 def _left(trial: CheckedTrial, time: FloatArray, length: FloatArray) -> FloatArray:

@@ -118,7 +118,7 @@ KINDS = {kind.code: kind for kind in _KINDS}
 CODES = tuple(KINDS)
 
 
-def found(
+def make_finding(
     code: str,
     channel: str | None,
     span: tuple[float, float],

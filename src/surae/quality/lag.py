@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import found
+from surae.quality.kinds import make_finding
 from surae.quality.numeric import correlation, shifted, smooth
 from surae.quality.torque_model import LONGEST
 from surae.quality.trial import CheckedTrial
@@ -37,7 +37,7 @@ def torque_lag(trial: CheckedTrial) -> Iterator[Finding]:
     if abs(model.lag) <= LAG or abs(model.lag) >= 0.95 * LONGEST or _one_side(trial) is not None:
         return
     late = "late" if model.lag > 0.0 else "early"
-    yield found(
+    yield make_finding(
         "emg-torque-lag", None, trial.span, model.lag,
         f"The EMG is {1e3 * abs(model.lag):.0f} ms too {late} for the torque.",
     )  # fmt: skip
@@ -61,7 +61,7 @@ def electrode_lag(trial: CheckedTrial) -> Iterator[Finding]:
 
 
 def _finding(trial: CheckedTrial, muscle: str, lag: float, beside: str) -> Finding:
-    return found(
+    return make_finding(
         "electrode-lag", f"emg_{muscle}", trial.span, lag,
         f"The EMG of the {MUSCLE_NAMES[muscle]} is {1e3 * abs(lag):.0f} ms "
         f"{'later' if lag > 0.0 else 'earlier'} than {beside}.",

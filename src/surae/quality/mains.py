@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.quality.finding import Finding, Unjudged, quantity
-from surae.quality.kinds import found
+from surae.quality.kinds import make_finding
 from surae.quality.numeric import runs, span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLE_NAMES, Channel
@@ -46,7 +46,7 @@ def hum(trial: CheckedTrial) -> Iterator[Finding]:
         if amplitude < SMALLEST * rms or amplitude == 0.0:
             continue
         heard = True
-        yield found(
+        yield make_finding(
             "mains-hum", channel.role, span_of(channel.time), amplitude,
             f"The EMG of the {MUSCLE_NAMES[muscle]} holds a hum of {frequency:.1f} Hz with an "
             f"amplitude of {quantity(amplitude, channel)} ({amplitude / rms:.2g} of its "
@@ -128,7 +128,7 @@ def _off(channel: Channel) -> Finding | None:
         return None  # one that hears its muscle again has not come off
     start = float(channel.time[first * size])
     muscle = MUSCLE_NAMES[channel.role.removeprefix("emg_")]
-    return found(
+    return make_finding(
         "electrode-off", channel.role,
         (start, channel.time[min(last * size, len(channel.time) - 1)]), now,
         f"The electrode of the {muscle} seems to have come off at {start:.0f} s: from there it "

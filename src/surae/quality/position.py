@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import found
+from surae.quality.kinds import make_finding
 from surae.quality.numeric import runs, smooth, span_of
 from surae.quality.trial import IMPOSSIBLE_ANGLE, CheckedTrial
 from surae.recording import Channel
@@ -58,7 +58,7 @@ def units(trial: CheckedTrial) -> Iterator[Finding]:
         value = far
     else:
         return
-    yield found(
+    yield make_finding(
         "angle-units", "angle", trial.span, value, text, advice=advice,
     )  # fmt: skip
 
@@ -73,19 +73,23 @@ def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     if any(units(trial)):
         angle = trial.recording.channels["angle"].values
         if float(np.ptp(angle)) <= _TWICE[1]:
-            return  # what it is said to be is another matter
+            return  # its unit is a finding of its own
     span = float(np.ptp(trial.angle))
     low, high = float(trial.angle.min()), float(trial.angle.max())
-    asked = trial.commanded
+    commanded = trial.commanded
     part = None
-    if asked is not None and asked.given and (commanded := float(np.ptp(asked.angle))) > 0.0:
-        part = span / commanded
+    if (
+        commanded is not None
+        and commanded.given
+        and (moved := float(np.ptp(commanded.angle))) > 0.0
+    ):
+        part = span / moved
     if span >= ROM and (part is None or part >= REACHED):
         return
     missed = part is not None and part < REACHED
     text = f"The angle covers {np.rad2deg(span):.0f}°, from {low:.2f} to {high:.2f} rad"
     text += f": {100 * part:.0f} % of what was commanded." if missed and part is not None else "."
-    yield found(
+    yield make_finding(
         "rom-not-covered", "angle", trial.span, span, text,
         severity="warning" if span < SMALL_ROM or missed else "info",
     )  # fmt: skip
@@ -109,7 +113,7 @@ def steps(trial: CheckedTrial) -> Iterator[Finding]:
     if not jumps.size:
         return
     worst = int(jumps[np.argmax(size[jumps])])
-    yield found(
+    yield make_finding(
         "position-steps", "angle", (channel.time[jumps[0]], channel.time[jumps[-1] + 1]),
         float(size[worst]),
         f"The angle jumps {len(jumps)} {'time' if len(jumps) == 1 else 'times'}, by up to "
@@ -130,7 +134,7 @@ def overshoot(trial: CheckedTrial) -> Iterator[Finding]:
     size, first, last, count = ringing
     if count == 0:
         return
-    yield found(
+    yield make_finding(
         "overshoot", "angle", (first, last), size,
         f"{count} {'movement' if count == 1 else 'movements'} shot past where they came to "
         f"rest, by up to {size:.2g} rad.",
@@ -143,17 +147,17 @@ _ADVICE = "Adapt the protocol to the device (surae protocol --device), or lower 
 
 def _departure(trial: CheckedTrial) -> Iterator[Finding]:
     """How far the angle lies from the commanded one, once a constant delay is allowed for."""
-    asked = trial.commanded
-    assert asked is not None
-    first, last = float(asked.time[0]), float(asked.time[-1])
+    commanded = trial.commanded
+    assert commanded is not None
+    first, last = float(commanded.time[0]), float(commanded.time[-1])
     inside = (trial.time >= first) & (trial.time <= last)
     if float(inside.mean()) < 0.5:
-        raise Unjudged(f"{asked.name} covers less than half of the trial.")
+        raise Unjudged(f"{commanded.name} covers less than half of the trial.")
     time = trial.time[inside]
-    if asked.given:
+    if commanded.given:
         best = min(
             (
-                trial.angle[inside] - np.interp(time - delay, asked.time, asked.angle)
+                trial.angle[inside] - np.interp(time - delay, commanded.time, commanded.angle)
                 for delay in np.arange(0.0, 0.11, 0.01)
             ),
             key=lambda left: float(np.mean(left**2)),
@@ -162,22 +166,22 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
         # A recognised profile was fitted to the angle's own samples.
         channel = trial.recording.channels["angle"]
         factor = float(np.pi / 180.0) if np.abs(channel.values).max() > IMPOSSIBLE_ANGLE else 1.0
-        own = channel.values[np.searchsorted(channel.time, asked.time)]
-        best = (own - asked.angle) * factor
-        time = asked.time
+        own = channel.values[np.searchsorted(channel.time, commanded.time)]
+        best = (own - commanded.angle) * factor
+        time = commanded.time
     span = float(np.ptp(trial.angle))
     left = np.abs(best)
     wrong = left > DEPARTURE * span
-    if not asked.given:
+    if not commanded.given:
         # The ends of a filtered profile are not known as exactly as the rest.
         wrong &= (time > time[0] + 0.3) & (time < time[-1] - 0.3)
     if float(wrong.sum()) * float(np.median(np.diff(time))) < 0.03:
         return
     where = np.flatnonzero(wrong)
     size = float(left[wrong].max())
-    yield found(
+    yield make_finding(
         "overshoot", "angle", span_of(time, where), size,
-        f"The angle leaves {asked.name} by up to {size:.2g} rad ({100 * size / span:.2g} % of "
+        f"The angle leaves {commanded.name} by up to {size:.2g} rad ({100 * size / span:.2g} % of "
         "its range).",
         severity="warning" if size < 0.1 * span else "error", advice=_ADVICE,
     )  # fmt: skip

@@ -10,7 +10,7 @@ from surae.files import PathLike
 from surae.frozen import read_only
 from surae.quality.commanded import Commanded
 from surae.quality.finding import Finding, Quality, Skipped
-from surae.quality.kinds import found
+from surae.quality.kinds import make_finding
 from surae.quality.registry import CHECKS, check_recording, ordered
 from surae.quality.timing import axis_findings
 from surae.recording import MUSCLES, Channel, Recording
@@ -157,7 +157,7 @@ def _missing_finding(role: str, column: Column, wrong: np.ndarray) -> Finding:
     times = column.time[np.isfinite(column.time)]
     inside = column.time[where][np.isfinite(column.time[where])]
     begin, end = (inside[0], inside[-1]) if inside.size else (times[0], times[-1])
-    return found(
+    return make_finding(
         "samples-missing", role, (begin, end), float(wrong.sum()),
         f"{int(wrong.sum())} samples of {column.name} are not numbers, the first in "
         f"{column.position(int(where[0]))}.",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import found
+from surae.quality.kinds import make_finding
 from surae.quality.numeric import BoolArray, correlation, quantile, shifted, smooth
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES
@@ -62,7 +62,7 @@ def suspected(trial: CheckedTrial) -> Iterator[Finding]:
         return
     where = np.flatnonzero(reflexes.explained)
     first, last = (where[0], where[-1]) if where.size else (0, len(trial.time) - 1)
-    yield found(
+    yield make_finding(
         "reflex-suspected", f"emg_{trial.triceps[0]}", (trial.time[first], trial.time[last]),
         reflexes.delay,
         f"The triceps answers stretches {1e3 * reflexes.delay:.0f} ms later "

@@ -8,7 +8,7 @@ import numpy as np
 from surae.errors import InputError
 from surae.frozen import read_only
 from surae.quality.finding import Finding
-from surae.quality.kinds import found
+from surae.quality.kinds import make_finding
 from surae.quality.numeric import quantile
 from surae.recording import Channel, Recording
 from surae.signals.timebase import GAP_STEPS, UNIFORM_STEPS, timing
@@ -53,7 +53,7 @@ def axis_findings(channel: Channel) -> Iterator[Finding]:
         gaps = gaps[:0]  # stamps rounded to whole milliseconds
     if gaps.size:
         worst = int(gaps[np.argmax(steps[gaps])])
-        yield found(
+        yield make_finding(
             "time-gap", _name(channel), (time[gaps[0]], time[gaps[-1] + 1]), lost,
             f"{len(gaps)} {'gap' if len(gaps) == 1 else 'gaps'} in time, the longest from "
             f"{time[worst]:.4f} to {time[worst + 1]:.4f} s where a sample every "
@@ -65,7 +65,7 @@ def axis_findings(channel: Channel) -> Iterator[Finding]:
         return
     jitter = _jitter(time, gaps) if gaps.size or not _explained(channel) else 0.0
     if jitter > JITTER * step:
-        yield found(
+        yield make_finding(
             "time-jitter", _name(channel), (time[0], time[-1]), jitter,
             f"Time stamps scatter by {1e3 * jitter:.2g} ms about even steps of "
             f"{1e3 * step:.3g} ms ({100 * jitter / step:.2g} %).",
@@ -100,7 +100,7 @@ def _explained(channel: Channel) -> bool:
 
 
 def _disorder(channel: Channel, back: int, step: float) -> Finding:
-    return found(
+    return make_finding(
         "time-jitter", _name(channel), (channel.time.min(), channel.time.max()), float(back),
         f"Time does not increase at {back} of {len(channel.time)} samples"
         + (f", of which one is expected every {1e3 * step:.3g} ms." if step > 0.0 else "."),
@@ -120,7 +120,7 @@ def too_short(recording: Recording) -> Iterator[Finding]:
     seconds = end - start
     if seconds >= SHORT:
         return
-    yield found(
+    yield make_finding(
         "trial-too-short", None, (start, end), seconds,
         f"The trial lasts {seconds:.3g} s: too short to see tissue relax with tau_rel, which "
         "is 1 to 10 s.",

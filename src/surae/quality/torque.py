@@ -8,7 +8,7 @@ import numpy as np
 from surae.protocol import DEVICES
 from surae.quality.baseline import baseline
 from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import found
+from surae.quality.kinds import make_finding
 from surae.quality.numeric import IndexArray, correlation, equal_runs, quantile, span_of
 from surae.quality.torque_model import passive_columns
 from surae.quality.trial import CheckedTrial
@@ -52,7 +52,7 @@ def limit(trial: CheckedTrial) -> Iterator[Finding]:
             continue
         top = float(side.max())
         device = f", the limit of {most:g} Nm" if abs(top - most) <= 4.0 * _BAND * most else ""
-        yield found(
+        yield make_finding(
             "torque-limit", "torque", span_of(channel.time, where), top,
             f"The torque goes no further than {top:.3g} Nm{device}, in {len(where)} samples.",
         )  # fmt: skip
@@ -109,7 +109,7 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
 
 def _artefact(trial: CheckedTrial, start: float, end: float, value: float, text: str) -> Finding:
     apart = end - start < 0.5 * float(np.ptp(trial.time))
-    return found(
+    return make_finding(
         "torque-artefact", "torque", (start, end), value, text,
         advice="Look at the torque there; "
         + (
@@ -146,7 +146,7 @@ def sign(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged("Neither EMG nor angle say what the torque should be.")
     if wrong is None:
         return
-    yield found(
+    yield make_finding(
         "torque-sign", "torque", trial.span, strength, f"The torque has the wrong sign: {wrong}.",
         unit="Nm" if shown else "1",
     )  # fmt: skip
@@ -177,7 +177,7 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
         return
     if beyond + UNCERTAIN < FOLLOWED * rest.spread:
         raise Unjudged("EMG and angle explain too little of the torque to tell.")
-    yield found(
+    yield make_finding(
         "torque-offset", "torque", trial.span, level,
         f"The constant part of the torque is {level:.2g} Nm; foot and footplate make 1.8 to "
         "4.4 Nm.",

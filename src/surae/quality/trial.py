@@ -111,7 +111,7 @@ def trial_of(recording: Recording, commanded: Commanded | None = None) -> Checke
         fast=seen.fast,
         slow=slow,
         commanded=commanded or recognised(recording.channels["angle"]),
-        effort=_asked_effort(time, slow, commanded),
+        effort=_requested_effort(time, slow, commanded),
         model=model,
     )
 
@@ -181,7 +181,7 @@ def _sampled(
     return np.interp(time, channel.time, averaged)
 
 
-def _asked_effort(
+def _requested_effort(
     time: FloatArray, slow: dict[str, FloatArray], commanded: Commanded | None
 ) -> FloatArray | None:
     """The effort that was asked for: as given, else the task whose bursts the EMG shows."""
@@ -196,27 +196,29 @@ def _asked_effort(
     few = float(late.sum()) < _FEW * (len(time) - 1) / float(since[-1])
     best, recognised_effort = (_RECOGNISED_FEW if few else _RECOGNISED), None
     for name in ("part-passive", "active"):
-        asked = _asked(since, name)
-        alike = match(asked, slow, late)
+        requested = _task_effort(since, name)
+        alike = match(requested, slow, late)
         if alike > best:
-            best, recognised_effort = alike, asked
+            best, recognised_effort = alike, requested
     return recognised_effort
 
 
-def _asked(since: FloatArray, task: str) -> FloatArray:
+def _task_effort(since: FloatArray, task: str) -> FloatArray:
     """The effort of a task, made once for trials of one length."""
-    few, asked = _few_asked(task, int(since[-1] / _STEP))
-    return np.column_stack([np.interp(since, few, column) for column in asked])
+    few, requested = _sparse_effort(task, int(since[-1] / _STEP))
+    return np.column_stack([np.interp(since, few, column) for column in requested])
 
 
 @lru_cache(8)
-def _few_asked(task: str, steps: int) -> tuple[FloatArray, FloatArray]:
+def _sparse_effort(task: str, steps: int) -> tuple[FloatArray, FloatArray]:
     few = _STEP * np.arange(steps + 1.0)
     return read_only(few), read_only(effort(few, named_task(task)).T.copy())
 
 
-def match(asked: FloatArray, slow: dict[str, FloatArray], where: BoolArray) -> float:
+def match(requested: FloatArray, slow: dict[str, FloatArray], where: BoolArray) -> float:
     """Mean correlation of the asked effort with the envelopes."""
     return float(
-        np.mean([correlation(asked[where, MUSCLES.index(m)], e[where]) for m, e in slow.items()])
+        np.mean(
+            [correlation(requested[where, MUSCLES.index(m)], e[where]) for m, e in slow.items()]
+        )
     )

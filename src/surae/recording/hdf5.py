@@ -201,17 +201,17 @@ class _Head:
 
 
 def _head(file: Any, where: str) -> _Head:
-    said: dict[str, Any] = {
+    attributes: dict[str, Any] = {
         name: text_attribute(file, name, where) for name in ("name", "emg", "side", *_JSON)
     }
-    said["side"] = said["side"] or None
+    attributes["side"] = attributes["side"] or None
     for name in _JSON:
         try:
-            said[name] = json.loads(said[name])
+            attributes[name] = json.loads(attributes[name])
         except (ValueError, RecursionError):
             raise InputError(f"{where}: its attribute {name!r} is no JSON") from None
     try:
-        return from_plain(_Head, said)
+        return from_plain(_Head, attributes)
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
 

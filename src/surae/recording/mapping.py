@@ -51,7 +51,7 @@ class Description:
                 f"{source.shown}: no channels: a recording's TOML has [channels.angle] with file, "
                 "column and unit, and likewise torque, emg_ta, ..."
             )
-        whole = description.said()
+        whole = description.mapped()
         for file in description.named:
             if TRIAL in file and (Path(file).is_absolute() or ".." in Path(file).parts):
                 raise InputError(
@@ -59,13 +59,13 @@ class Description:
                     "it from there"
                 )
         for trial in whole.trials:
-            description.said(trial)
+            description.mapped(trial)
         return description
 
     @property
     def name(self) -> str | None:
         """What it calls the recording or session."""
-        return self.said().name
+        return self.mapped().name
 
     @property
     def trials(self) -> tuple[str, ...]:
@@ -78,17 +78,17 @@ class Description:
 
         A channel without a file is in the trial's own, which then says which trial it is.
         """
-        own = any(channel.file is None for channel in self.said().channels.values())
+        own = any(channel.file is None for channel in self.mapped().channels.values())
         return () if own else tuple(file for file in self.named if TRIAL in file)
 
     @property
     def named(self) -> tuple[str, ...]:
         """The names of all files in it."""
-        files = (channel.file for channel in self.said().channels.values())
+        files = (channel.file for channel in self.mapped().channels.values())
         return tuple(dict.fromkeys(file for file in files if file is not None))
 
-    def said(self, trial: str | None = None) -> MappedRecording:
-        """All that it says of a trial, or of every one."""
+    def mapped(self, trial: str | None = None) -> MappedRecording:
+        """The mapped recording of a trial, or of every one."""
         where, table = self.source.shown, dict(self.toml)
         if trial is not None:
             table.pop("name", None)
@@ -106,7 +106,7 @@ class Description:
             raise InputError(f"{where}: {error}") from None
 
     def _merged(self, own: Any, where: str) -> dict[str, Any]:
-        """What differs in a trial, put into what is said of all."""
+        """What differs in a trial, put into what holds for all."""
         if not isinstance(own, dict):
             raise InputError(f"{where} is {brief(own)}; write what differs, as torque.sign = -1")
         merged, channels = {}, dict(self.toml["channels"])
@@ -163,14 +163,14 @@ class Description:
         if data is not None:
             filed, folder = self.trial_of(data)
         trial = trial or filed
-        said = self.said(trial)
+        mapped = self.mapped(trial)
         reader = Reader(self.source, folder, filed, None if data is None else Path(data))
-        channels = reader.channels(said.channels)
+        channels = reader.channels(mapped.channels)
         read_files = (each.file for each in reader.sources.values())
         files = (*read_files, self.source.file) if data else (self.source.file, *read_files)
         return Recording(
-            said.name or trial or self.source.name, channels, said.emg, said.fixed, said.prepare,
-            files, said.side, said.device,
+            mapped.name or trial or self.source.name, channels, mapped.emg, mapped.fixed,
+            mapped.prepare, files, mapped.side, mapped.device,
         )  # fmt: skip
 
 

@@ -296,20 +296,20 @@ def unit_is_volts(unit: str | None) -> bool:
     return unit is not None and spelled(unit) in ("V", "mV", "uV")
 
 
-_Found = tuple[tuple[str, ...], Confidence, str]
+_Match = tuple[tuple[str, ...], Confidence, str]
 
 
-def _quantity(said: set[str], words: tuple[str, ...]) -> _Found | None:
+def _quantity(present: set[str], words: tuple[str, ...]) -> _Match | None:
     """Angle, torque and derivatives of the angle."""
-    ankle = bool(said & _ANKLE)
-    if said & _OTHER_JOINTS or said & _EMG:
+    ankle = bool(present & _ANKLE)
+    if present & _OTHER_JOINTS or present & _EMG:
         return None
-    if said & (_OTHER_SENSORS | _PLATE) - _ACCELERATION:
+    if present & (_OTHER_SENSORS | _PLATE) - _ACCELERATION:
         return None
     tests: tuple[tuple[str, set[str], Callable[[], bool]], ...] = (
         ("torque", _TORQUE, lambda: True),
         ("angular_velocity", _VELOCITY, lambda: True),
-        ("angular_acceleration", _ACCELERATION, lambda: ankle or "angular" in said),
+        ("angular_acceleration", _ACCELERATION, lambda: ankle or "angular" in present),
         ("angle", _ANGLE, lambda: True),
     )
     for role, vocabulary, allowed in tests:
@@ -320,46 +320,46 @@ def _quantity(said: set[str], words: tuple[str, ...]) -> _Found | None:
             joint = next(word for word in words if word in _ANKLE)
             return (role,), "named", f"the words {joint} and {word}"
         return (role,), "likely", f"the word {word}; no joint is named"
-    if ankle and not said & _OTHER_SENSORS:
+    if ankle and not present & _OTHER_SENSORS:
         return ("angle", "torque"), "possible", "the ankle, but not whether angle or torque"
     return None
 
 
-def _film(said: set[str], words: tuple[str, ...]) -> _Found | None:
+def _film(present: set[str], words: tuple[str, ...]) -> _Match | None:
     """A fascicle's length or pennation, of a muscle that the name may say."""
-    seen = next((seen for seen, vocabulary in _FILMS.items() if said & vocabulary), None)
+    seen = next((seen for seen, vocabulary in _FILMS.items() if present & vocabulary), None)
     if seen is None:
         return None
     word = next(word for word in words if word in _FILMS[seen])
-    found = _muscle(said, words)
-    muscles = FILMED if found is None else [role[4:].replace("ta", "tib") for role in found[0]]
+    match = _muscle(present, words)
+    muscles = FILMED if match is None else [role[4:].replace("ta", "tib") for role in match[0]]
     roles = tuple(f"{seen}_{muscle}" for muscle in muscles)
-    if found is None or len(roles) > 1:
-        return roles, "possible", f"the word {word}; which muscle is not said"
-    return roles, "named", f"the word {word}, and {found[2]}"
+    if match is None or len(roles) > 1:
+        return roles, "possible", f"the word {word}; the muscle is not named"
+    return roles, "named", f"the word {word}, and {match[2]}"
 
 
-def _muscle(said: set[str], words: tuple[str, ...]) -> _Found | None:
+def _muscle(present: set[str], words: tuple[str, ...]) -> _Match | None:
     """EMG of one of the four muscles."""
-    if said & (_OTHER_SENSORS | _OTHER_JOINTS):
+    if present & (_OTHER_SENSORS | _OTHER_JOINTS):
         return None
-    match = _in_full(said, words)
-    if match is not None or said & _OTHER_MUSCLES:
+    match = _in_full(present, words)
+    if match is not None or present & _OTHER_MUSCLES:
         return match
     short = next((word for word in words if word in _SHORT), None)
     if short is not None:
         rule = f"{short.upper()}, short for {MUSCLE_NAMES[_SHORT[short][4:]]}"
         rule += " (not gluteus?)" if short == "gm" else ""
-        if said & _EMG:
+        if present & _EMG:
             return (_SHORT[short],), "named", f"{rule}, with EMG"
         return (_SHORT[short],), "likely", rule
     for vocabulary, roles, rule in _VAGUE:
-        if said & vocabulary:
+        if present & vocabulary:
             return roles, "possible", rule
     return None
 
 
-def _in_full(vocabulary: set[str], words: tuple[str, ...]) -> _Found | None:
+def _in_full(vocabulary: set[str], words: tuple[str, ...]) -> _Match | None:
     """A muscle by its name, or by the usual shorthand that can be no other."""
     for first, second, role, rule in _TWO_WORDS:
         if vocabulary & first and vocabulary & second:

@@ -47,7 +47,7 @@ from surae.words import JUDGEMENTS
 
 
 class Words:
-    """The sentences of one language, said of a joint."""
+    """The sentences of one language, about a joint."""
 
     def __init__(self, language: str, joint: Joint = ANKLE) -> None:
         if language not in LANGUAGES:
@@ -59,7 +59,7 @@ class Words:
 
     def __call__(self, key: str, **given: str) -> str:
         """A sentence, filled in."""
-        text = self.joint.said(sentences()[key][self.language])
+        text = self.joint.worded(sentences()[key][self.language])
         return text.format(**given) if given else text
 
     def judgement(self, verdict: str) -> str:

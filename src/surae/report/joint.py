@@ -1,4 +1,4 @@
-"""A report in the words of its joint: what is written of the ankle is said of another one."""
+"""A report in the words of its joint: what is written of the ankle, for another one."""
 
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, TypeVar, cast
@@ -11,12 +11,12 @@ _NO_TEXT = ("kind", "look", "anchor", "link", "links", "name")
 
 
 def reworded(joint: Joint, part: T) -> T:
-    """A document, or a part of one, with all that it says said of this joint."""
+    """A document, or a part of one, all of it in the words of this joint."""
     if joint == ANKLE:
         return part
     made: Any = part
     if isinstance(part, str):
-        made = joint.said(part)
+        made = joint.worded(part)
     elif isinstance(part, tuple):
         made = tuple(reworded(joint, each) for each in part)
     elif is_dataclass(part) and not isinstance(part, type):

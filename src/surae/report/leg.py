@@ -281,8 +281,8 @@ def _made_of(
     parts = [(words, m.value or 0.0, m.ci95) for words, m in shares]
     figures["made"] = shares_bar(parts)
     largest = max(parts[:2], key=lambda part: part[1])
-    said = {"tissue": "Mostly tissue", "muscle": "Mostly active muscle"}
-    headline = said[largest[0]] if largest[1] > 50.0 else "Both tissue and muscle"
+    headlines = {"tissue": "Mostly tissue", "muscle": "Mostly active muscle"}
+    headline = headlines[largest[0]] if largest[1] > 50.0 else "Both tissue and muscle"
     numbers = " · ".join(
         f"{words} {value:.0f} % ({max(ci[0], 0):.0f} to {min(ci[1], 100):.0f})"
         for words, value, ci in parts

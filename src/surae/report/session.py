@@ -161,9 +161,9 @@ def session_report(
     if joined:
         research.append(_signals_section(joined))
     side = f"{about['side']} leg" if about.get("side") else ""
-    told = [side, *(text for key, text in about.items() if text and key != "side")]
+    subtitle = [side, *(text for key, text in about.items() if text and key != "side")]
     document = Document(
-        kicker=", ".join(filter(None, told)),
+        kicker=", ".join(filter(None, subtitle)),
         heading=name,
         under=f"{_summary(trials, fits, joined)} Report of {created:%Y-%m-%d %H:%M}.",
         title=name,

@@ -272,16 +272,16 @@ class _Cluster:
             self._client.close()
             raise ComputationError(f"{cannot} has a worker; start some and {AGAIN}") from None
         self._executor = self._client.get_executor(pure=False)
-        self._ahead, self._asked = 0, -_OFTEN
+        self._ahead, self._latest = 0, -_OFTEN
 
     def submit(self, work: Work, keywords: Mapping[str, Plain]) -> Future[Plain]:
         future: Future[Plain] = self._executor.submit(_in_cluster, work, dict(keywords))
         return future
 
     def ahead(self) -> int:
-        if time.monotonic() - self._asked > _OFTEN:  # workers come and go
+        if time.monotonic() - self._latest > _OFTEN:  # workers come and go
             self._ahead = 3 * sum(self._client.nthreads().values()) + 1
-            self._asked = time.monotonic()
+            self._latest = time.monotonic()
         return self._ahead
 
     def stop(self) -> None:

@@ -18,7 +18,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from surae import database
-from surae.database import told, transaction
+from surae.database import sqlite_errors, transaction
 from surae.errors import ComputationError, InputError, SuraeError
 from surae.files import PathLike, require_writable, shown
 from surae.processes import Plain
@@ -272,7 +272,7 @@ class Ledger:
         if target.exists():
             raise InputError(f"{shown(copy)} is there already; give the copy another name")
         part = target.with_name(f".surae-{os.urandom(8).hex()}.part")
-        with told(shown(copy), FORMAT):
+        with sqlite_errors(shown(copy), FORMAT):
             try:
                 database.copy(self._file, part)
                 part.replace(target)
@@ -312,7 +312,7 @@ class Ledger:
         return value
 
     def _told(self) -> AbstractContextManager[None]:
-        return told(self._name, FORMAT)
+        return sqlite_errors(self._name, FORMAT)
 
     def _row(self, query: str, values: Sequence[object] = ()) -> tuple[Any, ...]:
         """The first row of a query; an empty one where there is none."""

@@ -46,9 +46,9 @@ class Reading:
     path: str | None  #: Its file, None for a recording that came from no file.
     recording: Recording | None  #: None where it could not be read, and `problem` says why.
     problem: str = ""  #: Empty where there is none.
-    said: TrialDescription = field(
+    description: TrialDescription = field(
         default_factory=TrialDescription
-    )  #: What its description says of it.
+    )  #: What its mapping says of it.
 
 
 @filed(angle="angle_rad", torque="torque_Nm", sd="sd_Nm")
@@ -61,7 +61,7 @@ class Hold:
     sd: float
 
 
-@filed("recording", path="file")
+@filed("recording", path="file", stated="told")
 @dataclass(frozen=True, slots=True)
 class Trial:
     """One trial of a session."""
@@ -80,7 +80,7 @@ class Trial:
     #: `condition`, `notes`: as described.
     condition: str | None = None
     notes: str | None = None
-    told: bool = False  #: The effort was described or given, not decided.
+    stated: bool = False  #: The effort was described or given, not decided.
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,11 +125,11 @@ def sorted_trials(
         if trial.name not in seen:
             sorted_.append(trial)
             continue
-        stated = given.get(trial.name) or reading.said.effort
+        stated = given.get(trial.name) or reading.description.effort
         effort, why = (stated, "as described") if stated else _effort(trial, levels, moving)
         use = "fit" if trial.moves else "reference" if effort == "maximal" else "hold"
         why = f"{trial.why}; {why}"
-        sorted_.append(replace(trial, effort=effort, use=use, why=why, told=stated is not None))
+        sorted_.append(replace(trial, effort=effort, use=use, why=why, stated=stated is not None))
     return tuple(sorted_)
 
 
@@ -138,7 +138,7 @@ def _unsorted(reading: Reading) -> Trial:
     problem = reading.problem
     if not problem and reading.recording is not None:
         recording = reading.recording
-        if not reading.said.use:
+        if not reading.description.use:
             problem = LEFT_OUT
         elif "torque" not in recording.channels:
             problem = "there is no torque"
@@ -146,7 +146,7 @@ def _unsorted(reading: Reading) -> Trial:
             problem = unfit(recording) or ""
     return Trial(
         reading.name, reading.path, reading.recording, problem, "unknown", False, "", "none",
-        condition=reading.said.condition, notes=reading.said.notes,
+        condition=reading.description.condition, notes=reading.description.notes,
     )  # fmt: skip
 
 

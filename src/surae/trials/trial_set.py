@@ -81,16 +81,16 @@ class TrialSet:
             There is no trial of maximal effort, or a muscle is silent throughout.
         """
         maximal = [trial for trial in self.read if trial.effort == "maximal"]
-        asked = settings or FitSettings(normalise="mvc" if maximal else "session")
-        if asked.normalise is None:
+        settings = settings or FitSettings(normalise="mvc" if maximal else "session")
+        if settings.normalise is None:
             return None
-        if asked.normalise == "mvc" and not maximal:
+        if settings.normalise == "mvc" and not maximal:
             raise InputError(
                 f'{self.name}: no trial is of maximal effort; write effort = "maximal" in the '
                 "mapping's [trials], or normalise by the session"
             )
-        plain = replace(asked, normalise=None, weights=None)
-        kind = "mvc" if asked.normalise == "mvc" else "session"
+        plain = replace(settings, normalise=None, weights=None)
+        kind = "mvc" if settings.normalise == "mvc" else "session"
         recordings = [t.recording for t in (maximal if kind == "mvc" else self.read)]
         inputs = [plain.prepare(r) for r in recordings if r is not None and _in_volts(r)]
         return emg_reference(inputs, kind) if inputs else None  # type: ignore[arg-type]

@@ -128,7 +128,7 @@ class _Seen:
         n = len(residual)
         self.counted = counted
         self.residual = residual if gain is None else residual / gain
-        self.told = basis @ basis.T
+        self.gram = basis @ basis.T
         self.size = next_fast_len(2 * n, real=True)
         self.lags = most_lags(n)
         acting = basis if gain is None else basis * gain
@@ -205,12 +205,12 @@ def _covariance(
     estimated: Covariance,
     outliers: Outliers | None,
 ) -> RobustCovariance:
-    told = sum((recording.told for recording in seen), start=np.zeros(()))
+    observed = sum((recording.gram for recording in seen), start=np.zeros(()))
     # Without priors the information is the unit matrix: what is missing of it comes from them.
-    prior = np.eye(len(told)) - told
+    prior = np.eye(len(observed)) - observed
     C, sigma2 = root.matrix[list(known)], estimated.sigma2
     if outliers is not None:
-        C = np.asarray(np.linalg.solve(told / outliers.widening + prior, C.T).T)
+        C = np.asarray(np.linalg.solve(observed / outliers.widening + prior, C.T).T)
         sigma2 = outliers.scale**2
     inner = sigma2 * prior
     shares, uncertain = [], []

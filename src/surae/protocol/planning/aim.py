@@ -76,7 +76,7 @@ def _measure_slopes(names: Sequence[str], legs: Legs, values: FloatArray) -> Flo
     base = {n: float(values[legs.spec.names.index(n)]) for n in own}
     model = legs.spec.name
 
-    def told(parameters: dict[str, float]) -> FloatArray:
+    def measures_at(parameters: dict[str, float]) -> FloatArray:
         measures = measures_of_values(parameters, model, legs.options, angles)
         missing = [n for n in names if n not in measures]
         if missing:
@@ -84,11 +84,13 @@ def _measure_slopes(names: Sequence[str], legs: Legs, values: FloatArray) -> Flo
             raise InputError(f"--aim {missing[0]}: no such parameter or measure; known: {known}")
         return np.array([measures[n] for n in names])
 
-    here, slopes = told(base), np.zeros((len(names), len(legs.free)))
+    here, slopes = measures_at(base), np.zeros((len(names), len(legs.free)))
     for name in own:
         step = _STEP * abs(base[name])
         above, below = base | {name: base[name] + step}, base | {name: base[name] - step}
-        slopes[:, legs.free.index(name)] = (told(above) - told(below)) / (2.0 * step) / here
+        slopes[:, legs.free.index(name)] = (
+            (measures_at(above) - measures_at(below)) / (2.0 * step) / here
+        )
     return slopes
 
 

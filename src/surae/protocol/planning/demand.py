@@ -26,7 +26,7 @@ class AskedLimit:
     exceeded: bool  #: Whether the first is more than the second.
 
 
-def asked_limits(
+def requested_limits(
     trajectory: Trajectory, model: str = "muscle", population: str | None = None
 ) -> tuple[AskedLimit, ...]:
     """Every known limit of the trajectory's device, and what the trial asks of it.
@@ -90,7 +90,7 @@ def held_to_torque(settings: Protocol) -> tuple[Trajectory, tuple[str, ...]]:
         Even relaxed legs ask for more; the message says what to give up.
     """
     trajectory = generate(settings)
-    if not any(limit.exceeded for limit in asked_limits(trajectory)):
+    if not any(limit.exceeded for limit in requested_limits(trajectory)):
         return trajectory, ()
     whole = ProfilePlan.of(settings)
     legs = population_legs("muscle", None, _LEGS)

@@ -82,7 +82,7 @@ def population_legs(
     if population is not None:
         check_population(population)
     names = list(POPULATIONS) if population is None else [population]
-    spec, beliefs, free = _asked(model, nuisances)
+    spec, beliefs, free = _spec_of(model, nuisances)
     if not set(POPULATIONS["healthy"]) <= set(spec.names):
         raise InputError(f"nothing typical is known for model {model!r}; choose another model")
     levels = np.full(4, EMG_FULL)
@@ -148,7 +148,7 @@ def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int
     )
 
 
-def _asked(
+def _spec_of(
     model: str, nuisances: str | Mapping[str, tuple[float, float]] | None
 ) -> tuple[ModelSpec, dict[str, Gaussian], tuple[str, ...]]:
     """The model with its nuisances, their priors, and what is free."""

@@ -148,11 +148,11 @@ def _eased(plan: _Plan, limits: Limits, legs: Legs, limit: float) -> _Plan:
     relaxed = torques(plan.eased(0.0), limits, legs)
     time = np.arange(relaxed.shape[1]) / _RATE
     for _ in range(_ROUNDS):
-        asked = torques(plan, limits, legs)
-        over = np.abs(asked) > limit
+        needed = torques(plan, limits, legs)
+        over = np.abs(needed) > limit
         if not over.any():
             return plan
-        added = asked - relaxed
+        added = needed - relaxed
         left = np.where(added > 0.0, limit - relaxed, limit + relaxed)
         with np.errstate(divide="ignore", invalid="ignore"):
             part = np.where(over, np.clip(0.99 * left / np.abs(added), 0.0, 1.0), 1.0).min(axis=0)

@@ -9,8 +9,8 @@ from surae.model.joint import ANKLE, Joint
 
 
 def relabelled(joint: Joint, figures: Iterable[tuple[str, Figure]]) -> Iterator[tuple[str, Figure]]:
-    """Figures, each with its text said of this joint."""
+    """Figures, each with its text in the words of this joint."""
     for name, figure in figures:
         for text in figure.findobj(Text) if joint != ANKLE else ():
-            text.set_text(joint.said(text.get_text()))
+            text.set_text(joint.worded(text.get_text()))
         yield name, figure

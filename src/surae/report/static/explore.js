@@ -14,13 +14,13 @@
     const host = document.getElementById(`explore-${which}`);
     const time = Array.from(numbers(recording.index, Uint32Array), (index) => recording.start + index / recording.rate);
     const plots = [];
-    let told = false; // by another panel
+    let following = false; // by another panel
     const together = (plot, scale) => {
-      if (scale !== "x" || told) return;
-      told = true;
+      if (scale !== "x" || following) return;
+      following = true;
       const { min, max } = plot.scales.x;
       for (const other of plots) if (other !== plot) other.setScale("x", { min, max });
-      told = false;
+      following = false;
     };
     const leftOut = (plot) => {
       plot.ctx.fillStyle = "#e3e6ea";

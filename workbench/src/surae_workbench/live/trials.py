@@ -90,7 +90,7 @@ class Trials:
         self._work = ThreadPoolExecutor(1, "live-judge")
         self._later = ThreadPoolExecutor(1, "live-refine")
         self.session: dict[str, Any] = {"state": "waiting"}
-        self._asked: Future[None] | None = None
+        self._pending: Future[None] | None = None
         self._tried: list[int] = []
         self._closed = False
         self._lock = threading.Lock()
@@ -322,15 +322,15 @@ class Trials:
         with self._lock:
             self._drop_together()
             if not self._closed:
-                self._asked = self._later.submit(self._together)
+                self._pending = self._later.submit(self._together)
 
     def _drop_together(self) -> None:
         """Cancel a joint fit that has not begun: without the trial that just ended it is of no use.
 
         That trial's verdict asks for another.
         """
-        if self._asked is not None:
-            self._asked.cancel()
+        if self._pending is not None:
+            self._pending.cancel()
 
     def _together(self) -> None:
         """Fit all trials that are worth it jointly, beside everything else."""

@@ -1,4 +1,4 @@
-"""What requests are answered with: the things of a project, as every list and page shows them.
+"""What requests are answered with: the entries of a project, as every list and page shows them.
 
 Routes keep to these forms: a missing field is an error, and what stands in no form is never sent.
 """
@@ -10,7 +10,7 @@ from pydantic import BaseModel, create_model
 
 
 class Answer(BaseModel):
-    """A thing of the project."""
+    """An entry of the project."""
 
     id: str
     created: str | None  #: In UTC.
@@ -154,7 +154,7 @@ class Job(Answer):
 
 
 def _list(name: str, kind: type[Answer], **more: Any) -> Any:
-    """A list of things under its name."""
+    """A list of entries under its name."""
     fields: dict[str, Any] = {name: (GenericAlias(list, (kind,)), ...)} | more
     return create_model(f"{kind.__name__}List", **fields)
 

@@ -1,8 +1,8 @@
 """What is set aside when a project is opened: what was deleted long ago, and old uploads.
 
-Nothing is deleted: things and their files go to the project's ``trash`` folder, and only from there
-for good, after 30 more days on which the project was used. Only what the database says was made
-here is touched.
+Nothing is deleted: entries and their files go to the project's ``trash`` folder, and only from
+there for good, after 30 more days on which the project was used. Only what the database says was
+made here is touched.
 """
 
 import json
@@ -18,7 +18,7 @@ from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.places import FILES, move_to_trash, uploads_of
 from surae_workbench.web.rows import plain
 
-#: Days of use: deleted things come back with undo for so long, uploads lie so long unused; and
+#: Days of use: deleted entries come back with undo for so long, uploads lie so long unused; and
 #: the trash keeps what came into it.
 KEPT = 30
 #: Finished jobs that are remembered; results are kept whether or not their job is.
@@ -50,7 +50,7 @@ def clean(folder: Path, database: Database, day: int, old: float | None) -> None
 
 
 def trash(folder: Path, database: Database, day: int, kind: str, id_: str) -> None:
-    """Put a thing and its files into the trash; its row, whatever it holds, stays there too."""
+    """Put an entry and its files into the trash; its row, whatever it holds, stays there too."""
     row = database.row(
         "SELECT created, deleted, data FROM thing WHERE kind = ? AND id = ?", kind, id_
     )
@@ -75,7 +75,7 @@ def trash(folder: Path, database: Database, day: int, kind: str, id_: str) -> No
 
 
 def _files(root: Path, kind: str, id_: str, content: object) -> Iterator[Path]:
-    """The files that were made for a thing."""
+    """The files that were made for an entry."""
     paths: list[Path] = []
     if kind in FILES:
         paths = list((root / FILES[kind][0]).glob(f"{id_}.*"))

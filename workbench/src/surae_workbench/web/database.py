@@ -1,8 +1,8 @@
 """project.db: what a project knows, in SQLite (write-ahead), safe from a kill at any time.
 
-Everything the users make is a *thing*: an id, a kind, and its content as JSON. Sessions and their
+Everything the users make is an *entry*: an id, a kind, and its content as JSON. Sessions and their
 steps (undo) have tables of their own. One connection writes, another reads, so that a program that
-holds the file from outside keeps nobody from looking. Things that are listed are kept in memory,
+holds the file from outside keeps nobody from looking. Entries that are listed are kept in memory,
 and read again where they were written: nobody else writes.
 """
 
@@ -17,12 +17,12 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from surae.database import Format, damage, open_to_read, open_to_write, told, transaction
+from surae.database import Format, damage, open_to_read, open_to_write, sqlite_errors, transaction
 from surae.errors import ComputationError
 from surae.files import shown
 from surae.processes import NO_ROOM
 from surae_workbench.web.http_errors import RefusedError
-from surae_workbench.web.rows import KINDS, Thing, thing
+from surae_workbench.web.rows import KINDS, Entry, entry
 
 #: Jobs that wait or are at work.
 ACTIVE = ("queued", "running")
@@ -57,8 +57,8 @@ FORMAT = Format(
     NO_ROOM,
     "recordings and fits beside it are whole; restore a backup",
 )
-#: A row as it is kept: when it was made, its thing, and what is wrong with one that is damaged.
-_Kept = tuple[Any, Thing | None, dict[str, str]]
+#: A row as it is kept: when it was made, its entry, and what is wrong with one that is damaged.
+_Kept = tuple[Any, Entry | None, dict[str, str]]
 
 
 class Database:
@@ -88,7 +88,7 @@ class Database:
         self._kept: dict[str, dict[object, _Kept]] = {}
         self._stale: dict[str, set[object]] = {}
         self._touched: dict[str, set[object]] = {}
-        with told(self._name, FORMAT):
+        with sqlite_errors(self._name, FORMAT):
             self._file = open_to_write(path, self._name, FORMAT, _PATIENCE)
             try:
                 refuse_damage(self._file, self._name)
@@ -106,7 +106,7 @@ class Database:
     @contextmanager
     def transaction(self) -> Iterator[None]:
         """All of what is written within, or nothing; others wait."""
-        with self._writing, told(self._name, FORMAT):
+        with self._writing, sqlite_errors(self._name, FORMAT):
             if self._file.in_transaction:
                 yield
                 return
@@ -125,7 +125,7 @@ class Database:
     def rows(self, query: str, *values: object) -> list[tuple[Any, ...]]:
         """All rows of a query; within a transaction, as it sees them."""
         inside = getattr(self._writer, "here", False)
-        with self._writing if inside else self._reading, told(self._name, FORMAT):
+        with self._writing if inside else self._reading, sqlite_errors(self._name, FORMAT):
             file = self._file if inside else self._reader
             return file.execute(query, values).fetchall()
 
@@ -134,25 +134,25 @@ class Database:
         return next(iter(self.rows(query, *values)), None)
 
     def write(self, query: str, *values: object) -> int:
-        """Change something but things; how many rows were."""
+        """Change something but entries; how many rows were."""
         with self.transaction():
             return self._file.execute(query, values).rowcount
 
     def change(self, kind: str, id_: object, query: str, *values: object) -> int:
-        """Change the row of a thing; how many were."""
+        """Change the row of an entry; how many were."""
         with self.transaction():
             self._touched.setdefault(kind, set()).add(id_)
             return self._file.execute(query, values).rowcount
 
     def add(self, kind: str, data: Mapping[str, Any], id_: str | None = None) -> str:
-        """Keep a new thing; its id."""
+        """Keep a new entry; its id."""
         key = id_ or new_id()
         row = (key, kind, time.time(), json.dumps(data, allow_nan=False))
         self.change(kind, key, "INSERT INTO thing VALUES (?, ?, ?, 0, ?)", *row)
         return key
 
-    def get(self, kind: str, id_: str, *, deleted: bool = False) -> Thing | None:
-        """A thing with its `id` and `created`; None where there is none, or it was deleted.
+    def get(self, kind: str, id_: str, *, deleted: bool = False) -> Entry | None:
+        """An entry with its `id` and `created`; None where there is none, or it was deleted.
 
         A damaged row is refused.
         """
@@ -161,14 +161,14 @@ class Database:
             id_, kind, _EVER if deleted else 0,
         )  # fmt: skip
         try:
-            return None if row is None else thing(kind, *row)
+            return None if row is None else entry(kind, *row)
         except ValueError as error:
             raise RefusedError(
                 409, f"this {kind} is damaged ({error}); a backup may have it whole"
             ) from None
 
-    def all(self, kind: str) -> list[Thing]:
-        """All things of a kind that are whole and not deleted, the oldest first.
+    def all(self, kind: str) -> list[Entry]:
+        """All entries of a kind that are whole and not deleted, the oldest first.
 
         They are kept: whoever gets them does not change them.
         """
@@ -201,7 +201,7 @@ class Database:
         """Things of a kind, of these ids or all; None where there is none of an id."""
         query = "SELECT id, created, data FROM thing WHERE kind = ? AND deleted = 0"
         fetched: dict[object, _Kept | None] = dict.fromkeys(ids or ())
-        with lock, told(self._name, FORMAT):
+        with lock, sqlite_errors(self._name, FORMAT):
             if ids is None:
                 rows = file.execute(query, (kind,)).fetchall()
             else:
@@ -209,14 +209,14 @@ class Database:
                 rows = [row for id_ in ids for row in file.execute(one, (kind, id_))]
         for row in rows:
             try:
-                fetched[row[0]] = (row[1], thing(kind, *row), {})
+                fetched[row[0]] = (row[1], entry(kind, *row), {})
             except ValueError as error:
                 told_of = {"kind": kind, "id": shown(str(row[0])[:40]), "problem": str(error)}
                 fetched[row[0]] = (row[1], None, told_of)
         return fetched
 
-    def update(self, kind: str, id_: str, changes: Mapping[str, Any]) -> Thing | None:
-        """Change some of a thing's content; what it is now."""
+    def update(self, kind: str, id_: str, changes: Mapping[str, Any]) -> Entry | None:
+        """Change some of an entry's content; what it is now."""
         with self.transaction():
             changed = self.get(kind, id_, deleted=True)
             if changed is None:
@@ -229,12 +229,12 @@ class Database:
         return changed
 
     def mark(self, kind: str, id_: str, *, deleted: bool) -> bool:
-        """Delete a thing, or bring it back; whether that changed it."""
+        """Delete an entry, or bring it back; whether that changed it."""
         query = "UPDATE thing SET deleted = ? WHERE id = ? AND kind = ? AND (deleted > 0) = ?"
         now = int(time.time()) if deleted else 0
         return self.change(kind, id_, query, now, id_, kind, not deleted) > 0
 
-    def active(self) -> list[Thing]:
+    def active(self) -> list[Entry]:
         """Jobs that wait or are at work, the oldest first."""
         return [job for job in self.all("job") if job["state"] in ACTIVE]
 
@@ -246,7 +246,7 @@ class Database:
                 self.remove("job", id_)
 
     def remove(self, kind: str, id_: object) -> None:
-        """Remove the row of a thing."""
+        """Remove the row of an entry."""
         self.change(kind, id_, "DELETE FROM thing WHERE kind = ? AND id = ?", kind, id_)
 
 

@@ -8,7 +8,7 @@ from surae import api
 from surae.names import AUTO
 from surae_workbench.web.draft import settings_of, shown, upgraded
 from surae_workbench.web.project import dated, unique_name
-from surae_workbench.web.rows import Thing
+from surae_workbench.web.rows import Entry
 from surae_workbench.web.sessions import BrowserSession
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def submit_fit(
     bench: "Workbench", session: BrowserSession, draft: dict[str, Any], name: str | None
-) -> Thing:
+) -> Entry:
     """Ask for the fit that a draft describes; wrong settings are refused now, not in the job."""
     task, names = _task(bench, draft, name=name)
     label = (name or f"{model_title(draft['model'])} · {names}")[:200]
@@ -56,7 +56,7 @@ def prepared_draft(
     return settings, settings.inputs(inputs, contractions)
 
 
-def keep_fit(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
+def keep_fit(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str:
     """Add a finished fit to the project."""
     task, summary = job["task"], end["summary"]
     name = task["name"] or f"{model_title(summary['model'])} · {', '.join(summary['names'])}"
@@ -81,7 +81,7 @@ def add_fit(
     return bench.project.add("fit", data, id_)
 
 
-def keep_designs(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str | None:
+def keep_designs(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str | None:
     """Keep the protocols that were designed; the id of the last."""
     id_ = None
     for design in end["designs"]:
@@ -96,7 +96,7 @@ def keep_designs(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str 
     return id_
 
 
-def keep_profile(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
+def keep_profile(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str:
     """Add finished profiles to those of their fit."""
     del end
     id_ = str(job["about"])
@@ -110,7 +110,7 @@ def keep_profile(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     return id_
 
 
-def keep_study(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
+def keep_study(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str:
     """A study keeps itself."""
     del end
     bench.events.changed("studies")
@@ -137,7 +137,7 @@ def model_title(name: str) -> str:
     return "automatic" if name == AUTO else api.MODELS[name].title
 
 
-def fit_summary(bench: "Workbench", fit: Thing) -> dict[str, Any]:
+def fit_summary(bench: "Workbench", fit: Entry) -> dict[str, Any]:
     """A fit in lists."""
     first = bench.database.get("recording", fit["recordings"][0], deleted=True)
     return dated(
@@ -149,14 +149,14 @@ def fit_summary(bench: "Workbench", fit: Thing) -> dict[str, Any]:
     )
 
 
-def main_fit(bench: "Workbench", session: Thing) -> str | None:
+def main_fit(bench: "Workbench", session: Entry) -> str | None:
     """The fit that stands for a leg, if it is still there: of all together, or the only one."""
     fits = session["fits"]
     id_ = fits.get("joint") or (next(iter(fits.values())) if len(fits) == 1 else None)
     return id_ if id_ and bench.database.get("fit", id_) else None
 
 
-def _older(bench: "Workbench", fit: Thing) -> list[str]:
+def _older(bench: "Workbench", fit: Entry) -> list[str]:
     """Names of its recordings that have been described anew since."""
     rows = (bench.database.get("recording", id_) for id_ in fit["recordings"])
     made_of = fit.get("versions", {})
@@ -165,7 +165,7 @@ def _older(bench: "Workbench", fit: Thing) -> list[str]:
     ]
 
 
-def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
+def fit_detail(bench: "Workbench", fit: Entry) -> dict[str, Any]:
     """What the page of a fit needs beside its report."""
     return {
         "summary": fit_summary(bench, fit),

@@ -1,6 +1,6 @@
 """Work that takes time: queued, done by worker processes, followed by browsers, and kept.
 
-A job is a thing of the project from the moment it is asked for. When the server ends, however it
+A job is an entry of the project from the moment it is asked for. When the server ends, however it
 does, those that were not finished are found at the next start and marked as interrupted.
 """
 
@@ -20,7 +20,7 @@ from surae_workbench.web.database import new_id
 from surae_workbench.web.events import Events
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import Project, when
-from surae_workbench.web.rows import Thing
+from surae_workbench.web.rows import Entry
 from surae_workbench.web.sessions import BrowserSession
 
 _log = logging.getLogger("surae_workbench.web")
@@ -39,7 +39,7 @@ _ENDS = {
 }
 
 #: Keeps what a task has made; the id of the result, None where there is none.
-Finish = Callable[[Thing, Mapping[str, Any]], str | None]
+Finish = Callable[[Entry, Mapping[str, Any]], str | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,10 +111,10 @@ class Jobs:
         session: BrowserSession,
         task: Mapping[str, Any],
         about: str | None,
-    ) -> Thing:
+    ) -> Entry:
         """Ask for a job.
 
-        `label` is what lists call it; `task` is what the worker is given; `about` is the thing
+        `label` is what lists call it; `task` is what the worker is given; `about` is the entry
         that it is about.
         """
         if kind not in self._kinds:
@@ -141,7 +141,7 @@ class Jobs:
         self._tell(job)
         return job
 
-    def cancel(self, id_: str) -> Thing:
+    def cancel(self, id_: str) -> Entry:
         """Stop a job, as Ctrl-C does: what it has found so far is kept."""
         job = self._project.need("job", id_)
         with self._changed:
@@ -156,12 +156,12 @@ class Jobs:
                 raise RefusedError(409, f"this job has ended already: {job['state']}")
         return self._project.need("job", id_)
 
-    def of(self, about: str) -> list[Thing]:
-        """Jobs about a thing that wait or are at work."""
+    def of(self, about: str) -> list[Entry]:
+        """Jobs about an entry that wait or are at work."""
         return [job for job in self._project.database.active() if job["about"] == about]
 
     def shown(
-        self, job: Thing, session: BrowserSession | None, *, traces: bool = True
+        self, job: Entry, session: BrowserSession | None, *, traces: bool = True
     ) -> dict[str, Any]:
         """A job as the API shows it."""
         state, progress = job["state"], self._progress.get(job["id"])
@@ -182,7 +182,7 @@ class Jobs:
             "mine": session is not None and job["session"] == session.key,
         }
 
-    def _position(self, job: Thing) -> int | None:
+    def _position(self, job: Entry) -> int | None:
         if job["state"] != "queued":
             return None
         with self._changed:
@@ -257,14 +257,14 @@ class Jobs:
         self._tell(job)
         self._events.tell(f"job:{id_}", "end", self._owned(job))
 
-    def _tell(self, job: Thing) -> None:
+    def _tell(self, job: Entry) -> None:
         message = self._owned(job)
         self._events.tell(f"job:{job['id']}", "state", message)
         if message["progress"] is not None:
             message = {**message, "progress": {**message["progress"], "traces": []}}
         self._events.tell("project", "job", message)
 
-    def _owned(self, job: Thing) -> dict[str, Any]:
+    def _owned(self, job: Entry) -> dict[str, Any]:
         """A job with the session that owns it, for `seen_by`."""
         return {**self.shown(job, None), "owner": job["session"]}
 

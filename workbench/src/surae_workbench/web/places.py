@@ -1,4 +1,4 @@
-"""Where things lie in a project's folder, and what may not lie there."""
+"""Where entries lie in a project's folder, and what may not lie there."""
 
 import os
 import re
@@ -12,9 +12,9 @@ from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.rows import ID
 
 DATABASE = "project.db"
-#: Folders of things.
+#: Folders of entries.
 FOLDERS = ("recordings", "fits", "sessions", "studies", "uploads", "trash")
-#: Where the file of a thing lies.
+#: Where the file of an entry lies.
 FILES = {
     "recording": ("recordings", ".h5"),
     "fit": ("fits", ".json"),
@@ -24,7 +24,7 @@ FILES = {
 
 
 def plural(kind: str) -> str:
-    """What browsers call the list of a kind of things."""
+    """What browsers call the list of a kind of entries."""
     return FILES[kind][0] if kind in FILES else f"{kind}s"
 
 
@@ -111,7 +111,7 @@ def uploads_of(root: Path, session: object) -> Path:
 
 
 def file_of(root: Path, folder: str, id_: str, suffix: str) -> Path:
-    """The file of a thing in a project's folder."""
+    """The file of an entry in a project's folder."""
     path = root / folder / f"{_checked(id_, ID)}{suffix}"
     if is_link(path) or is_link(path.parent):
         raise RefusedError(409, f"{folder}/{path.name} is a link; put the file itself there")

@@ -25,7 +25,7 @@ from surae_workbench.web.places import (
     refuse_foreign,
     uploads_of,
 )
-from surae_workbench.web.rows import ID, Thing, plain
+from surae_workbench.web.rows import ID, Entry, plain
 
 _DAY = 86_400
 #: Days of use that are remembered; a clock that is further ahead than the last number is not used.
@@ -114,7 +114,7 @@ class Project:
             self._lock.close()
 
     def path(self, folder: str, id_: str, suffix: str) -> Path:
-        """The file of a thing; ids are ours, never a user's text.
+        """The file of an entry; ids are ours, never a user's text.
 
         A link in its place is refused: whoever gave this project away would choose what is read.
         """
@@ -174,24 +174,24 @@ class Project:
         return None if len(self._used) <= days else float(self._used[-days - 1] * _DAY)
 
     def add(self, kind: str, data: Mapping[str, Any], id_: str) -> str:
-        """Keep a thing whose file is there, with the file's checksum; its id."""
+        """Keep an entry whose file is there, with the file's checksum; its id."""
         folder, suffix = FILES[kind]
         checksum = sha256_of(self.path(folder, id_, suffix))
         return self.database.add(kind, {**data, "sha256": checksum}, id_)
 
     def discard(self, kind: str, id_: str) -> None:
-        """Put a thing that has no history into the trash, with its files."""
+        """Put an entry that has no history into the trash, with its files."""
         trash(self.folder, self.database, self.day, kind, id_)
 
-    def need(self, kind: str, id_: str) -> Thing:
-        """A thing that has to be there."""
+    def need(self, kind: str, id_: str) -> Entry:
+        """An entry that has to be there."""
         row = self.database.get(kind, id_)
         if row is None:
             raise not_found(kind)
         return row
 
-    def change(self, kind: str, id_: str, **changes: Any) -> Thing:
-        """Change some of a thing that has to be there."""
+    def change(self, kind: str, id_: str, **changes: Any) -> Entry:
+        """Change some of an entry that has to be there."""
         self.need(kind, id_)
         row = self.database.update(kind, id_, changes)
         if row is None:
@@ -200,7 +200,7 @@ class Project:
 
 
 def unique_name(rows: Iterable[Mapping[str, Any]], name: str, longest: int = 200) -> str:
-    """The name, with a number where one of the things has it."""
+    """The name, with a number where one of the entries has it."""
     taken = {row["name"] for row in rows}
     fresh, number = name[:longest], 2
     while fresh in taken:

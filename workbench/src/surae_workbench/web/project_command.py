@@ -29,7 +29,7 @@ def backup(folder: str, to: str) -> None:
     with work() as progress:
         progress.describe(f"copying {folder}")
         seen = upkeep.backup(folder, to, partial(progress.parts, "entries checked"))
-    click.echo(f"{to}: {seen.things} entries and {seen.files} files, all as they were kept")
+    click.echo(f"{to}: {seen.entries} entries and {seen.files} files, all as they were kept")
 
 
 @command.command("check")
@@ -50,10 +50,10 @@ def check(folder: str) -> None:
         click.echo(f"belongs to nothing: {name}")
     for name in seen.unsealed:
         click.echo(f"no checksum was kept of: {name}")
-    click.echo(f"{seen.things} entries, {seen.files} files as they were kept")
+    click.echo(f"{seen.entries} entries, {seen.files} files as they were kept")
     if seen.problems:
         count = len(seen.problems)
         raise ComputationError(
-            f"{count} {'thing is' if count == 1 else 'things are'} wrong; all others are usable; "
+            f"{count} {'entry is' if count == 1 else 'entries are'} wrong; all others are usable; "
             "a backup may have them whole"
         )

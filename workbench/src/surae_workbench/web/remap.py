@@ -14,7 +14,7 @@ from surae.errors import InputError
 from surae.frozen import read_only
 from surae.units import FACTORS, SI, FloatArray, kind
 from surae_workbench.web.imports import CLOCK, Upload, described, imported, preview, read_recording
-from surae_workbench.web.rows import Thing
+from surae_workbench.web.rows import Entry
 
 #: What of a recording's row belongs to its description.
 FIELDS = (
@@ -32,7 +32,7 @@ _ADVISED = re.compile(r'unit = "([^"]+)"')
 _FILE = "the file is needed for another column or clock; drop it on the page Import again"
 
 
-def first_mapping(row: Thing) -> dict[str, Any]:
+def first_mapping(row: Entry) -> dict[str, Any]:
     """The description with which a recording was imported; one of its own where there was none."""
     first = row.get("first") or row["mapping"]
     if first is None:
@@ -54,7 +54,7 @@ def first_mapping(row: Thing) -> dict[str, Any]:
     }
 
 
-def present_mapping(row: Thing) -> dict[str, Any]:
+def present_mapping(row: Entry) -> dict[str, Any]:
     """The description that a recording has now."""
     return dict(row["mapping"]) if row.get("version") else first_mapping(row)
 

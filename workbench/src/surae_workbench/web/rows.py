@@ -14,8 +14,8 @@ from surae import api
 from surae.errors import InputError
 from surae_workbench.web.schemas import DraftChange, ProtocolSettings
 
-#: A thing: its content with its `id` and `created`.
-Thing = dict[str, Any]
+#: An entry: its content with its `id` and `created`.
+Entry = dict[str, Any]
 
 ID = re.compile(r"[0-9a-f]{16}")
 #: Longest content of a row [characters].
@@ -167,8 +167,8 @@ KINDS: dict[str, type[_Row]] = {
 }
 
 
-def thing(kind: str, id_: object, created: object, text: object) -> Thing:
-    """A row as a thing.
+def entry(kind: str, id_: object, created: object, text: object) -> Entry:
+    """A row as an entry.
 
     A ValueError says what is wrong with it, in a few words.
     """

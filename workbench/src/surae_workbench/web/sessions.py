@@ -128,7 +128,7 @@ class BrowserSessions:
         self._tell(session, now + 1)
 
     def delete(self, session: BrowserSession, kind: str, id_: str, label: str) -> None:
-        """Delete a thing, so that undo brings it back."""
+        """Delete an entry, so that undo brings it back."""
         with self._changed(session) as draft:
             self._mark(session, kind, id_, deleted=True)
             reference = {"kind": kind, "id": id_}
@@ -215,7 +215,7 @@ class BrowserSessions:
         self._tell(session, now + 1)
 
     def _mark(self, session: BrowserSession, kind: str, id_: str, *, deleted: bool) -> bool:
-        """Delete a thing again, or bring it back if this session deleted it; whether it did."""
+        """Delete an entry again, or bring it back if this session deleted it; whether it did."""
         row = self._database.get(kind, id_, deleted=True)
         if row is None or (not deleted and row.get("deleted_by", session.key) != session.key):
             return False

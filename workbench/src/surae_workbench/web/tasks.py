@@ -36,7 +36,7 @@ def _read(task: Task, ids: Sequence[str]) -> list[api.Recording]:
     return recordings
 
 
-def _asked(
+def _request_of(
     task: Task,
 ) -> "tuple[api.FitSettings, list[api.Recording], tuple[api.ModelInputs, ...]]":
     """What the draft of a task asks, its recordings, and what a model reads of them."""
@@ -55,7 +55,7 @@ def _compiling() -> AbstractContextManager[None]:
 
 def fit(task: Task) -> dict[str, Any]:
     """Fit, as `surae fit` does, and write FIT.json."""
-    settings, recordings, inputs = _asked(task)
+    settings, recordings, inputs = _request_of(task)
     from surae_workbench.web.fit_progress import FitProgress
 
     quality = [api.check(recording, prepared=settings.prepared) for recording in recordings]
@@ -85,7 +85,7 @@ def session(task: Task) -> dict[str, Any]:
         tell({"what": step.what, "done": step.done, "total": step.total})
 
     with _compiling():
-        result = leg.run(None, settings, told=progress)
+        result = leg.run(None, settings, progress=progress)
     fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
     for name, fitted in fits.items():
         fitted.save(_file(task, "fits", task["fits"][name], ".json"))

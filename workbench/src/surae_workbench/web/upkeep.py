@@ -8,7 +8,7 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from surae.database import connected, copy, open_to_read, told
+from surae.database import connected, copy, open_to_read, sqlite_errors
 from surae.errors import ComputationError, InputError, SuraeError
 from surae.files import PathLike, sha256_of, shown
 from surae.progress import Progress
@@ -22,7 +22,7 @@ from surae_workbench.web.places import (
     refuse_foreign,
     uploads_of,
 )
-from surae_workbench.web.rows import KINDS, Thing, thing
+from surae_workbench.web.rows import KINDS, Entry, entry
 
 #: What the database of a copy is called until the copy is whole.
 _UNFINISHED = f"{DATABASE}.unfinished"
@@ -32,18 +32,18 @@ _UNFINISHED = f"{DATABASE}.unfinished"
 class Checked:
     """What a check has seen."""
 
-    #: `things`, `files`: things in the database, and files that are theirs and as they were kept.
-    things: int
+    #: `entries`, `files`: entries in the database, and files that are theirs and as they were kept.
+    entries: int
     files: int
     problems: tuple[str, ...]  #: What is wrong, a line each.
     orphans: tuple[str, ...]  #: Files that belong to nothing, as work that was killed leaves them.
-    unsealed: tuple[str, ...]  #: Files of things whose checksum an older surae did not keep.
+    unsealed: tuple[str, ...]  #: Files of entries whose checksum an older surae did not keep.
 
 
 def check(folder: PathLike, progress: Progress | None = None) -> Checked:
     """Compare a project's database with itself and with the files, also while it is in use.
 
-    `progress` is called with how many things have been looked at, and how many there are.
+    `progress` is called with how many entries have been looked at, and how many there are.
     """
     root = _project(folder)
     try:
@@ -110,7 +110,10 @@ def _project(folder: PathLike) -> Path:
 @contextmanager
 def _opened(root: Path, name: str = DATABASE) -> Iterator[sqlite3.Connection]:
     """The database of a project, to read, if its tables are whole."""
-    with told(DATABASE, FORMAT), closing(open_to_read(root / name, DATABASE, FORMAT)) as file:
+    with (
+        sqlite_errors(DATABASE, FORMAT),
+        closing(open_to_read(root / name, DATABASE, FORMAT)) as file,
+    ):
         refuse_damage(file, DATABASE)
         yield file
 
@@ -119,7 +122,7 @@ def _checked(root: Path, file: sqlite3.Connection, progress: Progress | None) ->
     """What a check sees of a database that can be read."""
     problems, unsealed, known = list[str](), list[str](), set[Path]()
     whole, there = 0, _files_of(root)
-    with told(DATABASE, FORMAT):
+    with sqlite_errors(DATABASE, FORMAT):
         rows = file.execute("SELECT kind, id, created, data, deleted FROM thing").fetchall()
     for number, (kind, id_, created, text, deleted) in enumerate(rows):
         if progress is not None:
@@ -130,7 +133,7 @@ def _checked(root: Path, file: sqlite3.Connection, progress: Progress | None) ->
         if kind not in KINDS:
             continue
         try:
-            row = thing(str(kind), id_, created, text)
+            row = entry(str(kind), id_, created, text)
             paths = list(_paths(root, str(kind), row))
         except (ValueError, SuraeError) as error:
             problems.append(f"{name} is damaged: {error}")
@@ -163,8 +166,8 @@ def _files_of(root: Path) -> dict[tuple[str, object], list[Path]]:
     return there
 
 
-def _paths(root: Path, kind: str, row: Thing) -> Iterator[tuple[Path, str | None]]:
-    """The files of a thing, and the checksum that was kept of each."""
+def _paths(root: Path, kind: str, row: Entry) -> Iterator[tuple[Path, str | None]]:
+    """The files of an entry, and the checksum that was kept of each."""
     if kind in FILES:
         yield file_of(root, FILES[kind][0], row["id"], FILES[kind][1]), row.get("sha256")
         if row.get("version"):

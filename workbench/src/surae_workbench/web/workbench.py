@@ -16,7 +16,7 @@ from surae_workbench.web.jobs import Jobs
 from surae_workbench.web.places import plural
 from surae_workbench.web.project import Project
 from surae_workbench.web.request_workers import RequestWorkers
-from surae_workbench.web.rows import Thing
+from surae_workbench.web.rows import Entry
 from surae_workbench.web.sessions import BrowserSession, BrowserSessions
 
 #: Memory for curves, for what models read, for fits and for reports [bytes].
@@ -108,14 +108,14 @@ class Workbench:
         return self._fits.get(id_, make)
 
     def delete(self, session: BrowserSession, kind: str, id_: str, label: str) -> None:
-        """Delete a thing so that undo brings it back; its files stay."""
+        """Delete an entry so that undo brings it back; its files stay."""
         self.project.need(kind, id_)
         if self.jobs.of(id_):
             raise RefusedError(409, f"a job is at work on this {kind}; cancel it first")
         self.sessions.delete(session, kind, id_, label)
         self.events.changed(plural(kind))
 
-    def draft_recordings(self, draft: Mapping[str, Any]) -> list[Thing]:
+    def draft_recordings(self, draft: Mapping[str, Any]) -> list[Entry]:
         """The recordings of a draft."""
         if not draft["recordings"]:
             raise RefusedError(400, "no recording is chosen; choose at least one")

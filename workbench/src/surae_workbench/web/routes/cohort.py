@@ -9,7 +9,7 @@ from surae.files import csv_row
 from surae_workbench.web.fits import main_fit, model_title
 from surae_workbench.web.project import when
 from surae_workbench.web.routes.common import ERRORS, Bench, Responses, attachment
-from surae_workbench.web.rows import Thing
+from surae_workbench.web.rows import Entry
 from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["cohort"])
@@ -76,7 +76,7 @@ def _rows(bench: Workbench, which: str) -> list[dict[str, Any]]:
     return sorted(rows, key=lambda r: (r["subject"], r["side"] or "", r["created"], r["name"]))
 
 
-def _row(fit: Thing, name: str, recording: Thing, subject: Thing | None) -> dict[str, Any]:
+def _row(fit: Entry, name: str, recording: Entry, subject: Entry | None) -> dict[str, Any]:
     trial = recording if len(fit["recordings"]) == 1 else {"trial": "", "condition": ""}
     return {
         "fit": fit["id"],

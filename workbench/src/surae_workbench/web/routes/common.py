@@ -15,7 +15,7 @@ from fastapi import Path as InPath
 from surae.files import natural_order, sha256
 from surae_workbench.web.draft import changed, empty_draft
 from surae_workbench.web.http_errors import RefusedError
-from surae_workbench.web.rows import Thing
+from surae_workbench.web.rows import Entry
 from surae_workbench.web.schemas import DraftChange, Error
 from surae_workbench.web.security import NO_SESSION
 from surae_workbench.web.sessions import BrowserSession
@@ -57,13 +57,13 @@ class Page:
     def of(
         self,
         kind: str,
-        rows: Sequence[Thing],
-        values: Mapping[str, Callable[[Thing], Any]],
-        show: Callable[[Thing], dict[str, Any]],
+        rows: Sequence[Entry],
+        values: Mapping[str, Callable[[Entry], Any]],
+        show: Callable[[Entry], dict[str, Any]],
     ) -> dict[str, Any]:
         """That part of a list, how many were found in all, and those that were wanted anyway.
 
-        `values` are what things are found and sorted by; `show` is called for what is shown alone.
+        `values` are what entries are found and sorted by; `show` is called for what is shown alone.
         """
         wanted, words = set(self.also.split(",")), self.find.casefold().split()
         found = list(rows)
@@ -95,19 +95,19 @@ def _order(value: Any) -> Any:
     return natural_order(value.casefold()) if isinstance(value, str) else value
 
 
-#: What a page has seen of a thing that it changes, as `revision` gives it.
+#: What a page has seen of an entry that it changes, as `revision` gives it.
 Seen = Annotated[str | None, Header(alias="If-Match", max_length=80)]
-#: What people write on things.
+#: What people write on entries.
 _LABELS = ("code", "group", "notes", "body_mass", "name", "subject", "side", "trial", "condition")
 
 
-def revision(row: Thing) -> str:
-    """Names what people wrote on a thing, so that nobody overwrites what he has not seen."""
+def revision(row: Entry) -> str:
+    """Names what people wrote on an entry, so that nobody overwrites what he has not seen."""
     labels = {key: row[key] for key in _LABELS if key in row}
     return sha256(json.dumps(labels, sort_keys=True).encode())[:16]
 
 
-def refuse_unseen(row: Thing, seen: str | None) -> None:
+def refuse_unseen(row: Entry, seen: str | None) -> None:
     """Refuse to overwrite what another browser has changed since `seen`.
 
     The message says what stands there now.
@@ -145,7 +145,7 @@ def made_file(name: str, write: Callable[[Path], object]) -> bytes:
 
 
 def offer_deletion(router: APIRouter, path: str, kind: str) -> None:
-    """Have things of a kind deleted by their address; undo brings them back."""
+    """Have entries of a kind deleted by their address; undo brings them back."""
 
     def delete(id: PathId, bench: Bench, browser: Browser) -> Response:
         """Delete it; undo brings it back."""

@@ -19,7 +19,7 @@ from surae_workbench.web.remap import (
 )
 from surae_workbench.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae_workbench.web.routes.recordings import shown_recording
-from surae_workbench.web.rows import Thing
+from surae_workbench.web.rows import Entry
 from surae_workbench.web.schemas import DescriptionRequest
 from surae_workbench.web.workbench import Workbench
 
@@ -108,7 +108,7 @@ def post_description(body: DescriptionRequest, bench: Bench, browser: Browser) -
 
 
 def _made(
-    bench: Workbench, row: Thing, wanted: dict[str, Any], output: str | None
+    bench: Workbench, row: Entry, wanted: dict[str, Any], output: str | None
 ) -> dict[str, Any]:
     """What a description makes of what was imported, kept where `output` says so."""
     first = first_mapping(row)
@@ -138,5 +138,5 @@ def _uploaded(bench: Workbench, mapping: dict[str, Any]) -> list[dict[str, str]]
     return files
 
 
-def _columns(row: Thing) -> set[str]:
+def _columns(row: Entry) -> set[str]:
     return {channel["column"] for channel in first_mapping(row)["channels"].values()}

@@ -34,7 +34,7 @@ def page(
 
 
 def _offer(path: str, name: str, kind: str) -> None:
-    """Have a path show a template: by itself, or for a thing of a kind that has to be there."""
+    """Have a path show a template: by itself, or for an entry of a kind that has to be there."""
 
     def frame(request: Request, browser: Browser) -> Response:
         return page(request, name, browser)
@@ -46,7 +46,7 @@ def _offer(path: str, name: str, kind: str) -> None:
     router.add_api_route(path, frame_of if kind else frame, name=name)
 
 
-#: Path, template, and the kind of thing that it is about, if it is about one.
+#: Path, template, and the kind of entry that it is about, if it is about one.
 for _page in (
     ("/", "project", ""),
     ("/import", "import", ""),

@@ -24,7 +24,7 @@ from surae_workbench.web.routes.common import (
     refuse_unseen,
     revision,
 )
-from surae_workbench.web.rows import Thing
+from surae_workbench.web.rows import Entry
 from surae_workbench.web.schemas import Points, RecordingPatch, SubjectPatch, SubjectRequest
 from surae_workbench.web.workbench import Workbench
 
@@ -104,7 +104,7 @@ def _refuse_code(bench: Workbench, code: str, own: str | None) -> None:
         raise RefusedError(409, f"there is a subject {code!r} already; give another code")
 
 
-def _subject(subject: Thing, recordings: int, fits: int) -> dict[str, Any]:
+def _subject(subject: Entry, recordings: int, fits: int) -> dict[str, Any]:
     return dated(subject, recordings=recordings, fits=fits, revision=revision(subject))
 
 
@@ -152,14 +152,14 @@ def patch_recording(
 offer_deletion(router, "/recordings/{id}", "recording")
 
 
-def shown_recording(bench: Workbench, recording: Thing) -> dict[str, Any]:
+def shown_recording(bench: Workbench, recording: Entry) -> dict[str, Any]:
     """A recording as the API shows it."""
     return _recording(
         recording, sum(recording["id"] in fit["recordings"] for fit in bench.database.all("fit"))
     )
 
 
-def _recording(recording: Thing, fits: int) -> dict[str, Any]:
+def _recording(recording: Entry, fits: int) -> dict[str, Any]:
     version = recording.get("version", 0)
     return dated(recording, fits=fits, version=version, revision=revision(recording))
 

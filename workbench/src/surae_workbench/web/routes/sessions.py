@@ -23,7 +23,7 @@ from surae_workbench.web.routes.common import (
     made_file,
     offer_deletion,
 )
-from surae_workbench.web.rows import Thing
+from surae_workbench.web.rows import Entry
 from surae_workbench.web.schemas import NameRequest, SessionRequest, TrialsRequest
 from surae_workbench.web.sessions import BrowserSession
 from surae_workbench.web.workbench import Workbench
@@ -129,7 +129,7 @@ def sorted_as(
     return [
         {
             "recording": id_, "name": row["name"], "effort": trials[row["name"]].effort,
-            "told": trials[row["name"]].told, "fitted": trials[row["name"]].use == "fit",
+            "stated": trials[row["name"]].stated, "fitted": trials[row["name"]].use == "fit",
             **{
                 key: getattr(api.trial_row(trials[row["name"]], None, None, {}, {}), key)
                 for key in ("what", "why", "use", "problem")
@@ -146,7 +146,7 @@ def submit_session(
     recordings: Sequence[str],
     efforts: Mapping[str, str],
     name: str | None,
-) -> Thing:
+) -> Entry:
     """Ask for the fits of a session; what cannot be kept is refused now, not in the job."""
     rows = [bench.project.need("recording", id_) for id_ in dict.fromkeys(recordings)]
     cut = [row["name"] for row in rows if draft["exclusions"].get(row["id"])]
@@ -173,13 +173,13 @@ def submit_session(
     return bench.jobs.submit("session", called, browser, task, chosen[0])
 
 
-def _usual_name(bench: Workbench, rows: Sequence[Thing]) -> str:
+def _usual_name(bench: Workbench, rows: Sequence[Entry]) -> str:
     subject = bench.database.get("subject", rows[0]["subject"]) if rows[0]["subject"] else None
     who = "Leg" if subject is None else subject["code"]
     return ", ".join(filter(None, (who, rows[0]["side"], f"{date.today():%Y-%m-%d}")))
 
 
-def keep_session(bench: Workbench, job: Thing, end: Mapping[str, Any]) -> str:
+def keep_session(bench: Workbench, job: Entry, end: Mapping[str, Any]) -> str:
     """Add a session to the project, and its fits as fits like any other."""
     task, ids = job["task"], {}
     by_name = {name: id_ for id_, name in task["names"].items()}
@@ -196,7 +196,7 @@ def keep_session(bench: Workbench, job: Thing, end: Mapping[str, Any]) -> str:
     return id_
 
 
-def session_summary(bench: Workbench, session: Thing) -> dict[str, Any]:
+def session_summary(bench: Workbench, session: Entry) -> dict[str, Any]:
     """A session in lists."""
     first = bench.database.get("recording", session["recordings"][0], deleted=True)
     adequacy = session["content"].get("adequacy")
@@ -209,7 +209,7 @@ def session_summary(bench: Workbench, session: Thing) -> dict[str, Any]:
     )
 
 
-def session_detail(bench: Workbench, session: Thing) -> dict[str, Any]:
+def session_detail(bench: Workbench, session: Entry) -> dict[str, Any]:
     """The fits that are still there, and other visits of the leg."""
     fits = {name: bench.database.get("fit", id_) for name, id_ in session["fits"].items()}
     own = session_summary(bench, session)

@@ -20,7 +20,7 @@ from surae_workbench.web.routes.common import (
     made_file,
     offer_deletion,
 )
-from surae_workbench.web.rows import Thing
+from surae_workbench.web.rows import Entry
 from surae_workbench.web.schemas import StudyRequest
 from surae_workbench.web.sessions import BrowserSession
 from surae_workbench.web.workbench import Workbench
@@ -119,7 +119,7 @@ def _store(bench: Workbench, id_: str) -> api.Store:
 
 
 def _start(
-    bench: Workbench, browser: BrowserSession, row: Thing, study: api.Study
+    bench: Workbench, browser: BrowserSession, row: Entry, study: api.Study
 ) -> dict[str, Any]:
     if bench.jobs.of(row["id"]):
         raise RefusedError(409, "this study is at work already")
@@ -128,7 +128,7 @@ def _start(
     return bench.jobs.shown(job, browser)
 
 
-def _shown(bench: Workbench, row: Thing) -> dict[str, Any]:
+def _shown(bench: Workbench, row: Entry) -> dict[str, Any]:
     jobs = bench.jobs.of(row["id"])
     path = bench.project.path("studies", row["id"], ".db")
     done, fits, reasons = 0, None, dict[str, int]()

@@ -17,7 +17,7 @@ from surae_workbench.web.project import dated, unique_name
 from surae_workbench.web.remap import proposals
 from surae_workbench.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae_workbench.web.routes.recordings import shown_recording
-from surae_workbench.web.rows import Thing
+from surae_workbench.web.rows import Entry
 from surae_workbench.web.schemas import ImportRequest
 from surae_workbench.web.sessions import BrowserSession
 from surae_workbench.web.workbench import Workbench
@@ -94,7 +94,7 @@ def _refuse_more(bench: Workbench, browser: BrowserSession) -> None:
         raise RefusedError(409, f"{MOST_UPLOADS} files are uploaded already; delete some first")
 
 
-def _keep(bench: Workbench, browser: BrowserSession, data: Thing, id_: str) -> None:
+def _keep(bench: Workbench, browser: BrowserSession, data: Entry, id_: str) -> None:
     """Note a file, unless others came in at the same time and there are now too many."""
     with bench.database.transaction():
         _refuse_more(bench, browser)
@@ -244,18 +244,18 @@ def _imported(
     return result
 
 
-def _uploads(bench: Workbench, browser: BrowserSession) -> list[Thing]:
+def _uploads(bench: Workbench, browser: BrowserSession) -> list[Entry]:
     return [upload for upload in bench.database.all("upload") if upload["session"] == browser.key]
 
 
-def _upload(bench: Workbench, browser: BrowserSession, id_: str) -> Thing:
+def _upload(bench: Workbench, browser: BrowserSession, id_: str) -> Entry:
     upload = bench.database.get("upload", id_)
     if upload is None or upload["session"] != browser.key:
         raise not_found("upload")
     return upload
 
 
-def _files(bench: Workbench, browser: BrowserSession, uploads: list[Thing]) -> list[dict[str, str]]:
+def _files(bench: Workbench, browser: BrowserSession, uploads: list[Entry]) -> list[dict[str, str]]:
     folder = bench.project.uploads(browser.key)
     return [
         {"id": upload["id"], "path": str(folder / upload["id"]), "name": upload["name"]}

@@ -38,7 +38,7 @@ function open(missed) {
 
 const announce = (name, detail) => dispatchEvent(new CustomEvent(`surae:${name}`, { detail }));
 
-/** Call `work` when one of these kinds of things changed, or may have. */
+/** Call `work` when one of these kinds of entries changed, or may have. */
 export function onChanged(kinds, work) {
   addEventListener("surae:changed", ({ detail }) => {
     if (detail.what === "all" || kinds.includes(detail.what)) work();

@@ -34,7 +34,7 @@ async function useForFit(recording) {
   });
 }
 
-const drop = (kind, thing, label, more) => deleteButton(`/api/${kind}/${thing.id}`, label, boxes[kind], () => refresh(), more);
+const drop = (kind, entry, label, more) => deleteButton(`/api/${kind}/${entry.id}`, label, boxes[kind], () => refresh(), more);
 
 const pages = Object.fromEntries(["recordings", "fits"].map((kind) => [kind, paged(kind, () => refresh())]));
 const recordingsTable = sortable("Trials of the project", [

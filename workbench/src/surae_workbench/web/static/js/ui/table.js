@@ -71,7 +71,7 @@ export function sortable(caption, columns, byServer = null) {
   };
 }
 
-/** A button that deletes a thing; `done` is called then. */
+/** A button that deletes an entry; `done` is called then. */
 export const deleteButton = (url, name, box, done, more = "") =>
   button(
     "Delete",
