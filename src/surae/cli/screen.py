@@ -47,9 +47,9 @@ def show_fit(fit: "api.Fit") -> None:
     show_adequacy(fit.adequacy)
     right = {"value", "95 % interval"}
     _show_table(out, heads, rows, {*heads} - right, {"95 % interval"} if narrow else ())
-    said = fit.result.problem.options.anatomy.said
+    worded = fit.result.problem.options.anatomy.worded
     for line in (*_notes(fit, out.width), *_unknown(fit, out.width)):
-        show_line(said(line))
+        show_line(worded(line))
     _show_trials(fit, out)
     for quality in fit.assessment.recordings:
         show_line(
