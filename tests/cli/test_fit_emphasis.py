@@ -83,7 +83,7 @@ def test_body_mass_fixes_m_and_says_so(run, files) -> None:
         (("--exclude", "900:901"), ("holds no sample", "trial.csv")),
         (("--weight", "3:4"), ("start:end:weight",)),
         (("--weight", "3:4:-1"), ("weight is -1",)),
-        (("--weight-peaks", "-2"), ("zero or more",)),
+        (("--weight-peaks", "-2"), ("peaks is -2", "at least 0")),
         (("--weight-peaks", "high"), ("--weight-peaks", "not a number")),
         (("--weight-peaks", "2", "--peaks-of", "angle"), ("--peaks-of", "'angle'", "emg")),
         (("--peaks-of", "emg"), ("--weight-peaks",)),

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from surae.model.contraction import (
+    contraction,
     force_length,
     force_length_partials,
     force_velocity,
@@ -81,3 +82,17 @@ def test_force_velocity_partials(vmax, ratio) -> None:
     numeric_vmax = (force_velocity(speed, vmax + h) - force_velocity(speed, vmax - h)) / (2 * h)
     assert by_speed == pytest.approx(numeric_speed, rel=1e-6, abs=1e-9 / vmax)
     assert by_vmax == pytest.approx(numeric_vmax, rel=1e-6, abs=1e-9 / vmax)
+
+
+def test_contraction_is_the_product_of_both_factors_with_its_slopes() -> None:
+    l0, factor, h = 0.04, 8.0, 1e-7
+    x, v = np.array([0.03, 0.04, 0.05]), np.array([-0.1, 0.05, 0.2])
+    both, by_x, by_v = contraction(x, v, l0, factor)
+    expected = [
+        force_length(a, l0) * force_velocity(b, factor * l0) for a, b in zip(x, v, strict=True)
+    ]
+    np.testing.assert_allclose(both, expected, rtol=1e-14)
+    longer, shorter = contraction(x + h, v, l0, factor)[0], contraction(x - h, v, l0, factor)[0]
+    np.testing.assert_allclose(by_x, (longer - shorter) / (2 * h), rtol=1e-6, atol=1e-6)
+    faster, slower = contraction(x, v + h, l0, factor)[0], contraction(x, v - h, l0, factor)[0]
+    np.testing.assert_allclose(by_v, (faster - slower) / (2 * h), rtol=1e-6)
