@@ -8,8 +8,7 @@ import pytest
 
 import surae
 from surae.names import FITTED
-from surae.protocol import PROFILES, Protocol, generate, named_device, write_protocol_csv
-from surae.protocol.planning.ready import ready_protocols
+from surae.protocol import Protocol, generate, named_device, write_protocol_csv
 
 from .conftest import PATIENCE, least
 
@@ -74,15 +73,6 @@ def test_nothing_is_exported_beyond_limits_or_without_a_device_but_for_a_reason(
     assert allowed.content.startswith(b"time_s")
 
 
-def test_protocols_side_by_side(browser) -> None:
-    body = {"settings": {**SETTINGS, "device": "achilles"}}
-    rows = browser.post("/api/protocols/side-by-side", json=body).json()["protocols"]
-    assert {row["name"] for row in rows} == {*PROFILES, *ready_protocols()}
-    named = {row["name"]: row for row in rows}
-    assert named["everything-35"]["worst"] < named["multiple-holds"]["worst"]
-    assert named["everything-35"]["exceeded"] == named["compliant-35"]["exceeded"] == []
-
-
 @pytest.mark.parametrize(
     "change",
     [
@@ -135,8 +125,6 @@ def test_a_protocol_is_designed_in_the_browser(browser) -> None:
     lines = browser.get(f"/api/protocols/{made['id']}/protocol.csv").text.splitlines()
     angle = np.array([line.split(",")[1] for line in lines[1:]], float)
     np.testing.assert_allclose(angle, told.trajectory.angle, atol=1e-9)
-    rows = browser.post("/api/protocols/side-by-side", json={"settings": SETTINGS}).json()
-    assert next(r for r in rows["protocols"] if r["name"] == made["name"])["seconds"] == 12.0
     for kept_one in kept.values():
         browser.delete(f"/api/protocols/{kept_one['id']}")
 

@@ -1,7 +1,6 @@
 """The protocol designer: a motion before anybody is measured, its limits, what it will tell."""
 
 import time
-from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Annotated, Any
 
@@ -83,16 +82,6 @@ def get_choices() -> dict[str, Any]:
 def post_preview(body: ProtocolPreview) -> dict[str, Any]:
     """The motion, its limits, what it covers, and what it will tell of virtual legs."""
     return preview(body.settings, body.model, body.population, body.noise)
-
-
-@router.post("/side-by-side")
-def post_side_by_side(body: ProtocolPreview, bench: Bench) -> dict[str, Any]:
-    """What every protocol, of the thesis and designed, will tell of the same legs."""
-    saved = {
-        row["name"]: ProtocolSettings(**row["settings"]) for row in bench.database.all("protocol")
-    }
-    rows = side_by_side(body.settings, body.model, body.population, body.noise, saved)
-    return {"protocols": rows}
 
 
 @router.post("/design", status_code=202, response_model=answers.Job)
@@ -236,49 +225,3 @@ def preview(
         "prediction": expectation.to_json() | {"identified": expectation.identified},
         "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
     }
-
-
-def side_by_side(
-    settings: ProtocolSettings,
-    model: str,
-    population: str,
-    noise: float,
-    saved: Mapping[str, ProtocolSettings],
-) -> list[dict[str, Any]]:
-    """Every protocol: of the thesis, those that come designed, and those that are kept.
-
-    The legs and the noise are the same; those that are kept move over their own range.
-    """
-    rows = []
-    short = [name for name, profile in api.PROFILES.items() if profile.duration < 20.0]
-    fresh = {"rate_hz": 128.0, "duration": None, "plan": None, "limits": None}
-    compared = {
-        name: settings.model_copy(
-            update={**fresh, "profile": name, **({"task": "passive"} if name in short else {})}
-        )
-        for name in (*api.ready_protocols(), *api.PROFILES)
-    } | {name: own.model_copy(update={"rate_hz": 128.0}) for name, own in saved.items()}
-    for name, asked in compared.items():
-        designed = name in api.ready_protocols() or asked.plan is not None
-        row: dict[str, Any] = {"name": name, "designed": designed}
-        try:
-            trajectory = trajectory_of(asked)
-            expectation = api.expect(
-                trajectory, model, population=population, noise=noise, legs=_LEGS
-            )
-        except InputError as refusal:
-            rows.append(row | {"refused": str(refusal)})
-            continue
-        rows.append(
-            row
-            | {
-                "seconds": expectation.seconds,
-                "worst": expectation.worst,
-                "weakest": expectation.weakest,
-                "geometric_mean": expectation.geometric_mean,
-                "identified": expectation.identified,
-                "of": len(expectation.parameters),
-                "exceeded": [x["text"] for x in limits(asked, trajectory) if x["exceeded"]],
-            }
-        )
-    return rows

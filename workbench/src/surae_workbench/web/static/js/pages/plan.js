@@ -4,10 +4,9 @@ import { download, get, post } from "../core/api.js";
 import { button, byId, field, figures, h, num, replace, table } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
 import { EMG_SHORT, number, percent, quantity, seconds, when } from "../core/format.js";
-import { attempt, calm, complain, onClick } from "../core/notice.js";
+import { attempt, calm, complain } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
 import { onTheme } from "../core/theme.js";
-import { frontPlot } from "../plot/front.js";
 import { density } from "../plot/heat.js";
 import { lines } from "../plot/lines.js";
 import { ask } from "../ui/dialog.js";
@@ -162,32 +161,6 @@ async function showSaved() {
   replace(byId("saved"), protocols.length ? savedTable.element : h("p", { class: "muted" }, "None yet. Save keeps a design under a name."));
 }
 
-onClick("compare", box, async () => replace(byId("beside"), beside((await post("/api/protocols/side-by-side", told())).protocols)));
-
-function beside(rows) {
-  const known = rows.filter((row) => !row.refused);
-  return h("div", {}, frontPlot(known), h("p", { class: "muted small" }, "Circles are designed protocols, squares the others; the line joins those that no shorter one beats."), besideTable(rows));
-}
-
-const besideTable = (rows) =>
-  table(
-    "Protocols side by side",
-    ["Protocol", "Length", "Largest error", "Geometric mean", "Identified", "Limits"],
-    rows.map((row) => [
-      row.designed ? `${row.name} (designed)` : row.name,
-      ...(row.refused
-        ? [h("td", { colspan: 5, class: "why" }, row.refused)]
-        : [
-            num(seconds(row.seconds)),
-            num(`${part(row.worst)} (${row.weakest})`),
-            num(part(row.geometric_mean)),
-            num(`${row.identified} of ${row.of}`),
-            h("td", { class: row.exceeded.length ? "why exceeded" : "why" }, row.exceeded.length ? row.exceeded.join("; ") : "kept"),
-          ]),
-    ]),
-    { caption: "Standard errors to expect of the same legs, with this device, range and noise", numbers: [1, 4] },
-  );
-
 const soon = settled(() => byId("settings").checkValidity() && preview(), 250);
 byId("settings").addEventListener("input", soon);
 byId("settings").addEventListener("submit", (event) => {
@@ -229,7 +202,7 @@ const watch = jobControls({ start: byId("search"), stop: byId("stop"), said: byI
   progress: (now) => progressText(now, "Plans judged"),
   ended: (now) => {
     const how = { cancelled: "Stopped", done: "Done", failed: "Failed" }[now.state] ?? now.state;
-    const where = now.result ? " Kept below under Saved protocols; Compare all protocols shows the front." : " Nothing is kept.";
+    const where = now.result ? " Kept below under Saved protocols." : " Nothing is kept.";
     return `${how}: ${now.message}.${where}`;
   },
 });

@@ -1,7 +1,7 @@
 // One fit: its report, which the server made, and what else the data can be asked.
 
 import { download, get, patch, query } from "../core/api.js";
-import { byId, field, h, replace } from "../core/dom.js";
+import { byId, field, h } from "../core/dom.js";
 import { change, draftState, loadDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
 import { when } from "../core/format.js";
