@@ -106,8 +106,8 @@ class LegSettings(Request):
     noise: float | None = setting(
         None, "Standard deviation of the torque's noise [Nm], white, sample by sample at the "
         "protocol's rate; by default 0.5, or what the fit's residual comes to.", least=1e-6,
-        metavar="NM", help="Standard deviation of the torque's white noise, sample by sample at "
-        "the protocol's rate.  [default: 0.5, or the fit's]",
+        most=1000.0, metavar="NM", help="Standard deviation of the torque's white noise, sample by "
+        "sample at the protocol's rate.  [default: 0.5, or the fit's]",
     )  # fmt: skip
     nuisances: str | Mapping[str, tuple[float, float]] | None = setting(
         None, "As of `surae.fit`.", choices=NUISANCES,
@@ -179,17 +179,17 @@ class MotionSettings:
     """The motion and effort of a protocol beside its profile; `surae.protocol.Protocol` has all."""
 
     task: str = setting(
-        TASKS[0], "A name of `TASKS`.", metavar="|".join(TASKS),
-        help="What the subject is asked to do.",
-    )  # fmt: skip
+        TASKS[0], "A name of `TASKS`.", choices=TASKS, help="What the subject is asked to do."
+    )
     chirp_amplitude: float = setting(
         0.0, "Amplitude of the added chirp [rad], less than half the range of motion; 0 for none. "
         "Without a device it goes on to the last sample and stops there; a motion that is "
-        "filtered for a device ends at rest.", metavar="A", help="Of the added chirp, in rad.",
+        "filtered for a device ends at rest.", least=0.0, most=3.0, metavar="A",
+        help="Of the added chirp, in rad.",
     )  # fmt: skip
     chirp_rate: float = setting(
         CHIRP_RATE, "Rise of the chirp's frequency [Hz/s]; irrelevant at amplitude 0. The thesis's "
-        "factors are converted by `surae.protocol.chirp_rate`.", metavar="R",
+        "factors are converted by `surae.protocol.chirp_rate`.", least=0.0, most=100.0, metavar="R",
         help="Rise of its frequency, in Hz/s.",
     )  # fmt: skip
     range_of_motion: tuple[float, float] = setting(
@@ -200,11 +200,12 @@ class MotionSettings:
     )  # fmt: skip
     duration: float | None = setting(
         None, "None for the profile's own; another value plays the profile slower or faster, while "
-        "the chirp and the task keep their own time [s].", metavar="S",
+        "the chirp and the task keep their own time [s].", above=0.0, most=600.0, metavar="S",
         help="In s.  [default: the profile's own]",
     )  # fmt: skip
     rate_hz: float = setting(
-        256.0, "Sampling rate [Hz].", option="rate", metavar="HZ", help="Samples per second.",
+        256.0, "Sampling rate [Hz].", above=0.0, most=2048.0, option="rate", metavar="HZ",
+        help="Samples per second.",
     )  # fmt: skip
     adapt: bool = setting(
         True, "Adapt a motion that the device cannot follow, instead of refusing it.",

@@ -210,7 +210,7 @@ def test_no_adapt_refuses_what_the_device_cannot_follow(run, tmp_path) -> None:
     ("arguments", "says"),
     [
         (["zz"], "'zz' is not known; use one of: ramp-and-hold, sine"),
-        (["sine", "--task", "zz"], "'zz' is not known; use one of: part-passive, active"),
+        (["sine", "--task", "zz"], "'zz' is not one of 'part-passive', 'active', 'passive'"),
         (["sine", "--device", "zz"], "'zz' is not known; use one of: achilles"),
         (["sine", "--range", "0.6"], "--range 0.6: write LOW:HIGH in rad"),
         (["sine", "--range", "0.6:-0.9"], "must be below dorsiflexion"),
@@ -224,7 +224,8 @@ def test_no_adapt_refuses_what_the_device_cannot_follow(run, tmp_path) -> None:
         (["sine", "--duration", "5"], "use a longer duration"),
         (["sine", "--duration", "inf"], "duration inf"),
         (["sine", "--duration", "1e9"], "too many samples; use at most 600 s"),
-        (["sine", "--rate", "0"], "rate 0 Hz"),
+        (["sine", "--rate", "0"], "--rate 0: give a number above zero"),
+        (["sine", "--rate", "0.01"], "rate 0.01 Hz"),
         (["sine", "--rate", "1e9"], "too many samples"),
         (
             ["sine", "--no-adapt", "--device", "none", "--without-limits", "simulation"],

@@ -184,7 +184,9 @@ def entry(kind: str, id_: object, created: object, text: object) -> Entry:
         try:
             form.model_validate(content)
             if kind == "protocol":
-                ProtocolSettings(**content["settings"])
+                if "range" in (settings := content["settings"]):  # an older surae's
+                    settings["range_of_motion"] = settings.pop("range")
+                content["settings"] = ProtocolSettings(**settings).model_dump(mode="json")
         except ValidationError as error:
             first = error.errors()[0]
             place = ".".join(str(part)[:40] for part in first["loc"][:4])

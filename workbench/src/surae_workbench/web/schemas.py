@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, create_mod
 
 from surae import api, names
 from surae.records import to_plain
+from surae.requests import DesignSettings, LegSettings
 from surae.setting import Setting, default_of, settings_of
 
 #: No control characters, nor those that break lines or turn the direction of writing.
@@ -35,7 +36,6 @@ Above = Annotated[float, Field(gt=0, le=1e6)]
 Seconds = Annotated[float, Field(ge=-1e9, le=1e9)]
 Count = Annotated[float, Field(ge=0, le=1e6)]
 Points = Annotated[int, Field(ge=10, le=2000)]
-Noise = Annotated[float, Field(gt=0, le=100)]
 BodyMass = Annotated[float, Field(ge=5, le=400)]
 Group = Literal["", "healthy", "patient"]
 Notes = Annotated[str, StringConstraints(max_length=4000, pattern=r"^[^\x00]*$")]
@@ -130,7 +130,7 @@ def limited(annotation: Any, record: Setting) -> Any:
         most = record.most or (1e12 if kind is float else 2**53)
         kind = Annotated[kind, Field(**limits, le=most)]
     elif kind is str:
-        kind = Literal[record.known] if record.choices else Name
+        kind = Literal[record.known] if record.choices else Line
     elif kind is UnionType:
         kind = reduce(or_, parts)
     elif kind is Mapping:
@@ -146,12 +146,16 @@ def limited(annotation: Any, record: Setting) -> Any:
     return bool | int | Number if kind is Any else kind
 
 
-def request_of(kind: Any, **others: Any) -> Any:
-    """A request with the settings of a class as its keys, none of which must be given."""
-    keys: dict[str, Any] = {
-        each.name: ((others.get(each.name) or limited(each.type, record)) | None, None)
-        for each, record in settings_of(kind)
-    }
+def request_of(kind: Any, *without: str, defaults: bool = False, **others: Any) -> Any:
+    """A request with the settings of a class as its keys, none of which must be given.
+
+    What is left out is None, or with `defaults` the setting's own.
+    """
+    keys: dict[str, Any] = {}
+    for each, record in settings_of(kind):
+        if each.name not in without:
+            of_key = others.get(each.name) or limited(each.type, record)
+            keys[each.name] = (of_key, default_of(each)) if defaults else (of_key | None, None)
     return create_model(kind.__name__, __base__=Strict, __doc__=f"See `{kind.__name__}`.", **keys)
 
 
@@ -326,45 +330,34 @@ class ProtocolPlan(Strict):
     population: Population | None = None
 
 
-class ProtocolSettings(Strict):
+class ProtocolSettings(request_of(api.Protocol, defaults=True)):  # type: ignore[misc]
     """Settings of a protocol, see `surae.protocol.Protocol`; or, with a plan, a designed one."""
 
     profile: Choice
-    task: Choice = "part-passive"
-    chirp_amplitude: Annotated[float, Field(ge=0, le=3)] = 0.0
-    chirp_rate: Annotated[float, Field(ge=0, le=100)] = 0.159
-    range: tuple[Number, Number] = (-0.9, 0.6)
-    duration: Annotated[float, Field(gt=0, le=600)] | None = None
-    rate_hz: Annotated[float, Field(gt=0, le=2000)] = 256.0
     device: Choice | None = None
-    adapt: bool = True
     plan: ProtocolPlan | None = None
     limits: tuple[Number, Number, Above, Above] | None = None
 
+    @property
+    def motion(self) -> dict[str, Any]:
+        """The settings of the motion."""
+        return {each.name: getattr(self, each.name) for each, _ in settings_of(api.Protocol)}
 
-class ProtocolDesign(Strict):
-    """A protocol to design: for whom, within what, and how long; one for each duration."""
 
-    settings: ProtocolSettings
+class ProtocolDesign(request_of(DesignSettings, "duration", defaults=True)):  # type: ignore[misc]
+    """A protocol to design, see `surae.design`: one for each duration."""
+
+    device: Choice | None = None
     durations: Annotated[
-        list[Annotated[float, Field(ge=5, le=180)]],
-        Field(min_length=1, max_length=6),
+        list[Annotated[float, Field(ge=5, le=180)]], Field(min_length=1, max_length=6)
     ]
-    model: Fitted = "muscle"
-    population: Population = "healthy"
-    noise: Noise = 0.5
-    aim: Annotated[str, StringConstraints(min_length=1, max_length=200)] = "worst"
-    effort: Literal["levels", "none"] = "levels"
     evaluations: Annotated[int, Field(ge=1, le=50_000)] = 4000
 
 
-class ProtocolPreview(Strict):
-    """A protocol, and who it is for."""
+class ProtocolPreview(request_of(LegSettings, defaults=True)):  # type: ignore[misc]
+    """A protocol, and whose legs it is for."""
 
     settings: ProtocolSettings
-    model: Fitted = "muscle"
-    population: Population = "healthy"
-    noise: Noise = 0.5
 
 
 class ProtocolRequest(Strict):

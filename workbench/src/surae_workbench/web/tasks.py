@@ -166,17 +166,19 @@ def study(task: Task) -> dict[str, Any]:
     return {"message": f"{finished.fits} fits, all there", "interrupted": False}
 
 
+#: Keys of a design's task that `surae.design` is not given.
+_OWN = ("durations", "id", "root")
+
+
 def design(task: Task) -> dict[str, Any]:
     """Search a protocol of each duration; the best until it is stopped is kept."""
-    settings, designs, each = task["settings"], list[dict[str, Any]](), task["evaluations"]
+    designs, each = list[dict[str, Any]](), task["evaluations"]
+    asked = {key: value for key, value in task.items() if key not in _OWN}
     for k, seconds in enumerate(task["durations"]):
         with _compiling():
             designed = api.design(
-                seconds, device=settings["device"], range=tuple(settings["range"]),
-                rate_hz=settings["rate_hz"], evaluations=each,
-                progress=_counting(k * each, each * len(task["durations"])),
-                **{key: task[key] for key in ("model", "population", "noise", "aim", "effort")},
-            )  # fmt: skip
+                seconds, progress=_counting(k * each, each * len(task["durations"])), **asked
+            )
         designs.append({"name": f"designed {seconds:g} s {task['aim']}", **designed.to_json()})
         if designed.stopped:
             break

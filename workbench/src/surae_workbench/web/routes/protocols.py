@@ -8,7 +8,7 @@ from fastapi import APIRouter, Query, Response
 
 from surae import api
 from surae.errors import InputError
-from surae.names import AUTO, FITTED
+from surae.names import FITTED
 from surae_workbench.web import answers
 from surae_workbench.web.curves import plain
 from surae_workbench.web.fits import model_title
@@ -45,7 +45,8 @@ _START = ProtocolPreview(
     settings=ProtocolSettings(
         profile="everything-35", chirp_amplitude=0.2, rate_hz=125.0, device="achilles"
     ),
-    model=AUTO,
+    population="healthy",
+    noise=0.5,
 )
 _CSV: Responses = {200: {"content": {"text/csv": {}}}}
 
@@ -80,15 +81,45 @@ def get_choices() -> dict[str, Any]:
 
 @router.post("/preview")
 def post_preview(body: ProtocolPreview) -> dict[str, Any]:
-    """The motion, its limits, what it covers, and what it will tell of virtual legs."""
-    return preview(body.settings, body.model, body.population, body.noise)
+    """The motion, the effort, the limits, the coverage, and the standard errors to expect."""
+    begin, settings = time.perf_counter(), body.settings
+    trajectory = trajectory_of(settings)
+    if len(trajectory.time) > _PREDICTED:
+        raise InputError(
+            f"{len(trajectory.time)} samples at {settings.rate_hz:g} Hz are too many to predict "
+            "from; use a rate of 125 Hz: it tells as much"
+        )
+    path, adaptation = api.triceps_path(trajectory), trajectory.adaptation
+    expectation = api.expect(trajectory, legs=_LEGS, **body.model_dump(exclude={"settings"}))
+    shown = api.extremes([trajectory.angle, trajectory.velocity], _POINTS)
+    step = max(-(-len(trajectory.time) // _POINTS), 1)
+    return {
+        "t": plain(trajectory.time[shown]),
+        "angle": plain(trajectory.angle[shown]),
+        "velocity": plain(trajectory.velocity[shown]),
+        "effort": [plain(trajectory.effort[shown, i]) for i in range(4)],
+        "seconds": float(trajectory.time[-1]),
+        "samples": len(trajectory.time),
+        "limits": limits(settings, trajectory),
+        "adaptation": None if adaptation is None else list(adaptation.steps),
+        "coverage": {
+            "share": path.coverage.share,
+            "outside": path.coverage.outside,
+            "length_edges": plain(path.coverage.length_edges),
+            "velocity_edges": plain(path.coverage.velocity_edges),
+            "time_share": [plain(row) for row in path.coverage.time_share],
+        },
+        "path": {"length": plain(path.length[::step]), "velocity": plain(path.velocity[::step])},
+        "prediction": expectation.to_json() | {"identified": expectation.identified},
+        "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
+    }
 
 
 @router.post("/design", status_code=202, response_model=answers.Job)
 def post_design(body: ProtocolDesign, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Search a protocol of each duration; the answer is the job, which keeps them."""
-    device = None if body.settings.device is None else api.named_device(body.settings.device)
-    api.allowed_range(device, body.settings.range)
+    device = None if body.device is None else api.named_device(body.device)
+    api.allowed_range(device, body.range)
     lengths = ", ".join(f"{seconds:g}" for seconds in body.durations)
     task = body.model_dump(mode="json")
     job = bench.jobs.submit("design", f"design of {lengths} s", browser, task, None)
@@ -141,22 +172,13 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
     """The trajectory of some settings: a designed protocol, or a profile of the thesis."""
     device = None if settings.device is None else api.named_device(settings.device)
     if settings.plan is not None:
-        limits = settings.limits or (*settings.range, 1e6, 1e6)
+        limits = settings.limits or (*settings.range_of_motion, 1e6, 1e6)
         api.allowed_range(device, limits[:2])
         return api.Plan.sampled(_plain(settings.plan), limits, settings.rate_hz, device)
     if settings.profile in api.ready_protocols():
-        return api.ready_trajectory(settings.profile, device, settings.range, settings.rate_hz)
-    protocol = api.Protocol(
-        profile=settings.profile,
-        task=settings.task,
-        chirp_amplitude=settings.chirp_amplitude,
-        chirp_rate=settings.chirp_rate,
-        range_of_motion=settings.range,
-        duration=settings.duration,
-        rate_hz=settings.rate_hz,
-        device=device,
-        adapt=settings.adapt,
-    )
+        reached = settings.range_of_motion
+        return api.ready_trajectory(settings.profile, device, reached, settings.rate_hz)
+    protocol = api.Protocol(profile=settings.profile, device=device, **settings.motion)
     return api.protocol_trajectory(protocol)
 
 
@@ -188,40 +210,3 @@ def limits(settings: ProtocolSettings, trajectory: api.Trajectory) -> list[dict[
 def _plain(plan: ProtocolPlan) -> dict[str, Any]:
     """The plan, without whom it is for."""
     return plan.model_dump(exclude={"model", "population"})
-
-
-def preview(
-    settings: ProtocolSettings, model: str, population: str, noise: float
-) -> dict[str, Any]:
-    """The motion, the effort, the limits, the coverage, and the standard errors to expect."""
-    begin = time.perf_counter()
-    trajectory = trajectory_of(settings)
-    if len(trajectory.time) > _PREDICTED:
-        raise InputError(
-            f"{len(trajectory.time)} samples at {settings.rate_hz:g} Hz are too many to predict "
-            "from; use a rate of 125 Hz: it tells as much"
-        )
-    path, adaptation = api.triceps_path(trajectory), trajectory.adaptation
-    expectation = api.expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
-    shown = api.extremes([trajectory.angle, trajectory.velocity], _POINTS)
-    step = max(-(-len(trajectory.time) // _POINTS), 1)
-    return {
-        "t": plain(trajectory.time[shown]),
-        "angle": plain(trajectory.angle[shown]),
-        "velocity": plain(trajectory.velocity[shown]),
-        "effort": [plain(trajectory.effort[shown, i]) for i in range(4)],
-        "seconds": float(trajectory.time[-1]),
-        "samples": len(trajectory.time),
-        "limits": limits(settings, trajectory),
-        "adaptation": None if adaptation is None else list(adaptation.steps),
-        "coverage": {
-            "share": path.coverage.share,
-            "outside": path.coverage.outside,
-            "length_edges": plain(path.coverage.length_edges),
-            "velocity_edges": plain(path.coverage.velocity_edges),
-            "time_share": [plain(row) for row in path.coverage.time_share],
-        },
-        "path": {"length": plain(path.length[::step]), "velocity": plain(path.velocity[::step])},
-        "prediction": expectation.to_json() | {"identified": expectation.identified},
-        "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
-    }

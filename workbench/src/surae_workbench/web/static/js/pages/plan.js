@@ -14,7 +14,7 @@ import { active, jobControls, progressText } from "../ui/jobs.js";
 import { verdict } from "../ui/marks.js";
 import { deleteButton, sortable } from "../ui/table.js";
 
-const KEPT = "surae.protocol.3";
+const KEPT = "surae.protocol.4";
 const NUMBERS = ["chirp_amplitude", "chirp_rate", "rate_hz"];
 const box = byId("error");
 let choices = null;
@@ -35,7 +35,7 @@ function told() {
     ...(kept ?? {}),
     task: byId("task").value,
     device: byId("device").value || null,
-    range: [Number(byId("low").value), Number(byId("high").value)],
+    range_of_motion: [Number(byId("low").value), Number(byId("high").value)],
     duration: byId("duration").value === "" ? null : Number(byId("duration").value),
     adapt: byId("adapt").checked,
   };
@@ -48,7 +48,7 @@ function fill({ settings, model, population, noise }) {
   showKept();
   for (const key of ["profile", "task", ...NUMBERS]) byId(key).value = settings[key];
   byId("device").value = settings.device ?? "";
-  [byId("low").value, byId("high").value] = settings.range;
+  [byId("low").value, byId("high").value] = settings.range_of_motion;
   byId("duration").value = settings.duration ?? "";
   byId("adapt").checked = settings.adapt;
   if (model) byId("model").value = model;
@@ -211,7 +211,7 @@ byId("search").addEventListener("click", () => {
   attempt(box, async () => {
     const { settings, model, population, noise } = told();
     const durations = byId("durations").value.split(",").map(Number).filter((value) => value > 0);
-    watch(await post("/api/protocols/design", { settings: { ...settings, profile: "designed", plan: null, limits: null }, model, population, noise, durations, aim: byId("aim").value.trim(), effort: byId("effort").value, evaluations: Number(byId("evaluations").value) }));
+    watch(await post("/api/protocols/design", { device: settings.device, range: settings.range_of_motion, rate_hz: settings.rate_hz, model, population, noise, durations, aim: byId("aim").value.trim(), effort: byId("effort").value, evaluations: Number(byId("evaluations").value) }));
   });
 });
 
