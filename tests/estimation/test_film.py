@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+import surae
 from surae.assessment.fascicles import followed
 from surae.estimation import make_problem
 from surae.estimation.family import _BEGIN, _Search, _white
@@ -23,16 +24,11 @@ SEEN = {f"film_scale_{at}": SCALE for at in ("tib", "gm")}
 SEEN |= {f"film_zero_{at}": ZERO for at in ("tib", "gm")}
 
 
-@pytest.fixture(scope="module")
-def filmed():
-    """A short virtual trial with both muscle groups filmed at 30 frames a second."""
-    subject = virtual_subject(3)
-    protocol = generate(Protocol(profile="multiple-holds", duration=12.0, rate_hz=64.0))
-    plain = virtual_trial(subject, protocol, noise=0.02, model="muscle-tendon")
-    options = ModelOptions()
+def _films_of(plain, subject):
+    """Films of the gastrocnemius and the tibialis at 30 frames a second."""
     spec = get_model("muscle-tendon")
-    values = {n: subject.parameters[n] for n in spec.names if n in subject.parameters}
-    state = spec.simulator(plain, options).tendon(spec.vector(values, options))
+    simulator = spec.simulator(plain, ModelOptions())
+    state = simulator.tendon(spec.vector(subject.truth(spec.name), ModelOptions()))
     time = np.arange(1.5, plain.time[-1] - 0.1, 1 / 30.0)
     rng = np.random.default_rng(1)
     films = []
@@ -40,7 +36,16 @@ def filmed():
         seen = (1.0 + SCALE) * np.interp(time, plain.time, length) + ZERO
         noisy = seen + rng.normal(0.0, 2e-4, len(time))
         films.append(Film(channel, read_only(time), read_only(noisy)))
-    return replace(plain, films=tuple(films)), values
+    return tuple(films)
+
+
+@pytest.fixture(scope="module")
+def filmed():
+    """A short virtual trial with both muscle groups filmed at 30 frames a second."""
+    subject = virtual_subject(3)
+    protocol = generate(Protocol(profile="multiple-holds", duration=12.0, rate_hz=64.0))
+    plain = virtual_trial(subject, protocol, noise=0.02, model="muscle-tendon")
+    return replace(plain, films=_films_of(plain, subject)), subject.truth("muscle-tendon")
 
 
 @pytest.fixture(scope="module")
@@ -185,3 +190,31 @@ def test_a_joint_fit_has_one_zero_of_each_film(filmed) -> None:
         seen = {view.channel: rows.by_z[at].any() for view, rows in
                 zip(joint.latents[number].films, films, strict=True)}  # fmt: skip
         assert seen == {"fascicle_gm": False, "fascicle_tib": True}
+
+
+@pytest.mark.parametrize("still", [True, False])
+def test_a_hold_and_a_relaxed_leg_show_no_optimal_length(still) -> None:
+    """Their film is followed; what it can't show is not identified, and no interval is false."""
+    task = "active" if still else "passive"
+    protocol = generate(Protocol(profile="multiple-holds", task=task, duration=15.0, rate_hz=64.0))
+    if still:  # a robot that holds sways a little
+        sway = 3e-3 * np.sin(np.pi * protocol.time)
+        motion = (sway, np.gradient(sway, protocol.time), -(np.pi**2) * sway)
+        angle, velocity, acceleration = map(read_only, motion)
+        protocol = replace(protocol, angle=angle, velocity=velocity, acceleration=acceleration)
+    silent = {} if still else dict.fromkeys(("g1", "g2", "g3", "g4"), 0.0)
+    subject = virtual_subject(3, tendons=True)
+    subject = replace(subject, parameters={**subject.parameters, **silent})
+    plain = virtual_trial(subject, protocol, model="muscle-tendon")
+    recording = replace(plain, films=_films_of(plain, subject)[1:])
+    fit = surae.fit(recording, prepared=True, fixed=silent, quality=())
+    (film,) = fit.assessment.recordings[0].fascicles
+    assert film.rmse_mm < 0.3
+    assert (fit.adequacy.grade == "inadequate") == still
+    truth = subject.truth("muscle-tendon")
+    estimates = [fit.assessment.parameters[name] for name in ("l0_tib", "x0_tib", "dlt_tib")]
+    assert all(e.ci95[0] < truth[e.name] < e.ci95[1] for e in estimates)
+    assert {e.verdict for e in estimates[:2]} == {"weak"}
+    optimum = fit.measures()["optimal_fascicle_tib"]
+    assert optimum.verdict != "identified"
+    assert optimum.ci95[0] < 1e3 * ((1.0 + SCALE) * truth["l0_tib"] + ZERO) < optimum.ci95[1]
