@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def submit_fit(
     bench: "Workbench", session: BrowserSession, draft: dict[str, Any], name: str | None
-) -> Entry:
+) -> dict[str, Any]:
     """Ask for the fit that a draft describes; wrong settings are refused now, not in the job."""
     task, names = _task(bench, draft, name=name)
     label = (name or f"{model_title(draft['model'])} · {names}")[:200]

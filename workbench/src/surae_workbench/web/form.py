@@ -21,11 +21,12 @@ def form() -> list[dict[str, Any]]:
     """
     rows: list[dict[str, Any]] = []
     for each, _ in settings_of(api.FitSettings):
-        rows += _fields(_RECORDS[each.name], each.name) if each.name in _RECORDS else []
-    return [*_fields(api.FitSettings), *rows]
+        rows += fields(_RECORDS[each.name], each.name) if each.name in _RECORDS else []
+    return [*fields(api.FitSettings), *rows]
 
 
-def _fields(kind: Any, *within: str) -> list[dict[str, Any]]:
+def fields(kind: Any, *within: str) -> list[dict[str, Any]]:
+    """Those of a request."""
     return [
         {
             "path": [*within, each.name],

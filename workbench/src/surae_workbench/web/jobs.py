@@ -111,8 +111,8 @@ class Jobs:
         session: BrowserSession,
         task: Mapping[str, Any],
         about: str | None,
-    ) -> Entry:
-        """Ask for a job.
+    ) -> dict[str, Any]:
+        """Ask for a job; the answer is how it stands.
 
         `label` is what lists call it; `task` is what the worker is given; `about` is the entry
         that it is about.
@@ -139,7 +139,7 @@ class Jobs:
             self._changed.notify_all()
         job = self._project.need("job", id_)
         self._tell(job)
-        return job
+        return self.shown(job, session)
 
     def cancel(self, id_: str) -> Entry:
         """Stop a job, as Ctrl-C does: what it has found so far is kept."""

@@ -13,10 +13,11 @@ from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from fastapi import Path as InPath
 
 from surae.files import natural_order, sha256
+from surae_workbench.web import answers
 from surae_workbench.web.draft import changed, empty_draft
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.rows import Entry
-from surae_workbench.web.schemas import DraftChange, Error
+from surae_workbench.web.schemas import DraftChange, Error, NameRequest
 from surae_workbench.web.security import NO_SESSION
 from surae_workbench.web.sessions import BrowserSession
 from surae_workbench.web.workbench import Workbench
@@ -95,6 +96,7 @@ def _order(value: Any) -> Any:
     return natural_order(value.casefold()) if isinstance(value, str) else value
 
 
+_TYPES = {"html": "text/html", "pdf": "application/pdf"}
 #: What a page has seen of an entry that it changes, as `revision` gives it.
 Seen = Annotated[str | None, Header(alias="If-Match", max_length=80)]
 #: What people write on entries.
@@ -154,6 +156,43 @@ def offer_deletion(router: APIRouter, path: str, kind: str) -> None:
         return Response(status_code=204)
 
     router.delete(path, status_code=204, name=f"delete_{kind}")(delete)
+
+
+def offer_renaming(
+    router: APIRouter,
+    path: str,
+    kind: str,
+    answer: type[answers.Answer],
+    shown: Callable[[Workbench, Entry], dict[str, Any]],
+) -> None:
+    """Have things of a kind renamed by their address."""
+
+    def rename(id: PathId, body: NameRequest, bench: Bench) -> dict[str, Any]:
+        """Give it another name."""
+        row = bench.project.change(kind, id, name=body.name)
+        bench.events.changed(f"{kind}s")
+        return shown(bench, row)
+
+    router.patch(path, response_model=answer, name=f"rename_{kind}")(rename)
+
+
+class CsvResponse(Response):
+    """A table as a file."""
+
+    media_type = "text/csv"
+
+
+def report_file(
+    bench: Workbench, row: Entry, kind: str, task: str, **asked: str | None
+) -> Response:
+    """A report that a worker writes, of what never changes: one file to keep."""
+
+    def write(path: Path) -> None:
+        bench.workers.ask(task, output=str(path), **asked)
+
+    key = (row["id"], kind + (asked.get("language") or ""))
+    data = bench.reports.get(key, lambda: made_file(f"report.{kind}", write))
+    return Response(data, media_type=_TYPES[kind], headers=attachment(row["name"], f".{kind}"))
 
 
 def chosen_draft(

@@ -4,7 +4,7 @@ from operator import itemgetter
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
-from fastapi.responses import FileResponse
+from fastapi.responses import FileResponse, HTMLResponse
 
 from surae import api
 from surae_workbench.web import answers
@@ -21,15 +21,14 @@ from surae_workbench.web.routes.common import (
     Browser,
     Paged,
     PathId,
-    Responses,
     attachment,
     chosen_draft,
-    made_file,
     offer_deletion,
+    offer_renaming,
+    report_file,
 )
 from surae_workbench.web.schemas import (
     FitRequest,
-    NameRequest,
     ProfileRequest,
     ValidateRequest,
 )
@@ -37,15 +36,11 @@ from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["fits"])
 
-_HTML: Responses = {200: {"content": {"text/html": {}}}}
-_PDF: Responses = {200: {"content": {"application/pdf": {}}}}
-
 
 @router.post("/fits", status_code=202, response_model=answers.Job)
 def post_fit(body: FitRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Ask for a fit; the answer is its job."""
-    job = submit_fit(bench, browser, chosen_draft(bench, browser, body.draft), body.name)
-    return bench.jobs.shown(job, browser)
+    return submit_fit(bench, browser, chosen_draft(bench, browser, body.draft), body.name)
 
 
 @router.get("/fits", response_model=answers.Fits)
@@ -78,14 +73,7 @@ def get_fit(id: PathId, bench: Bench) -> dict[str, Any]:
     return fit_detail(bench, bench.project.need("fit", id))
 
 
-@router.patch("/fits/{id}", response_model=answers.Fit)
-def patch_fit(id: PathId, body: NameRequest, bench: Bench) -> dict[str, Any]:
-    """Give it another name."""
-    changed = bench.project.change("fit", id, name=body.name)
-    bench.events.changed("fits")
-    return fit_summary(bench, changed)
-
-
+offer_renaming(router, "/fits/{id}", "fit", answers.Fit, fit_summary)
 offer_deletion(router, "/fits/{id}", "fit")
 
 
@@ -111,8 +99,7 @@ def post_profile(
         api.check_profiled(result, name)
     task = {"fit": id, "parameters": body.parameters, "recordings": fit["recordings"]}
     label = f"profiles · {fit['name']}"[:200]
-    job = bench.jobs.submit("profile", label, browser, task, id)
-    return bench.jobs.shown(job, browser)
+    return bench.jobs.submit("profile", label, browser, task, id)
 
 
 @router.post("/fits/{id}/validate")
@@ -125,41 +112,21 @@ def post_validate(id: PathId, body: ValidateRequest, bench: Bench) -> dict[str, 
     return {"html": bench.workers.ask("tasks:predictions", fit=fit, recordings=others)}
 
 
-@router.get("/fits/{id}/report.html", response_class=Response, responses=_HTML)
-def get_report(id: PathId, bench: Bench) -> Response:
+@router.get("/fits/{id}/report.{kind}", response_class=Response)
+def get_report(id: PathId, kind: Literal["html", "pdf"], bench: Bench) -> Response:
     """A fit's report: one file to keep."""
-    name, data = _report(bench, id, "html")
-    return Response(data, media_type="text/html", headers=attachment(name, ".html"))
+    return _report(bench, id, kind, None)
 
 
-Language = Literal["en", "nl", "de", "fr"]
-
-
-@router.get("/fits/{id}/clinical.html", response_class=Response, responses=_HTML)
-def get_clinical(id: PathId, bench: Bench, language: Language = "en") -> Response:
+@router.get("/fits/{id}/clinical.html", response_class=HTMLResponse)
+def get_clinical(
+    id: PathId, bench: Bench, language: Literal["en", "nl", "de", "fr"] = "en"
+) -> Response:
     """A fit's page for clinicians: one file to keep."""
-    name, data = _report(bench, id, "html", language)
-    return Response(data, media_type="text/html", headers=attachment(name, ".html"))
+    return _report(bench, id, "html", language)
 
 
-@router.get("/fits/{id}/report.pdf", response_class=Response, responses=_PDF)
-def get_pdf(id: PathId, bench: Bench) -> Response:
-    """A fit's report for paper."""
-    name, data = _report(bench, id, "pdf")
-    return Response(data, media_type="application/pdf", headers=attachment(name, ".pdf"))
-
-
-def _report(
-    bench: Workbench, id_: str, kind: str, language: str | None = None
-) -> tuple[str, bytes]:
-    name, fit = bench.project.need("fit", id_)["name"], bench.project.path("fits", id_, ".json")
-
-    def make() -> bytes:
-        return made_file(
-            f"report.{kind}",
-            lambda path: bench.workers.ask(
-                "tasks:report", fit=str(fit), output=str(path), language=language
-            ),
-        )
-
-    return name, bench.reports.get((id_, kind + (language or "")), make)  # a fit never changes
+def _report(bench: Workbench, id_: str, kind: str, language: str | None) -> Response:
+    fit = str(bench.project.path("fits", id_, ".json"))
+    row = bench.project.need("fit", id_)
+    return report_file(bench, row, kind, "tasks:report", fit=fit, language=language)

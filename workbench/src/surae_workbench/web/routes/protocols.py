@@ -12,13 +12,14 @@ from surae.names import FITTED
 from surae_workbench.web import answers
 from surae_workbench.web.curves import plain
 from surae_workbench.web.fits import model_title
+from surae_workbench.web.form import fields
 from surae_workbench.web.project import dated
 from surae_workbench.web.routes.common import (
     ERRORS,
     Bench,
     Browser,
+    CsvResponse,
     PathId,
-    Responses,
     attachment,
     made_file,
     offer_deletion,
@@ -48,7 +49,6 @@ _START = ProtocolPreview(
     population="healthy",
     noise=0.5,
 )
-_CSV: Responses = {200: {"content": {"text/csv": {}}}}
 
 
 @router.get("/choices")
@@ -75,6 +75,7 @@ def get_choices() -> dict[str, Any]:
         "devices": [asdict(choice) for choice in api.DEVICES.values()],
         "populations": ["healthy", "patient"],
         "models": [{"name": name, "title": model_title(name)} for name in FITTED.here()],
+        "settings": fields(api.Protocol),
         "start": _START.model_dump(),
     }
 
@@ -122,11 +123,10 @@ def post_design(body: ProtocolDesign, bench: Bench, browser: Browser) -> dict[st
     api.allowed_range(device, body.range)
     lengths = ", ".join(f"{seconds:g}" for seconds in body.durations)
     task = body.model_dump(mode="json")
-    job = bench.jobs.submit("design", f"design of {lengths} s", browser, task, None)
-    return bench.jobs.shown(job, browser)
+    return bench.jobs.submit("design", f"design of {lengths} s", browser, task, None)
 
 
-@router.post("/csv", response_class=Response, responses=_CSV)
+@router.post("/csv", response_class=CsvResponse)
 def post_csv(body: ProtocolFile) -> Response:
     """The protocol as the file for a device, within its limits or for a reason."""
     return _file(body.settings, body.settings.profile, body.reason)
@@ -150,7 +150,7 @@ def post_protocol(body: ProtocolRequest, bench: Bench) -> dict[str, Any]:
 offer_deletion(router, "/{id}", "protocol")
 
 
-@router.get("/{id}/protocol.csv", response_class=Response, responses=_CSV)
+@router.get("/{id}/protocol.csv", response_class=CsvResponse)
 def get_csv(
     id: PathId, bench: Bench, reason: Annotated[str, Query(max_length=300)] = ""
 ) -> Response:
@@ -165,7 +165,7 @@ def _file(settings: ProtocolSettings, name: str, reason: str) -> Response:
     data = made_file(
         "protocol.csv", lambda path: api.write_protocol_csv(trajectory, path, note=note)
     )
-    return Response(data, media_type="text/csv", headers=attachment(name, ".csv"))
+    return CsvResponse(data, headers=attachment(name, ".csv"))
 
 
 def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:

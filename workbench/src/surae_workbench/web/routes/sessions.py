@@ -18,19 +18,17 @@ from surae_workbench.web.routes.common import (
     Bench,
     Browser,
     PathId,
-    attachment,
     chosen_draft,
-    made_file,
     offer_deletion,
+    offer_renaming,
+    report_file,
 )
 from surae_workbench.web.rows import Entry
-from surae_workbench.web.schemas import NameRequest, SessionRequest, TrialsRequest
+from surae_workbench.web.schemas import SessionRequest, TrialsRequest
 from surae_workbench.web.sessions import BrowserSession
 from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api/sessions", responses=ERRORS, tags=["sessions"])
-
-_TYPES = {"html": "text/html", "pdf": "application/pdf"}
 
 
 @router.post("/trials")
@@ -51,8 +49,7 @@ def post_session(body: SessionRequest, bench: Bench, browser: Browser) -> dict[s
     if not moving:
         raise RefusedError(400, "none of these trials moves: nothing can be fitted")
     check_draft(bench, {**draft, "recordings": moving[:1], "mvc": [], "normalise": None})
-    job = submit_session(bench, browser, draft, body.recordings, body.efforts, body.name)
-    return bench.jobs.shown(job, browser)
+    return submit_session(bench, browser, draft, body.recordings, body.efforts, body.name)
 
 
 @router.get("", response_model=answers.Legs)
@@ -82,14 +79,6 @@ def get_change(
     return {"html": bench.workers.ask("tasks:change", before=files[0], after=files[1])}
 
 
-@router.patch("/{id}", response_model=answers.Leg)
-def patch_session(id: PathId, body: NameRequest, bench: Bench) -> dict[str, Any]:
-    """Give it another name."""
-    changed = bench.project.change("session", id, name=body.name)
-    bench.events.changed("sessions")
-    return session_summary(bench, changed)
-
-
 offer_deletion(router, "/{id}", "session")
 
 
@@ -100,17 +89,7 @@ def get_report(id: PathId, kind: Literal["html", "pdf"], bench: Bench) -> Respon
     blocks = bench.project.path("sessions", id, ".json")
     if not blocks.is_file():
         raise RefusedError(404, "the report of this leg is missing; analyse it again")
-
-    def make() -> bytes:
-        return made_file(
-            f"report.{kind}",
-            lambda path: bench.workers.ask(
-                "tasks:leg_report", blocks=str(blocks), output=str(path)
-            ),
-        )
-
-    data = bench.reports.get((id, kind), make)  # it never changes
-    return Response(data, media_type=_TYPES[kind], headers=attachment(row["name"], f".{kind}"))
+    return report_file(bench, row, kind, "tasks:leg_report", blocks=str(blocks))
 
 
 _TOGETHER = "all together"
@@ -146,7 +125,7 @@ def submit_session(
     recordings: Sequence[str],
     efforts: Mapping[str, str],
     name: str | None,
-) -> Entry:
+) -> dict[str, Any]:
     """Ask for the fits of a session; what cannot be kept is refused now, not in the job."""
     rows = [bench.project.need("recording", id_) for id_ in dict.fromkeys(recordings)]
     cut = [row["name"] for row in rows if draft["exclusions"].get(row["id"])]
@@ -227,3 +206,6 @@ def session_detail(bench: Workbench, session: Entry) -> dict[str, Any]:
         "fits": {name: fit_summary(bench, fit) for name, fit in fits.items() if fit is not None},
         "paper": api.has_typst(),
     }
+
+
+offer_renaming(router, "/{id}", "session", answers.Leg, session_summary)

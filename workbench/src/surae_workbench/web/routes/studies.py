@@ -14,6 +14,7 @@ from surae_workbench.web.routes.common import (
     ERRORS,
     Bench,
     Browser,
+    CsvResponse,
     PathId,
     Responses,
     attachment,
@@ -27,7 +28,6 @@ from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api/studies", responses=ERRORS, tags=["studies"])
 
-_CSV: Responses = {200: {"content": {"text/csv": {}}}}
 _SVG: Responses = {200: {"content": {"image/svg+xml": {}}}}
 #: A study of more fits belongs on a cluster, with `surae study run`.
 _MOST_FITS = 100_000
@@ -87,13 +87,13 @@ def get_table(
     return {"columns": names, "rows": rows, "total": max(total, len(rows))}
 
 
-@router.get("/{id}/table.csv", response_class=Response, responses=_CSV)
+@router.get("/{id}/table.csv", response_class=CsvResponse)
 def get_csv(id: PathId, bench: Bench) -> Response:
     """The table, as `surae study export` writes it."""
     row = bench.project.need("study", id)
     with _store(bench, id) as store:
         data = made_file("table.csv", lambda path: api.export_study(store, path))
-    return Response(data, media_type="text/csv", headers=attachment(row["name"], ".csv"))
+    return CsvResponse(data, headers=attachment(row["name"], ".csv"))
 
 
 @router.get("/{id}/figure.svg", response_class=Response, responses=_SVG)
@@ -124,8 +124,7 @@ def _start(
     if bench.jobs.of(row["id"]):
         raise RefusedError(409, "this study is at work already")
     task = {"study": row["id"], "toml": row["toml"]}
-    job = bench.jobs.submit("study", f"study {study.name}"[:200], browser, task, row["id"])
-    return bench.jobs.shown(job, browser)
+    return bench.jobs.submit("study", f"study {study.name}"[:200], browser, task, row["id"])
 
 
 def _shown(bench: Workbench, row: Entry) -> dict[str, Any]:

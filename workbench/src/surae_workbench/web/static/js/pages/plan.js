@@ -15,9 +15,9 @@ import { verdict } from "../ui/marks.js";
 import { deleteButton, sortable } from "../ui/table.js";
 
 const KEPT = "surae.protocol.4";
-const NUMBERS = ["chirp_amplitude", "chirp_rate", "rate_hz"];
 const box = byId("error");
 let choices = null;
+const numbers = () => choices.settings.filter((one) => one.kind === "number");
 /** A kept design that is shown: its plan and limits go with the settings. */
 let kept = null;
 
@@ -36,20 +36,18 @@ function told() {
     task: byId("task").value,
     device: byId("device").value || null,
     range_of_motion: [Number(byId("low").value), Number(byId("high").value)],
-    duration: byId("duration").value === "" ? null : Number(byId("duration").value),
     adapt: byId("adapt").checked,
   };
-  for (const key of NUMBERS) settings[key] = Number(byId(key).value);
+  for (const { path: [key] } of numbers()) settings[key] = byId(key).value === "" ? null : Number(byId(key).value);
   return { settings, model: byId("model").value, population: byId("population").value, noise: Number(byId("noise").value) };
 }
 
 function fill({ settings, model, population, noise }) {
   kept = settings.plan ? { plan: settings.plan, limits: settings.limits } : null;
   showKept();
-  for (const key of ["profile", "task", ...NUMBERS]) byId(key).value = settings[key];
+  for (const key of ["profile", "task", ...numbers().map(({ path }) => path[0])]) byId(key).value = settings[key] ?? "";
   byId("device").value = settings.device ?? "";
   [byId("low").value, byId("high").value] = settings.range_of_motion;
-  byId("duration").value = settings.duration ?? "";
   byId("adapt").checked = settings.adapt;
   if (model) byId("model").value = model;
   if (population) byId("population").value = population;
@@ -186,7 +184,6 @@ byId("duration-slide").addEventListener("input", () => {
   if (choices.profiles.some((one) => one.name === byId("profile").value && !one.designed)) byId("duration").value = value;
 });
 byId("noise").addEventListener("input", slide);
-byId("duration").addEventListener("input", slide);
 byId("profile").addEventListener("input", () => {
   if (byId("profile").value !== "designed") kept = null;
   showKept();
@@ -223,6 +220,7 @@ attempt(box, async () => {
   replace(byId("device"), option("", "none"), known.devices.map((one) => option(one.name)));
   replace(byId("population"), known.populations.map((one) => option(one.name ?? one)));
   replace(byId("model"), known.models.map((one) => option(one.name, one.title)));
+  replace(byId("numbers"), numbers().map((one) => field(one.label, h("input", { id: one.path[0], type: "number", min: one.least, max: one.most, step: "any", required: !one.optional, placeholder: one.optional && "own", on: { input: slide } }))));
   fill(JSON.parse(localStorage.getItem(KEPT) ?? "null") ?? known.start);
   const [job] = await active("design");
   if (job) watch(job);
