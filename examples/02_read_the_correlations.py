@@ -2,7 +2,7 @@
 Which parameters trade off with one another?
 ============================================
 
-Two parameters that change the torque alike cannot be told apart by it. The correlation of their
+Two parameters that change the torque alike cannot be separated by it. The correlation of their
 estimates says how alike.
 """
 

@@ -3,7 +3,7 @@ How do I get from a folder to a figure?
 =======================================
 
 A leg's trials in one folder are a session: each is fitted, then all together, and each predicts the
-others. A trial that holds still is told apart, and is used for what it can tell.
+others. A trial that holds still is recognised, and is used for what it can tell.
 """
 
 import tempfile

@@ -1,4 +1,4 @@
-"""What files call the fields of a record, said above its ``@dataclass`` for `surae.records`."""
+"""What files call the fields of a record, stated above its ``@dataclass`` for `surae.records`."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

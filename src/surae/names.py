@@ -37,7 +37,7 @@ MODELS = Names(
     "models",
     ("muscle", "muscle-tendon", "muscle-tendon-strain", "muscle-tendon-toe", "muscle-2010"),
 )
-#: The family of models that is searched, and what a fit may be asked.
+#: The family of models that is searched, and the choices of a fit.
 AUTO = "auto"
 FITTED = Names("models", (AUTO, *MODELS))
 #: What of the laboratory's imperfections `auto` takes in.

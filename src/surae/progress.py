@@ -1,4 +1,4 @@
-"""Who is told how far a long computation is."""
+"""Callbacks that follow a long computation."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What else may be asked, one field each, as `settings.py` has what a fit may be."""
+"""The settings of other requests, one field each, as `settings.py` has those of a fit."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -88,9 +88,9 @@ def _film() -> Any:
 def _range(whose: str = "") -> Any:
     return setting(
         None, "The subject's full plantarflexion and dorsiflexion [rad]; by default what the fit's "
-        "recordings reached, or -0.9 … 0.6 rad, as far as the device reaches. Patients' is asked "
-        "for.", metavar="LOW:HIGH", help="Full plantarflexion and dorsiflexion of the subject, in "
-        f"rad; asked for of patients.  [default: {whose}-0.9:0.6 as far as the device]",
+        "recordings reached, or -0.9 … 0.6 rad, as far as the device reaches. Required for "
+        "patients.", metavar="LOW:HIGH", help="Full plantarflexion and dorsiflexion of the subject "
+        f"in rad; required for patients.  [default: {whose}-0.9:0.6 as far as the device]",
     )  # fmt: skip
 
 
@@ -179,7 +179,7 @@ class MotionSettings:
     """The motion and effort of a protocol beside its profile; `surae.protocol.Protocol` has all."""
 
     task: str = setting(
-        TASKS[0], "A name of `TASKS`.", choices=TASKS, help="What the subject is asked to do."
+        TASKS[0], "A name of `TASKS`.", choices=TASKS, help="What the subject does."
     )
     chirp_amplitude: float = setting(
         0.0, "Amplitude of the added chirp [rad], less than half the range of motion; 0 for none. "

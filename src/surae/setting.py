@@ -69,7 +69,7 @@ def kind_of(each: "Field[Any]") -> str:
 
 
 class Request:
-    """What is asked, of settings alone: a value that one may not have is refused in a line."""
+    """The settings alone: a value that one may not have is refused in a line."""
 
     __slots__ = ()
 

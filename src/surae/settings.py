@@ -1,4 +1,4 @@
-"""Everything that a fit can be asked, as one frozen value: made once, stored, taken whole."""
+"""All settings of a fit as one frozen value: made once, stored, taken whole."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -45,7 +45,7 @@ def _none() -> Mapping[str, Any]:
 @documented
 @dataclass(frozen=True, slots=True)
 class FitSettings:
-    """What a fit is asked, beside its recordings; `of` makes one from keywords.
+    """The settings of a fit; `of` makes them from keywords.
 
     Attributes
     ----------
@@ -88,17 +88,17 @@ class FitSettings:
         help="Search a parameter within other bounds.",
     )  # fmt: skip
     priors: Mapping[str, tuple[float, float]] = setting(
-        _none, "What is known of a parameter beforehand: its median, and the standard deviation "
+        _none, "The prior of a parameter: its median, and the standard deviation "
         "of its logarithm (about its relative standard deviation), e.g. ``{\"dlt_tib\": (0.04, "
         '0.2)}``. As a keyword also the name of a population, or both as a pair: ``("healthy", '
         '{"tau_rel": (2.0, 0.5)})``.', type="mapping of str to (median, spread)", above=0.0,
         option="prior", metavar="MEDIAN:SPREAD", example="tau_rel=3:0.3",
-        help="Known beforehand: SPREAD is the relative standard deviation.",
+        help="Prior of a parameter; SPREAD is its relative standard deviation.",
     )  # fmt: skip
     population: str | None = setting(
         None, "Whose default priors stand for the parameters that `priors` does not name.",
         choices=POPULATIONS, option="priors",
-        help="What is known of a population beforehand; --prior goes before it.", label="Priors",
+        help="Priors of a population; --prior takes precedence.", label="Priors",
         words={"": "none", "healthy": "healthy population", "patient": "patient population"},
         first=True,
     )  # fmt: skip
@@ -232,7 +232,7 @@ class FitSettings:
         Returns
         -------
         FitSettings
-            What is asked.
+            The settings.
 
         Raises
         ------
@@ -276,7 +276,7 @@ class FitSettings:
         Returns
         -------
         FitSettings
-            What it can be asked.
+            Its settings.
         """
         from surae.model import get_model, with_optional
         from surae.model.laboratory import richest

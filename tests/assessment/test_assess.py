@@ -161,7 +161,7 @@ def test_two_channels_alike_trade_off(noisy):
         if not p.at_bound:
             assert p.sem is None
             assert p.verdict is Verdict.UNDETERMINED
-            assert f"cannot be told from {other}" in p.note
+            assert f"cannot be separated from {other}" in p.note
     for name in ("g4", "l0_tri", "m"):
         assert found.parameters[name].sem is not None, name
 

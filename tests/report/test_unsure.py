@@ -226,7 +226,7 @@ def test_a_fit_without_imperfections_says_that_it_was_asked_for(make_trial):
     result = solve(make_problem([make_trial()], "auto", nuisances="none"))
     assert "data support" not in result.message  # that is for the judged fit to say
     (section,) = laboratory_section(result, assess(result))
-    assert "taken for perfect, as asked" in parts.text(section)
+    assert "assume a perfect laboratory" in parts.text(section)
     assert not any(isinstance(block, TableBlock) for block in section.blocks)
 
 

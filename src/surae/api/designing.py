@@ -203,7 +203,7 @@ def _range_of(
     population: str | None,
     fit: Fit | None,
 ) -> tuple[float, float]:
-    """Over which angles: what was asked for, or what the fitted leg was seen to reach."""
+    """Over which angles: the requested ones, or what the fitted leg was seen to reach."""
     if wanted is not None:
         return allowed_range(device, (float(wanted[0]), float(wanted[1])))
     if fit is not None:

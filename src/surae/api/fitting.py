@@ -47,7 +47,7 @@ def fit(
     model : str or FitSettings
         ``"auto"``: muscles on compliant tendons with the laboratory's imperfections, and the
         departures of real legs that the data ask for. Or the name of one model;
-        `surae.model.MODELS` lists them. Or everything that is asked, as ``other.settings`` of
+        `surae.model.MODELS` lists them. Or all settings, as ``other.settings`` of
         another fit; keywords that are given too go before it.
     baseline : Baseline, optional
         Simulations to compare the standard errors with (snSEM, thesis 2.7); see
@@ -113,7 +113,7 @@ def fit_inputs(
     inputs : sequence of ModelInputs
         As `FitSettings.inputs` gives them.
     settings : FitSettings
-        What is asked.
+        The fit's settings.
     quality, baseline, progress, follow
         As of `fit`.
     """

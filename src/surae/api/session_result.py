@@ -62,7 +62,7 @@ class SessionResult:
     joint_predictions : mapping of str to Crossed
         How the joint fit follows each trial.
     settings : FitSettings
-        What every fit was asked.
+        The settings of every fit.
     interrupted : bool
         Whether the user stopped it.
     """

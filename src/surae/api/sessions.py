@@ -46,7 +46,7 @@ class Session(TrialSet):
         Raises
         ------
         InputError
-            There is no such trial, it cannot be fitted, or what is asked makes no sense.
+            There is no such trial, it cannot be fitted, or a setting makes no sense.
         """
         return self.fit_together(model, names=[trial], **keywords)
 
@@ -77,7 +77,7 @@ class Session(TrialSet):
         Raises
         ------
         InputError
-            A trial is unknown or cannot be fitted, or what is asked makes no sense.
+            A trial is unknown or cannot be fitted, or a setting makes no sense.
         """
         callbacks = {key: keywords.pop(key, None) for key in ("progress", "follow", "baseline")}
         settings = FitSettings.of(model, **keywords)

@@ -33,7 +33,7 @@ from surae.units import FloatArray
 
 _NO_VARIANCE = "no estimate has a variance"
 _MARGINAL = (
-    "they contain the correlated noise, what is not known of the laboratory, and the models that "
+    "they contain the correlated noise, the measurement errors, and the models that "
     "the data do not reject"
 )
 
@@ -257,8 +257,8 @@ def _parameters(
             verdict, note = (
                 Verdict.AT_BOUND,
                 (
-                    f"at its {side} bound: no interval; the data ask for a value beyond it, or say "
-                    "nothing about it"
+                    f"at its {side} bound: no interval; the optimum is outside the bounds, or "
+                    "the data do not constrain it"
                 ),
             )
         elif name in variances:

@@ -90,7 +90,7 @@ def _judge(
     if relative <= IDENTIFIED:
         return Verdict.IDENTIFIED, f"known to ±{percent(relative)}"
     if half >= 0.499999 * (p.upper - p.lower):
-        return Verdict.UNDETERMINED, "not informed: these recordings say nothing of it"
+        return Verdict.UNDETERMINED, "not informed: these recordings hold no information about it"
     if relative > 1.0 or not within_bounds:
         return Verdict.UNDETERMINED, "not determined: its interval is as wide as its value"
     sentence = f"known only to ±{percent(relative)}"

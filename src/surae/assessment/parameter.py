@@ -74,7 +74,7 @@ def judge_singular(name: str, directions: Sequence[Sequence[str]]) -> str:
     partners = sorted({p for d in directions if name in d for p in d if p != name})
     if not partners:
         return "no interval: the torque does not depend on it; fix it"
-    return f"no interval: cannot be told from {', '.join(partners)}; fix one of them"
+    return f"no interval: cannot be separated from {', '.join(partners)}; fix one of them"
 
 
 def _interval(value: float, half: float, unit: str) -> str:

@@ -382,12 +382,12 @@ def settings_options(*requests: Any, without: Sequence[str] = ()) -> Callable[[F
 
 
 def request_options(function: F) -> F:
-    """Add what a fit may be asked, which `request` reads, and its --mvc."""
+    """Add the settings of a fit, which `request` reads, and its --mvc."""
     return settings_options(api.FitSettings, api.ModelOptions)(_MVC(function))
 
 
 def request(options: Mapping[str, Any]) -> "api.FitSettings":
-    """What a command was asked, as `surae.fit` takes it, from what `request_options` collected."""
+    """The settings of a command, as `surae.fit` takes it, from what `request_options` collected."""
     keywords = dict(options)
     windows = (*keywords.pop("exclude", ()), *keywords.pop("weight", ()))
     peaks, kind = keywords.pop("weight_peaks", None), keywords.pop("peaks_of", None)

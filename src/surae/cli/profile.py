@@ -73,7 +73,7 @@ def _table(profiles: "api.Profiles") -> Columns:
 
 
 def _notes(profiles: "api.Profiles") -> list[str]:
-    """What is to be said of them."""
+    """Remarks on them."""
     notes = [
         f"{p.name}: {p.message}"
         for p in profiles.profiles.values()

@@ -109,7 +109,7 @@ def _weighted(vaf: float | None) -> str:
 
 
 def _requests(fit: "api.Fit") -> list[str]:
-    """What was asked beside the recordings: weights, the foot's mass, priors, the loss."""
+    """The settings in words: weights, the foot's mass, priors, the loss."""
     result = fit.result
     steps = (step for recording in result.problem.inputs for step in recording.steps)
     lines = [step for step in dict.fromkeys(steps) if step.startswith(_REQUESTS)]
@@ -203,7 +203,7 @@ def show_line(text: str) -> None:
 
 
 def show_files(paths: Mapping[str, str | None]) -> None:
-    """A line for each file that was asked for: what it is, and where."""
+    """A line for each requested file: what it is, and where."""
     for what, path in paths.items():
         if path is not None:
             show_line(f"{what}: {shown(path)}")

@@ -1,6 +1,6 @@
 """Whether the data contradict a model that was named: the family's imperfections, one step away.
 
-A fit of a named model knows nothing of a torque zero, a delay, crosstalk, or of tendons. Its
+A fit of a named model leaves out a torque zero, a delay, crosstalk, or of tendons. Its
 residual does: at its solution the posterior of the same leg with these, under their priors, is a
 quadratic. Its evidence says whether the data ask for them, and its mode where the parameters would
 go (a score test with a one-step estimate). Samples count for as little as the residual's slow part
@@ -55,7 +55,7 @@ class Contradiction:
 
 
 def contradiction(result: FitResult) -> Contradiction | None:
-    """What contradicts a fit of a named model; None where nothing does, or nothing can be said.
+    """What contradicts a fit of a named model; None where nothing does, or that is unknown.
 
     A fit of a family has been held against the rest of it already.
     """

@@ -1,4 +1,4 @@
-"""Which nuisances the data ask for: evidence of every subset, from one quadratic at the mode.
+"""Which nuisances the data ask for: evidence of every subset, from one Laplace approximation.
 
 Around the mode −2 ln p is a quadratic, so the evidence of a model without some nuisances (each at
 the value at which it is off, its prior not counted) is a matter of small matrices:

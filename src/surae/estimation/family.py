@@ -4,7 +4,7 @@
    valley. The noise is lowered to what the residual says (continuation). From a fast and from a
    slow relaxation, for those are two valleys.
 2. All departures, their sizes and that of the latents learnt from the data.
-3. The evidence of every set of departures, from one quadratic at the mode; the best is solved anew.
+3. The evidence of every set of departures, from one Laplace approximation; the best is solved anew.
 4. Where the residual under effort is much greater than at rest, the size of the drive's error is
    sought by evidence, before the departures are chosen.
 5. What makes the mode unsure, source by source (`surae.estimation.uncertainty`).

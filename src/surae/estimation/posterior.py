@@ -1,4 +1,4 @@
-"""One log-posterior for all that a leg's recordings and what is known of legs say.
+"""One log-posterior for all that a leg's recordings and priors say.
 
     −2 ln p = Σ |(T(z, c) − T_measured)/σ|² + Σ ((z − mean)/sd)² + Σ cᵀ·P·c
 

@@ -45,7 +45,7 @@ class FitProblem(Comparable):
     upper: FloatArray
     #: What is known of free parameters beforehand.
     priors: Mapping[str, Prior] = field(default_factory=FrozenDict)
-    settings: FitSettings = field(default_factory=FitSettings)  #: What was asked.
+    settings: FitSettings = field(default_factory=FitSettings)  #: As requested.
 
     @property
     def columns(self) -> list[int]:
@@ -83,7 +83,7 @@ class FitProblem(Comparable):
 def make_problem(
     inputs: Sequence[ModelInputs], model: str | FitSettings = "muscle", **keywords: Any
 ) -> FitProblem:
-    """Check everything that was asked for and make a problem of it.
+    """Check all settings and make a problem of them.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def make_problem(
         The recordings, as `FitSettings.inputs` gives them; several are one joint fit with shared
         parameters. What the settings ask of recordings is done already.
     model : str or FitSettings
-        Name of the model, or everything that is asked. What is fixed overrides what a recording
+        Name of the model, or all settings. What is fixed overrides what a recording
         prescribes.
     **keywords
         Other settings by name, see `FitSettings.of`.
@@ -99,7 +99,7 @@ def make_problem(
     Raises
     ------
     InputError
-        Something asked for is unknown, contradictory or impossible.
+        A setting is unknown, contradictory or impossible.
     """
     settings = FitSettings.of(model, **keywords)
     options, fixed, start = settings.options, settings.fixed, settings.start

@@ -101,10 +101,10 @@ class Pooled:
     kind: str
     groups: FrozenDict[str, Effects]  #: Mean and spread of each group of at least three legs.
     legs: tuple[Among, ...]  #: Every leg that has a value.
-    #: Of each pair of groups, the second minus the first, Holm's p over all that is told.
+    #: Of each pair of groups, the second minus the first, Holm's p over all that is reported.
     differences: FrozenDict[str, Contrast]
     changes: FrozenDict[str, Contrast]  #: Of each group, last session minus first.
-    #: Of legs with each clinical scale, by rank; Holm's p over all that is told.
+    #: Of legs with each clinical scale, by rank; Holm's p over all that is reported.
     scales: FrozenDict[str, Correlation]
     left_out: FrozenDict[str, int]  #: Legs without a value, by reason.
     at_bound: int  #: Legs whose value lies at a bound.
@@ -174,7 +174,7 @@ def borrowed(cohort: Cohort, refitted: Sequence[CohortMember], rounds: int) -> C
     """The cohort with each leg's value of a fit that knew its population.
 
     Means, spreads and differences stay those of fits that did not: what a leg borrows from the
-    others says nothing of them.
+    others does not enter them.
     """
     own = {leg: each[0].quantities for leg, each in sessions_of(refitted).items()}
     pooled = {}

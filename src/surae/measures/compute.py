@@ -20,7 +20,7 @@ from surae.model.laboratory import OUTSIDE, group_of
 from surae.normal import NORMAL
 from surae.units import FloatArray
 
-#: Angles at which measures are asked unless told otherwise, and those that can be asked [deg].
+#: Default angles of measures, and those that are possible [deg].
 ANGLES = (-10.0, 0.0, 10.0)
 _MOST = 60.0
 #: Possible legs that are drawn, their seed, and how far their interval may differ from the linear
@@ -34,13 +34,13 @@ _STEP = 1e-3
 _ANGLE, _ANY_ANGLE = 2.0, 20.0
 #: Degrees beyond the measured range that still count as measured.
 _BEYOND = 0.5
-#: Part of the variance that comes through a parameter at its bound, from which that is told.
+#: Part of the variance that comes through a parameter at its bound, from which that is reported.
 _BOUND = 0.25
 
 
 @dataclass(frozen=True, slots=True)
 class MeasurePoint:
-    """A measure at a point it is asked at."""
+    """A measure at a point."""
 
     definition: Definition
     at: float
@@ -70,7 +70,7 @@ class Evaluated:
 
 
 def points(angles: Sequence[float] = ANGLES) -> tuple[MeasurePoint, ...]:
-    """All measures at the points they are asked at."""
+    """All measures at their points."""
     for angle in angles:
         number = isinstance(angle, int | float | np.number) and not isinstance(angle, bool)
         if not (number and abs(float(angle)) <= _MOST):
@@ -134,7 +134,7 @@ def measures(
 ) -> Measures:
     """All measures of a fit.
 
-    `angles` [deg], dorsiflexion positive, are where torque and stiffness are asked. A measure that
+    `angles` [deg], dorsiflexion positive, are where torque and stiffness are given. A measure that
     the model does not have is there without a value, with the reason.
 
     Raises

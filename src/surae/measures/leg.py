@@ -1,4 +1,4 @@
-"""A leg with known parameters, asked what a clinician asks: its muscles at an angle.
+"""A leg with known parameters and what clinicians want to know: its muscles at an angle.
 
 Everything here is statics in the ankle's own angle; zeros, delays and axes of a laboratory have no
 part in it. Lengths, arms and the balance of muscle and tendon are those of `surae.model`.

@@ -24,7 +24,7 @@ class Measure:
     Attributes
     ----------
     name, unit, meaning : str
-        As in `surae.measures.DEFINITIONS`, the point it is asked at in the name.
+        As in `surae.measures.DEFINITIONS`, with its point in the name.
     value : float or None
         None where there is none, and `note` says why.
     ci95 : tuple of float, or None

@@ -140,7 +140,7 @@ def quantities_of(
     """What one fit brings, as plain data; the reason where there is none.
 
     `path` is a FIT.json's, or the folder's of a session; `angles` [deg] are where measures are
-    asked; `priors`, median and spread by parameter, are to fit the recordings again with.
+    evaluated; `priors`, median and spread by parameter, are to fit the recordings again with.
     """
     place = Path(path)
     try:

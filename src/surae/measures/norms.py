@@ -1,6 +1,6 @@
 """Norms: how a leg's measure lies among legs that somebody measured, with the source beside it.
 
-A norm is a mean and a spread over n legs, no range that decides. What is told is a probability:
+A norm is a mean and a spread over n legs, no range that decides. The result is a probability:
 which part of the group lies below this leg, from Student's t with the uncertainty of the group's
 mean and of the leg's own value in it. Only identified measures of fits that are not inadequate are
 compared, in the same unit.
@@ -24,7 +24,7 @@ from surae.normal import standard_error_of
 class Norm:
     """One measure over one group of legs."""
 
-    #: `measure`, `unit`: as in `surae measures`, the point it is asked at in the name.
+    #: `measure`, `unit`: as in `surae measures`, with its point in the name.
     measure: str
     unit: str
     condition: str  #: How it was measured.

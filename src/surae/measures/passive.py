@@ -9,7 +9,7 @@ from surae.units import FloatArray
 
 #: Angles between which the neutral angle is looked for [deg].
 _LOWEST, _HIGHEST = -70.0, 50.0
-#: The slow stretch whose energy is told: from and to [deg], its speed [deg/s], samples a second.
+#: The slow stretch whose energy counts: from and to [deg], its speed [deg/s], samples a second.
 _FROM, _TO, _SPEED, _RATE = -20.0, 10.0, 10.0, 50.0
 
 

@@ -64,7 +64,7 @@ def quantities(
 ) -> Quantities:
     """What a fit brings to a comparison.
 
-    `angles` [deg] are where torque and stiffness are asked.
+    `angles` [deg] are where torque and stiffness are evaluated.
     """
     problem, spread = result.problem, spread_of(result, assessment)
     has_reference = all(

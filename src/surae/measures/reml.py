@@ -20,7 +20,7 @@ import numpy as np
 from surae.filed import filed
 from surae.units import FloatArray
 
-#: Legs from which a mean and a spread are told.
+#: Legs from which a mean and a spread are estimated.
 FEWEST = 3
 
 

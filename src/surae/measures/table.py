@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from surae.measures import active, passive
 from surae.measures.leg import Leg
 
-#: A measure of a leg at a point, e.g. an angle in degrees; 0 where it is asked at none.
+#: A measure of a leg at a point, e.g. an angle in degrees; 0 where it has none.
 Compute = Callable[[Leg, float], float]
 
 
@@ -18,9 +18,9 @@ class Definition:
     unit: str  #: Of its value.
     #: The function; its docstring has meaning, formula and source.
     compute: Compute = field(compare=False)
-    #: Unit of the point it is asked at: ``"deg"`` for an angle; empty where there is none.
+    #: Unit of the point it is evaluated at: ``"deg"`` for an angle; empty where there is none.
     at: str = ""
-    #: Where it is asked unless told otherwise; angles are the user's.
+    #: Where it is evaluated by default; angles are the user's.
     points: tuple[float, ...] = (0.0,)
     is_angle: bool = False  #: Whether its value is an angle, of which 10 % mean nothing.
     of_recordings: bool = False  #: Whether it is made of the recordings and not of the leg alone.
@@ -37,7 +37,7 @@ class Definition:
         return " ".join(_paragraphs(self.compute)[1:])
 
     def named(self, point: float) -> str:
-        """The name with the point it is asked at."""
+        """The name with the point it is evaluated at."""
         return f"{self.name}@{point:g}{self.at}" if self.at else self.name
 
 
@@ -49,7 +49,7 @@ def _paragraphs(function: Compute) -> list[str]:
 _EFFORT = "it goes with the effort of each session"
 _FILM = "another session films another fascicle"
 _MOVEMENT = "it goes with the movement and effort of each session"
-#: Why a measure in units of EMG says nothing of two sessions.
+#: Why a measure in units of EMG cannot be compared between sessions.
 ELECTRODES = (
     "the electrodes have no common reference; normalise the EMG of both sessions by maximum "
     "voluntary contractions"

@@ -56,7 +56,7 @@ class _Envelopes:
     `weighted` are ê, `own` are u and `active` are e − r; `gain` is 1 − d·τ, of one sample where
     nothing drifts, and `unmixing` is M⁻¹. `steep` is ∂ê/∂u, `by_shape` is ∂ê/∂A and `by_power`
     ∂ê/∂P, None where the force grows as EMG does; where it does not, all but ê and `by_shape` are
-    followed by the same of the smooth envelopes, shape (4, 2n).
+    followed by those of the smooth envelopes, shape (4, 2n).
     """
 
     weighted: FloatArray

@@ -70,7 +70,7 @@ class Parameter:
     advice : str
         What to measure, or to fix, where it is not known well enough, as an imperative.
     known : mapping of str to Known
-        Its prior in each population; empty where a population says nothing of it.
+        Its prior in each population; empty where a population has none.
     wide : Known or None
         Its prior of a leg of which nothing is known, where that is not the healthy one, widened.
     drawn : mapping of str to (float, float)

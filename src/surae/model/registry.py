@@ -43,7 +43,7 @@ class ModelSpec(Comparable):
     parameters : tuple of Parameter
         All its parameters, in the order of its parameter vectors.
     free : tuple of str
-        Those a fit estimates unless told otherwise; the others keep their `start`.
+        Those a fit estimates by default; the others keep their `start`.
     tie : str
         What ties the model to a recording, ``"module:class"``; `simulator` does it. It is imported
         only when it is used: numba takes its time.

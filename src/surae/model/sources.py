@@ -415,7 +415,7 @@ _SOURCES = (
         ),
     ),
     UncertaintySource(
-        "population", "what is known of legs", "what is known of people’s legs beforehand",
+        "population", "population prior", "the spread of legs in the population",
         Text(
             "Measure longer, or with more movement and effort.",
             "Meet langer, of met meer beweging en inspanning.",

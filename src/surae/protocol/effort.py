@@ -1,10 +1,10 @@
-"""The EMG tasks (thesis 2.5.1, Figure 9): the effort of each muscle that the subject is asked for.
+"""The EMG tasks (thesis 2.5.1, Figure 9): the requested effort of each muscle.
 
 Bursts of about one second alternate between plantarflexion (the three heads of the triceps surae)
 and dorsiflexion (tibialis anterior). Their lengths, gaps and amplitudes follow a fixed
 low-discrepancy sequence, so the same task is always the same. The heads act together, as they do in
 a leg, but in proportions and at onsets that differ from burst to burst: were they proportional, the
-weights g2, g3 and g4 could not be told apart.
+weights g2, g3 and g4 could not be separated.
 """
 
 from collections.abc import Iterable, Iterator

@@ -22,7 +22,7 @@ ACTIVE_SECONDS = 0.25
 REST_SHARE = 0.03
 #: Highest over lowest level of a muscle whose activity varies; rectified noise alone has 1.6.
 VARIES = 3.0
-#: Share of the asked bursts that may stay out.
+#: Share of the requested bursts that may stay out.
 MISSED = 0.3
 #: Stillness after the first effort that is no pause: so long [s], and this share of what is left.
 STILL_SECONDS, STILL_SHARE = 5.0, 0.3
@@ -63,7 +63,7 @@ def passive_part(trial: CheckedTrial) -> Iterator[Finding]:
 
 
 def _quiet_time(trial: CheckedTrial) -> BoolArray:
-    """Until the first effort that is asked for, less the time a level is averaged over."""
+    """Until the first requested effort, less the time a level is averaged over."""
     assert trial.effort is not None
     requested = np.flatnonzero(trial.effort.max(axis=1) > 0.0)
     end = int(requested[0]) if requested.size else len(trial.time)
@@ -78,7 +78,7 @@ def active_part(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged("There is no EMG.")
     requested = None if trial.commanded is None else trial.commanded.effort
     if requested is not None and float(np.max(requested)) == 0.0:
-        raise Unjudged("No effort was asked for.")
+        raise Unjudged("No effort was requested.")
     idle = {m: _idle(trial, m) for m in trial.slow}
     if all(idle.values()):
         top = max(quantile(e, 0.98) for e in trial.slow.values())
@@ -122,7 +122,7 @@ def _side(trial: CheckedTrial, name: str, muscles: tuple[str, ...]) -> Finding:
 
 
 def _bursts(trial: CheckedTrial) -> Iterator[Finding]:
-    """Bursts that were asked for and did not come."""
+    """Requested bursts that are missing."""
     if trial.effort is None:
         return
     missed: list[tuple[int, int]] = []
@@ -165,7 +165,7 @@ def _stopped(trial: CheckedTrial) -> Iterator[Finding]:
     yield make_finding(
         "active-not-active", None, (trial.time[begun + first], trial.time[begun + last - 1]),
         seconds, f"No muscle is active for {seconds:.2g} s, once efforts have begun.", unit="s",
-        advice="Repeat the trial if efforts were asked for: that time shows no active muscle.",
+        advice="Repeat the trial if effort was requested then: no muscle is active.",
     )  # fmt: skip
 
 

@@ -48,7 +48,7 @@ class Commanded(Comparable):
     name: str  #: Where it comes from, for messages.
     time: FloatArray  #: [s], shape (n,).
     angle: FloatArray  #: [rad], shape (n,).
-    #: The effort that was asked for, 0…1, if the file says, shape (n, 4).
+    #: The requested effort, 0…1, if the file says, shape (n, 4).
     effort: FloatArray | None = None
     given: bool = True  #: Whether a file gave it; otherwise it was recognised in the angle.
 

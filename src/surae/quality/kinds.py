@@ -72,7 +72,7 @@ _KINDS = (
         "Repeat the trial, or leave that time out with --exclude."),
     FindingKind("co-contraction", "both sides active throughout",
         "Ask for one direction at a time, and look for crosstalk: together, their weights cannot "
-        "be told apart."),
+        "be separated."),
     FindingKind("reflex-suspected", "bursts that follow stretches",
         "Stretch more slowly for passive parameters; with reflexes, activity and stretch are not "
         "independent.", unit="s"),
@@ -100,7 +100,7 @@ _KINDS = (
     FindingKind("film-lost", "frames in which the tracker lost the fascicle",
         "Track these frames again; a fit leaves them out."),
     FindingKind("film-repeated", "frames that repeat the one before",
-        "Export the film at its own rate: repeated frames tell nothing new."),
+        "Export the film at its own rate: repeated frames add no information."),
     FindingKind("film-jump", "jumps of a fascicle from one frame to the next",
         "Look at these frames and track them again.", unit="m"),
     FindingKind("film-clock", "a film that is early or late",

@@ -66,7 +66,7 @@ def check_recording(recording: Recording, commanded: Commanded | None = None) ->
     recording : Recording
         As it was measured: checks see faults that preparation would hide.
     commanded : Commanded, optional
-        The motion that the device was to follow, and the effort that was asked for.
+        The motion that the device was to follow, and the requested effort.
 
     Returns
     -------

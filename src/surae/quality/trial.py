@@ -57,7 +57,7 @@ class CheckedTrial:
     fast: dict[str, FloatArray]
     slow: dict[str, FloatArray]
     commanded: Commanded | None  #: The motion that the device was to follow, given or recognised.
-    effort: FloatArray | None  #: The effort that was asked for, given or recognised, shape (n, 4).
+    effort: FloatArray | None  #: The requested effort, given or recognised, shape (n, 4).
     #: What torque, angle and EMG have to do with each other; None without torque.
     model: TorqueModel | None
 
@@ -184,7 +184,7 @@ def _sampled(
 def _requested_effort(
     time: FloatArray, slow: dict[str, FloatArray], commanded: Commanded | None
 ) -> FloatArray | None:
-    """The effort that was asked for: as given, else the task whose bursts the EMG shows."""
+    """The requested effort: as given, else the task whose bursts the EMG shows."""
     if commanded is not None and commanded.effort is not None:
         columns = [np.interp(time, commanded.time, column) for column in commanded.effort.T]
         return np.column_stack(columns)
@@ -216,7 +216,7 @@ def _sparse_effort(task: str, steps: int) -> tuple[FloatArray, FloatArray]:
 
 
 def match(requested: FloatArray, slow: dict[str, FloatArray], where: BoolArray) -> float:
-    """Mean correlation of the asked effort with the envelopes."""
+    """Mean correlation of the requested effort with the envelopes."""
     return float(
         np.mean(
             [correlation(requested[where, MUSCLES.index(m)], e[where]) for m, e in slow.items()]

@@ -150,7 +150,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
     followed = "no minimum reached" if failed else f"{followed}{percentage(assessment.vaf)} %"
     allowed = ""
     if result.family is not None:
-        allowed = "what is not known of the laboratory allowed for"
+        allowed = "measurement errors accounted for"
     elif robust:
         allowed = "correlation of the residual allowed for" if coloured else "robust errors"
     if result.family is not None:

@@ -37,8 +37,8 @@ def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[Secti
     blocks: list[Block] = []
     if not family.beliefs:
         blocks.append(TextBlock(
-            "The laboratory was taken for perfect, as asked: none of its imperfections is in the "
-            "intervals."
+            "Measurement errors were left out, as requested: the intervals assume a perfect "
+            "laboratory."
         ))  # fmt: skip
     else:
         estimates = [p for name, p in assessment.nuisances.items() if name in family.beliefs]

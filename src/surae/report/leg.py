@@ -1,4 +1,4 @@
-"""What is asked of a leg first: how stiff, what it comes from, whether it changed, if it is so."""
+"""The first questions about a leg: how stiff, from what, whether it changed, can it be trusted."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -50,7 +50,7 @@ _PARTS = (
     ("gravity_share", "weight"),
     ("inertia_share", "inertia"),
 )
-#: A share that is known no better than this cannot be told from the others [% of the torque].
+#: A share that is known no better than this cannot be separated from the others [% of the torque].
 _UNSURE = 30.0
 #: Parameters that the stiffness of a relaxed ankle rests on.
 _PASSIVE = {"k_tri", "x0_tri", "k_tib", "x0_tib", "k_rel"}

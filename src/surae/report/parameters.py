@@ -45,7 +45,7 @@ def parameters_section(
         groups.setdefault(p.group, []).append(row[:3] + row[5:] if marginal else row)
     if marginal:
         note = (
-            "The 95 % interval holds what is not known of the laboratory and of the model. "
+            "The 95 % interval accounts for measurement errors and for the choice of the model. "
             "Repeatable: another trial of this leg would give the same within 10 %; below it, "
             "where its value would lie (95 %). What all trials of the leg share, such as "
             "crosstalk, is not in that."

@@ -36,7 +36,7 @@ def run_study(
     Parameters
     ----------
     study : Study
-        What is asked for.
+        The study.
     store : Store
         Open to write; keeps every outcome from the moment it is there.
     engine : Engine, optional

@@ -1,9 +1,9 @@
 """What each trial of a session is, decided from its signals and from the other trials.
 
-A trial moves, or holds still: a hold says nothing of stiffness and lengths, and is never fitted by
+A trial moves, or holds still: a hold cannot show stiffness and lengths, and is never fitted by
 itself. It is passive where the EMG of every muscle stays near what it is at rest, active where
 not, and maximal where its description says so or, of a hold, where a muscle works harder than in
-any trial that moves. What is decided is said, and a description overrules it.
+any trial that moves. The reason is reported, and a description overrules it.
 """
 
 from collections.abc import Mapping, Sequence

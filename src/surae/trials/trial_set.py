@@ -67,7 +67,7 @@ class TrialSet:
         Parameters
         ----------
         settings : FitSettings, optional
-            What a fit is asked; its ``normalise`` says of what, ``"mvc"`` being the trials of
+            The settings of a fit; its ``normalise`` says of what, ``"mvc"`` being the trials of
             maximal effort. By default these where there are any, else all trials.
 
         Returns

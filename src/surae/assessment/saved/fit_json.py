@@ -176,7 +176,7 @@ def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
 
 
 def _settings(file: _File, free: Sequence[str], data: Mapping[str, Any]) -> FitSettings:
-    """What was asked; of format 1, which does not say, what the result tells of it."""
+    """The settings; of format 1, which lacks them, those that the result shows."""
     table, first = file.parameters, file.starts.all[0]
     usual = get_model(file.model).free
     settings = {

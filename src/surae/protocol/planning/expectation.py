@@ -64,7 +64,7 @@ class Expectation(Tabular, Comparable):
     Attributes
     ----------
     protocol, model, legs : str
-        What was asked: of which protocol, by which model, of whom.
+        The protocol, the model, and whose legs.
     seconds : float
         Duration of the trial [s].
     noise : float

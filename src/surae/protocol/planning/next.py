@@ -1,4 +1,4 @@
-"""What to measure next: what a fit knows counts, and the ready trial that adds most is told."""
+"""What to measure next: what a fit knows counts, and the ready trial that adds most is named."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -94,7 +94,7 @@ class Plan:
     shakes : tuple of Shake
         Perturbations.
     bursts : tuple of Burst
-        What is asked of the subject.
+        The subject's efforts.
     """
 
     name: str

@@ -38,7 +38,7 @@ class ProfilePlan:
     """A protocol of the thesis, whose range and efforts can be given up."""
 
     settings: Protocol  #: What it is.
-    bursts: tuple[Burst, ...]  #: What is asked of the subject.
+    bursts: tuple[Burst, ...]  #: The subject's efforts.
 
     @classmethod
     def of(cls, settings: Protocol) -> "ProfilePlan":
@@ -59,7 +59,7 @@ class ProfilePlan:
         return replace(moved, effort=self.effort(moved.time))
 
     def effort(self, time: FloatArray) -> FloatArray:
-        """What is asked of the subject at increasing times [s], shape (n, 4)."""
+        """The requested effort at increasing times [s], shape (n, 4)."""
         return read_only(burst_effort(time, self.bursts))
 
 

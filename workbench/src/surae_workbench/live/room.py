@@ -1,4 +1,4 @@
-"""The room of a measurement: what is asked for, what is recorded, and, in a rehearsal, the leg."""
+"""The room of a measurement: what is requested, what is recorded, and, in a rehearsal, the leg."""
 
 import threading
 from concurrent.futures import Future
@@ -123,7 +123,7 @@ class Room:
             ).start()
 
     def load(self, path: PathLike | None = None, name: str = "", **protocol: Any) -> None:
-        """Load what is asked for in the next trial.
+        """Load the next trial's target.
 
         It is a file as `surae protocol` writes it, called `name` if not as the file; else a
         `surae.protocol.Protocol` without device and range, which are the room's.
@@ -154,7 +154,7 @@ class Room:
 
     @property
     def _file(self) -> Path:
-        """What is asked for in the next trial."""
+        """The next trial's request."""
         return self.trials.file("next-target.csv")
 
     def _go_back(self) -> None:

@@ -1,4 +1,4 @@
-"""What is asked for, as a stream: where the device should be and how hard each muscle should work.
+"""The requested trial as a stream: where the device should be and how hard each muscle should work.
 
 It commands no motor. A manipulator's controller may follow it, with its own safety; and it is
 recorded beside what was measured.
@@ -41,7 +41,7 @@ class _Plan:
 
 
 class TargetStream:
-    """The stream of what is asked for, until it is closed."""
+    """The stream of the request, until it is closed."""
 
     def __init__(self) -> None:
         labels = ["angle", *(f"emg_{muscle}" for muscle in MUSCLES)]
@@ -69,7 +69,7 @@ class TargetStream:
         self._plan = _Plan(self._plan.trajectory)
 
     def now(self) -> FloatArray:
-        """What is asked for now: angle [rad] and the four efforts."""
+        """The request now: angle [rad] and the four efforts."""
         wanted: FloatArray = self._plan.at(np.array([float(self._clock())]))[0]
         return wanted
 

@@ -288,7 +288,7 @@ class Trials:
         try:
             write_json(self.path(number, ".json"), self.trials[number])
         except (OSError, SuraeError) as error:
-            note = f"what is known of it is not on disk ({error}); the next start judges it again"
+            note = f"its state is not on disk ({error}); the next start judges it again"
             self.trials[number]["note"] = note
 
     def _settled(self, file: Path) -> None:

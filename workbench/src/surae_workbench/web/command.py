@@ -36,7 +36,7 @@ def command(
     """Open the workbench: a web page on this computer, over the project in a folder.
 
     PROJECT is a folder, made where it is missing; it can be copied and opened elsewhere. Nothing
-    is asked of the network. Ctrl-C ends it; what is complete is kept.
+    is sent to the network. Ctrl-C ends it; what is complete is kept.
     """
     os.environ.pop("SURAE_TOKEN", None)  # no worker needs it
     if token_file is not None:

@@ -1,4 +1,4 @@
-"""The form of what a fit may be asked, made from the settings."""
+"""The form of a fit, made from its settings."""
 
 from types import NoneType
 from typing import Any

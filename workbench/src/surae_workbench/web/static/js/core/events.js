@@ -23,7 +23,7 @@ function open(missed) {
   if (source) return;
   source = new EventSource("/api/events");
   source.addEventListener("open", () => {
-    announce("queue", { waiting: 0 }); // A queue is told of next.
+    announce("queue", { waiting: 0 }); // The length of a queue follows.
     if (missed) announce("changed", { what: "all" });
     missed = false;
   });

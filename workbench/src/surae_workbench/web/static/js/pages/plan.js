@@ -24,7 +24,7 @@ let kept = null;
 const plots = [
   lines({ title: "Angle, dorsiflexion positive", unit: "°", height: 170, series: [{ label: "angle", colour: "series-1" }] }, { sync: "protocol", bottom: false }),
   lines({ title: "Angular velocity", unit: "°/s", height: 120, series: [{ label: "velocity", colour: "series-1" }] }, { sync: "protocol", bottom: false }),
-  lines({ title: "Effort asked for", unit: "%", height: 130, series: EMG_SHORT.map((label, i) => ({ label, colour: ["series-2", "series-1", "series-5", "series-4"][i], dash: [null, null, "dash", "dot"][i] })) }, { sync: "protocol" }),
+  lines({ title: "Requested effort", unit: "%", height: 130, series: EMG_SHORT.map((label, i) => ({ label, colour: ["series-2", "series-1", "series-5", "series-4"][i], dash: [null, null, "dash", "dot"][i] })) }, { sync: "protocol" }),
 ];
 replace(byId("plots"), plots.map((plot) => plot.element));
 onTheme(() => plots.forEach((plot) => plot.redraw()));

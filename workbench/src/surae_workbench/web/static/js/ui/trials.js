@@ -22,7 +22,7 @@ export const leftOut = () => JSON.parse(sessionStorage.getItem(LEFT_OUT) ?? "{}"
 
 /** Why a trial is not for a joint fit, as the check has it; empty for one that is. */
 export function whyNot(findings) {
-  if (findings.some((one) => one.code === "angle-still")) return "holds still, tells nothing of stiffness";
+  if (findings.some((one) => one.code === "angle-still")) return "holds still: one hold cannot show stiffness";
   const error = findings.find((one) => one.severity === "error");
   return error ? `the check: ${error.message}` : "";
 }
