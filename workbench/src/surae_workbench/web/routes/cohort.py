@@ -8,7 +8,7 @@ from surae import api
 from surae.files import csv_row
 from surae_workbench.web.fits import main_fit, model_title
 from surae_workbench.web.project import when
-from surae_workbench.web.routes.common import ERRORS, Bench, CsvResponse, attachment
+from surae_workbench.web.routes.common import CSV, ERRORS, Bench, attachment
 from surae_workbench.web.rows import Entry
 from surae_workbench.web.workbench import Workbench
 
@@ -31,7 +31,7 @@ def get_cohort(bench: Bench, which: Which = "legs") -> dict[str, Any]:
     }
 
 
-@router.get("/cohort.csv", response_class=CsvResponse)
+@router.get("/cohort.csv", response_class=Response, responses=CSV)
 def get_cohort_csv(bench: Bench, which: Which = "legs") -> Response:
     """The cohort's table as a file."""
     rows = _rows(bench, which)
@@ -42,7 +42,7 @@ def get_cohort_csv(bench: Bench, which: Which = "legs") -> Response:
         estimates = [row["parameters"].get(name, {}) for name in names]
         numbers = (estimate.get(key) for estimate in estimates for key in cells.values())
         lines.append(csv_row([*(row[key] for key in _LABELS), *numbers]))
-    return CsvResponse("".join(lines), headers=attachment("cohort", ".csv"))
+    return Response("".join(lines), media_type="text/csv", headers=attachment("cohort", ".csv"))
 
 
 def _columns(rows: list[dict[str, Any]]) -> list[api.Parameter]:

@@ -24,6 +24,10 @@ from surae_workbench.web.workbench import Workbench
 
 #: What a route may answer, for the description of the API.
 Responses = dict[int | str, dict[str, Any]]
+_TYPES = {"html": "text/html", "pdf": "application/pdf"}
+#: A report, or a table, as a file.
+REPORT: Responses = {200: {"content": {kind: {} for kind in _TYPES.values()}}}
+CSV: Responses = {200: {"content": {"text/csv": {}}}}
 #: The errors that any route may answer with.
 ERRORS: Responses = {
     status: {"model": Error} for status in (400, 403, 404, 408, 409, 413, 422, 503)
@@ -96,7 +100,6 @@ def _order(value: Any) -> Any:
     return natural_order(value.casefold()) if isinstance(value, str) else value
 
 
-_TYPES = {"html": "text/html", "pdf": "application/pdf"}
 #: What a page has seen of an entry that it changes, as `revision` gives it.
 Seen = Annotated[str | None, Header(alias="If-Match", max_length=80)]
 #: What people write on entries.
@@ -174,12 +177,6 @@ def offer_renaming(
         return shown(bench, row)
 
     router.patch(path, response_model=answer, name=f"rename_{kind}")(rename)
-
-
-class CsvResponse(Response):
-    """A table as a file."""
-
-    media_type = "text/csv"
 
 
 def report_file(

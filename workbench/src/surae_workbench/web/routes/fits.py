@@ -4,7 +4,7 @@ from operator import itemgetter
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
-from fastapi.responses import FileResponse, HTMLResponse
+from fastapi.responses import FileResponse
 
 from surae import api
 from surae_workbench.web import answers
@@ -17,6 +17,7 @@ from surae_workbench.web.fits import (
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.routes.common import (
     ERRORS,
+    REPORT,
     Bench,
     Browser,
     Paged,
@@ -112,13 +113,13 @@ def post_validate(id: PathId, body: ValidateRequest, bench: Bench) -> dict[str, 
     return {"html": bench.workers.ask("tasks:predictions", fit=fit, recordings=others)}
 
 
-@router.get("/fits/{id}/report.{kind}", response_class=Response)
+@router.get("/fits/{id}/report.{kind}", response_class=Response, responses=REPORT)
 def get_report(id: PathId, kind: Literal["html", "pdf"], bench: Bench) -> Response:
     """A fit's report: one file to keep."""
     return _report(bench, id, kind, None)
 
 
-@router.get("/fits/{id}/clinical.html", response_class=HTMLResponse)
+@router.get("/fits/{id}/clinical.html", response_class=Response, responses=REPORT)
 def get_clinical(
     id: PathId, bench: Bench, language: Literal["en", "nl", "de", "fr"] = "en"
 ) -> Response:

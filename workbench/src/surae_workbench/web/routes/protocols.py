@@ -15,10 +15,10 @@ from surae_workbench.web.fits import model_title
 from surae_workbench.web.form import fields
 from surae_workbench.web.project import dated
 from surae_workbench.web.routes.common import (
+    CSV,
     ERRORS,
     Bench,
     Browser,
-    CsvResponse,
     PathId,
     attachment,
     made_file,
@@ -126,7 +126,7 @@ def post_design(body: ProtocolDesign, bench: Bench, browser: Browser) -> dict[st
     return bench.jobs.submit("design", f"design of {lengths} s", browser, task, None)
 
 
-@router.post("/csv", response_class=CsvResponse)
+@router.post("/csv", response_class=Response, responses=CSV)
 def post_csv(body: ProtocolFile) -> Response:
     """The protocol as the file for a device, within its limits or for a reason."""
     return _file(body.settings, body.settings.profile, body.reason)
@@ -150,7 +150,7 @@ def post_protocol(body: ProtocolRequest, bench: Bench) -> dict[str, Any]:
 offer_deletion(router, "/{id}", "protocol")
 
 
-@router.get("/{id}/protocol.csv", response_class=CsvResponse)
+@router.get("/{id}/protocol.csv", response_class=Response, responses=CSV)
 def get_csv(
     id: PathId, bench: Bench, reason: Annotated[str, Query(max_length=300)] = ""
 ) -> Response:
@@ -165,7 +165,7 @@ def _file(settings: ProtocolSettings, name: str, reason: str) -> Response:
     data = made_file(
         "protocol.csv", lambda path: api.write_protocol_csv(trajectory, path, note=note)
     )
-    return CsvResponse(data, headers=attachment(name, ".csv"))
+    return Response(data, media_type="text/csv", headers=attachment(name, ".csv"))
 
 
 def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:

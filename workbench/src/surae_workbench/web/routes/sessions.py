@@ -15,6 +15,7 @@ from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import dated, unique_name
 from surae_workbench.web.routes.common import (
     ERRORS,
+    REPORT,
     Bench,
     Browser,
     PathId,
@@ -82,7 +83,7 @@ def get_change(
 offer_deletion(router, "/{id}", "session")
 
 
-@router.get("/{id}/report.{kind}", response_class=Response)
+@router.get("/{id}/report.{kind}", response_class=Response, responses=REPORT)
 def get_report(id: PathId, kind: Literal["html", "pdf"], bench: Bench) -> Response:
     """Its report: one file to keep."""
     row = bench.project.need("session", id)

@@ -11,10 +11,10 @@ from surae_workbench.web import answers
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import dated
 from surae_workbench.web.routes.common import (
+    CSV,
     ERRORS,
     Bench,
     Browser,
-    CsvResponse,
     PathId,
     Responses,
     attachment,
@@ -87,13 +87,13 @@ def get_table(
     return {"columns": names, "rows": rows, "total": max(total, len(rows))}
 
 
-@router.get("/{id}/table.csv", response_class=CsvResponse)
+@router.get("/{id}/table.csv", response_class=Response, responses=CSV)
 def get_csv(id: PathId, bench: Bench) -> Response:
     """The table, as `surae study export` writes it."""
     row = bench.project.need("study", id)
     with _store(bench, id) as store:
         data = made_file("table.csv", lambda path: api.export_study(store, path))
-    return CsvResponse(data, headers=attachment(row["name"], ".csv"))
+    return Response(data, media_type="text/csv", headers=attachment(row["name"], ".csv"))
 
 
 @router.get("/{id}/figure.svg", response_class=Response, responses=_SVG)
