@@ -146,16 +146,16 @@ def parameter_table(
     table = api.adapted(spec.parameters, _settings(draft).options, emg_unit)
     now = values_of(draft, emg_unit, prescribed)
     priors = _population(draft)
-    rows, told_of = [], shown(draft)["parameters"]
+    rows, changes_of = [], shown(draft)["parameters"]
     for name, p in table.items():
-        told = told_of.get(name, {})
+        changed = changes_of.get(name, {})
         default = _defaults(p, name in spec.free)
         if name in prescribed:
             default |= {"free": False, "value": prescribed[name]}
-        own = {key: told[key] for key in default if told.get(key) is not None}
+        own = {key: changed[key] for key in default if changed.get(key) is not None}
         rows.append({
             **described(p, name in spec.free), **default, **own,
-            "prior": told.get("prior") or priors.get(name), "default": default,
+            "prior": changed.get("prior") or priors.get(name), "default": default,
             "slider": now[name], "prescribed": prescribed.get(name),
             "optional": name in spec.optional,
         })  # fmt: skip

@@ -83,13 +83,13 @@ def add_fit(
 
 def keep_designs(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str | None:
     """Keep the protocols that were designed; the id of the last."""
-    id_, asked = None, job["task"]
+    id_, task = None, job["task"]
     for design in end["designs"]:
         name = unique_name(bench.database.all("protocol"), design["name"], 120)
         settings = {
-            "profile": "designed", "device": asked["device"], "rate_hz": asked["rate_hz"],
-            "range_of_motion": asked["range"] or design["limits"][:2], "limits": design["limits"],
-            "plan": design["plan"] | {key: asked[key] for key in ("model", "population")},
+            "profile": "designed", "device": task["device"], "rate_hz": task["rate_hz"],
+            "range_of_motion": task["range"] or design["limits"][:2], "limits": design["limits"],
+            "plan": design["plan"] | {key: task[key] for key in ("model", "population")},
         }  # fmt: skip
         id_ = bench.database.add("protocol", {"name": name, "settings": settings})
     bench.events.changed("protocols")

@@ -173,11 +173,11 @@ _OWN = ("durations", "id", "root")
 def design(task: Task) -> dict[str, Any]:
     """Search a protocol of each duration; the best until it is stopped is kept."""
     designs, each = list[dict[str, Any]](), task["evaluations"]
-    asked = {key: value for key, value in task.items() if key not in _OWN}
+    settings = {key: value for key, value in task.items() if key not in _OWN}
     for k, seconds in enumerate(task["durations"]):
         with _compiling():
             designed = api.design(
-                seconds, progress=_counting(k * each, each * len(task["durations"])), **asked
+                seconds, progress=_counting(k * each, each * len(task["durations"])), **settings
             )
         designs.append({"name": f"designed {seconds:g} s {task['aim']}", **designed.to_json()})
         if designed.stopped:

@@ -146,10 +146,10 @@ function heardFrame(frame) {
   });
 }
 
-// --- what is told ---------------------------------------------------------------------------
+// --- reports --------------------------------------------------------------------------------
 
 function showStreams() {
-  const told = { good: ["keep", "good"], changed: ["look", "changed"], silent: ["look", "silent"], lost: ["repeat", "lost"] };
+  const report = { good: ["keep", "good"], changed: ["look", "changed"], silent: ["look", "silent"], lost: ["repeat", "lost"] };
   const missing = [
     !state.streams.length && "None yet: start the programs that send streams of LSL.",
     state.streams.length && !state.roles.length && "Which channel is the angle? Their names do not say it: start again with --mapping MAP.toml.",
@@ -157,7 +157,7 @@ function showStreams() {
   replace(
     byId("streams"),
     state.streams.map((stream) => {
-        const [kind, word] = told[stream.state === "good" && stream.remark ? "changed" : stream.state];
+        const [kind, word] = report[stream.state === "good" && stream.remark ? "changed" : stream.state];
       const rate = stream.measured_hz === null ? "" : `${stream.measured_hz.toFixed(0)} of ${stream.rate_hz.toFixed(0)} Hz`;
       const clock = stream.offset_ms === null ? "" : `, clock ${(Math.round(10 * stream.offset_ms) / 10 + 0).toFixed(1)} ms`;
       const wrong = [
@@ -303,9 +303,9 @@ let asked = 0;
 /** Ask how all stands; of several answers, the one that was asked for last counts. */
 const refresh = async () => {
   const own = ++asked;
-  const told = await get("/api/live");
+  const report = await get("/api/live");
   if (own !== asked) return;
-  state = told;
+  state = report;
   showAll();
 };
 const startStop = () => tried(async () => {
@@ -370,8 +370,8 @@ tried(async () => {
       byId("error").dataset.disk = "";
     },
     frame: heardFrame,
-    health: (told) => {
-      Object.assign(state, told);
+    health: (report) => {
+      Object.assign(state, report);
       showStreams();
       showAsked();
     },

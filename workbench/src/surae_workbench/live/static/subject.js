@@ -15,10 +15,10 @@ function words(now) {
   if (!state || state.running === null || state.begin === null) return "Relax";
   const t = now - state.begin;
   if (t < 0) return `Ready … ${Math.ceil(-t)}`;
-  const asked = state.curve ? at(state.curve, (i) => both(state.curve.effort[i]), t + 0.2) : null;
-  if (asked === null) return "Well done. Relax";
-  if (asked > 0.05) return "Pull up";
-  if (asked < -0.05) return "Push down";
+  const target = state.curve ? at(state.curve, (i) => both(state.curve.effort[i]), t + 0.2) : null;
+  if (target === null) return "Well done. Relax";
+  if (target > 0.05) return "Pull up";
+  if (target < -0.05) return "Push down";
   return "Relax";
 }
 
@@ -42,8 +42,8 @@ function draw() {
     c.beginPath();
     for (let i = 0; i <= 200; i += 1) {
       const t = now - BEHIND + (i / 200) * (AHEAD + BEHIND);
-      const asked = at(state.curve, (k) => both(state.curve.effort[k]), t - state.begin) ?? 0;
-      c.lineTo(x(t), y(asked));
+      const target = at(state.curve, (k) => both(state.curve.effort[k]), t - state.begin) ?? 0;
+      c.lineTo(x(t), y(target));
     }
     c.stroke();
   }
@@ -71,9 +71,9 @@ const refresh = async () => {
 refresh().then(() => {
   listen("/api/subject/events", {
     open: refresh,
-    effort: (told) => {
-      own.push(told);
-      while (own.length && own[0].t < told.t - BEHIND - 1) own.shift();
+    effort: (report) => {
+      own.push(report);
+      while (own.length && own[0].t < report.t - BEHIND - 1) own.shift();
     },
   });
   setInterval(() => refresh().catch(() => null), 500);

@@ -180,14 +180,14 @@ def offer_renaming(
 
 
 def report_file(
-    bench: Workbench, row: Entry, kind: str, task: str, **asked: str | None
+    bench: Workbench, row: Entry, kind: str, task: str, **settings: str | None
 ) -> Response:
     """A report that a worker writes, of what never changes: one file to keep."""
 
     def write(path: Path) -> None:
-        bench.workers.ask(task, output=str(path), **asked)
+        bench.workers.ask(task, output=str(path), **settings)
 
-    key = (row["id"], kind + (asked.get("language") or ""))
+    key = (row["id"], kind + (settings.get("language") or ""))
     data = bench.reports.get(key, lambda: made_file(f"report.{kind}", write))
     return Response(data, media_type=_TYPES[kind], headers=attachment(row["name"], f".{kind}"))
 

@@ -203,8 +203,8 @@ def limits(settings: ProtocolSettings, trajectory: api.Trajectory) -> list[dict[
         model, population = settings.plan.model, settings.plan.population
     elif settings.profile in api.ready_protocols():
         model = api.ready_protocols()[settings.profile].model
-    asked = api.requested_limits(trajectory, model, population)
-    return [{"text": limit.text, "exceeded": limit.exceeded} for limit in asked]
+    limits = api.requested_limits(trajectory, model, population)
+    return [{"text": limit.text, "exceeded": limit.exceeded} for limit in limits]
 
 
 def _plain(plan: ProtocolPlan) -> dict[str, Any]:

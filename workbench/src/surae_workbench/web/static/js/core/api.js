@@ -56,11 +56,11 @@ export async function download(url, name, body = null) {
       }
     : {};
   const response = await checked(await answer(url, options));
-  const told = /filename="?([^";]+)"?/.exec(response.headers.get("content-disposition") ?? "");
+  const match = /filename="?([^";]+)"?/.exec(response.headers.get("content-disposition") ?? "");
   const address = URL.createObjectURL(await response.blob());
   const link = document.createElement("a");
   link.href = address;
-  link.download = told?.[1] ?? name;
+  link.download = match?.[1] ?? name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(address), 10000);
 }

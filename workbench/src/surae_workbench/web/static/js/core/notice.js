@@ -1,4 +1,4 @@
-// What is told: quietly at the corner, or as an error beside what caused it.
+// Notices: quietly at the corner, or as an error beside what caused it.
 
 import { byId, h } from "./dom.js";
 

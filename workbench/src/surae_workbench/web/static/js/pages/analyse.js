@@ -16,7 +16,7 @@ let recordings = [];
 let people = [];
 let chosen = null;
 let job = null;
-/** Efforts that were told, by recording. */
+/** Efforts that were stated, by recording. */
 const efforts = {};
 
 /** What belongs together at first: the recordings of the newest one's leg. */
@@ -52,14 +52,14 @@ const sort = latest(async () => {
   byId("start").disabled = true;
   if (!chosen.size) return replace(byId("trials"), h("p", { class: "muted" }, "Choose the trials of one leg."));
   byId("trials").setAttribute("aria-busy", "true");
-  const told = await attempt(box.fit, () => post("/api/sessions/trials", asked()));
+  const answer = await attempt(box.fit, () => post("/api/sessions/trials", request()));
   byId("trials").removeAttribute("aria-busy");
-  if (!told) return replace(byId("trials"));
-  byId("start").disabled = job !== null || !told.trials.some((one) => one.fitted);
-  return replace(byId("trials"), sorted(told.trials));
+  if (!answer) return replace(byId("trials"));
+  byId("start").disabled = job !== null || !answer.trials.some((one) => one.fitted);
+  return replace(byId("trials"), sorted(answer.trials));
 });
 
-const asked = () => ({ recordings: [...chosen], efforts: Object.fromEntries(Object.entries(efforts).filter(([id]) => chosen.has(id))) });
+const request = () => ({ recordings: [...chosen], efforts: Object.fromEntries(Object.entries(efforts).filter(([id]) => chosen.has(id))) });
 
 const sorted = (trials) =>
   table("What each trial is", ["Trial", "What it is", "Effort", "Used for"], trials.map((one) => [
@@ -82,9 +82,9 @@ function watch(found) {
   byId("start").disabled = true;
   byId("stop").hidden = byId("progress").hidden = false;
   byId("progress").removeAttribute("value");
-  const said = (told) => {
-    byId("said").textContent = told.total ? `${told.what}: ${told.done} of ${told.total} steps are done` : progressText(told, "");
-    if (told.total) byId("progress").value = told.done / told.total;
+  const said = (answer) => {
+    byId("said").textContent = answer.total ? `${answer.what}: ${answer.done} of ${answer.total} steps are done` : progressText(answer, "");
+    if (answer.total) byId("progress").value = answer.done / answer.total;
   };
   follow(found.id, {
     state: (now) => {
@@ -104,7 +104,7 @@ function watch(found) {
   });
 }
 
-byId("start").addEventListener("click", () => attempt(box.fit, async () => watch(await post("/api/sessions", asked()))));
+byId("start").addEventListener("click", () => attempt(box.fit, async () => watch(await post("/api/sessions", request()))));
 byId("stop").addEventListener("click", () => job && attempt(box.fit, () => cancel(job.id), byId("stop")));
 
 const refresh = latest(() => attempt(box.page, async () => {

@@ -10,12 +10,12 @@ import { mark, verdict } from "../ui/marks.js";
 import { sortable } from "../ui/table.js";
 
 const box = byId("error");
-const asked = () => `?which=${byId("all").checked ? "all" : "legs"}`;
+const request = () => `?which=${byId("all").checked ? "all" : "legs"}`;
 
 const show = latest(async () => {
-  const told = await attempt(box, () => get(`/api/cohort${asked()}`));
-  if (!told) return;
-  const { columns: parameters, rows } = told;
+  const answer = await attempt(box, () => get(`/api/cohort${request()}`));
+  if (!answer) return;
+  const { columns: parameters, rows } = answer;
   byId("export").disabled = rows.length === 0;
   if (!rows.length) return replace(byId("table"), empty("No legs yet.", "Analyse the trials of a leg; give them a subject to see whose it is."));
   const table = sortable(`${rows.length} ${rows.length === 1 ? "row" : "rows"}.`, columns(parameters));
@@ -49,6 +49,6 @@ function cell(one) {
 }
 
 byId("all").addEventListener("change", show);
-onClick("export", box, () => download(`/api/cohort.csv${asked()}`, "cohort.csv"));
+onClick("export", box, () => download(`/api/cohort.csv${request()}`, "cohort.csv"));
 onChanged(["fits", "sessions", "subjects", "recordings"], show);
 show();

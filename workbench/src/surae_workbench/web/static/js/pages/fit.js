@@ -28,7 +28,7 @@ replace(byId("plot"), plot.element);
 const table = parameterTable({
   slide: (name, value) => live({ [name]: value }),
   settle: (name, value) => store({ sliders: { [name]: value } }, `slide ${name}`, true),
-  set: (name, told, label) => store({ parameters: { [name]: told } }, label),
+  set: (name, changes, label) => store({ parameters: { [name]: changes } }, label),
 });
 replace(byId("parameters"), table.element);
 
@@ -94,15 +94,15 @@ function choose(recording, wanted) {
 }
 
 const showTable = latest(async () => {
-  const told = await attempt(box.parameters, () => get("/api/draft/parameters"));
-  if (!told) return;
-  table.update(told.parameters);
+  const report = await attempt(box.parameters, () => get("/api/draft/parameters"));
+  if (!report) return;
+  table.update(report.parameters);
   const chosen = draft().recordings.length > 0;
   byId("plot").hidden = !chosen;
-  if (told.problem && chosen) complain(box.fit, told.problem);
+  if (report.problem && chosen) complain(box.fit, report.problem);
   else calm(box.fit);
   if (!job) byId("live-figures").textContent = chosen ? "" : "Choose a recording above.";
-  byId("start").disabled = Boolean(told.problem) || job !== null;
+  byId("start").disabled = Boolean(report.problem) || job !== null;
   slid = {};
   draw();
 });
@@ -126,27 +126,27 @@ function showDraft() {
 let phase = "";
 let reached = {};
 
-const progress = perFrame((told) => {
+const progress = perFrame((report) => {
   if (!job) return;
-  if (told.starts) byId("progress").value = Math.min((told.start ?? 0) / told.starts, 1);
+  if (report.starts) byId("progress").value = Math.min((report.start ?? 0) / report.starts, 1);
   byId("job-line").textContent = [
-    PHASES[told.phase] ?? told.phase,
-    told.start && `start ${told.start} of ${told.starts}`,
-    told.iteration !== undefined && told.iteration !== null && `iteration ${told.iteration}`,
-    told.r2 !== undefined && told.r2 !== null && `R² ${r2(told.r2)}`,
+    PHASES[report.phase] ?? report.phase,
+    report.start && `start ${report.start} of ${report.starts}`,
+    report.iteration !== undefined && report.iteration !== null && `iteration ${report.iteration}`,
+    report.r2 !== undefined && report.r2 !== null && `R² ${r2(report.r2)}`,
   ].filter(Boolean).join(" · ");
-  if (told.phase !== phase) {
-    phase = told.phase;
+  if (report.phase !== phase) {
+    phase = report.phase;
     byId("job-said").textContent = `${PHASES[phase] ?? phase} …`;
   }
-  const trace = told.traces?.find((one) => one.recording === shown) ?? told.traces?.[0];
+  const trace = report.traces?.find((one) => one.recording === shown) ?? report.traces?.[0];
   if (trace?.modelled) {
     plot.show(trace.t, trace.measured, trace.modelled);
-    byId("live-figures").textContent = told.r2 === null || told.r2 === undefined ? "" : `R² ${r2(told.r2)}`;
+    byId("live-figures").textContent = report.r2 === null || report.r2 === undefined ? "" : `R² ${r2(report.r2)}`;
   }
-  if (told.values) {
-    reached = told.values;
-    table.move(told.values);
+  if (report.values) {
+    reached = report.values;
+    table.move(report.values);
   }
 });
 
@@ -208,16 +208,16 @@ byId("centre").addEventListener("click", () => store({ sliders: none("sliders") 
 byId("defaults").addEventListener("click", () => store({ parameters: none("parameters"), sliders: none("sliders") }, "defaults for all parameters"));
 byId("adopt").addEventListener("click", () => {
   const now = draft();
-  const told = Object.fromEntries(Object.entries(now.sliders).map(([name, value]) => [name, { ...now.parameters[name], value }]));
-  if (Object.keys(told).length) store({ parameters: told }, "start from the sliders");
+  const report = Object.fromEntries(Object.entries(now.sliders).map(([name, value]) => [name, { ...now.parameters[name], value }]));
+  if (Object.keys(report).length) store({ parameters: report }, "start from the sliders");
 });
 
 const refresh = latest(() => attempt(box.page, async () => {
-  const told = await pages.read();
-  recordings = told.rows;
-  byId("bench").hidden = told.none;
-  byId("empty").hidden = !told.none;
-  if (told.none) {
+  const report = await pages.read();
+  recordings = report.rows;
+  byId("bench").hidden = report.none;
+  byId("empty").hidden = !report.none;
+  if (report.none) {
     replace(byId("empty"), empty("No recordings yet.", "A fit needs one.", h("a", { class: "button primary", href: "/import" }, "Import a file"), demoButton(box.page)));
   }
   if (draft()) showDraft();

@@ -26,8 +26,8 @@ let trials = [];
 
 // What was chosen survives a reload, in this tab only.
 const keep = () => {
-  const told = ["subject", "trial", "condition"].map((id) => [id, byId(id).value]);
-  sessionStorage.setItem(KEPT, JSON.stringify({ included: [...included], mapping, told }));
+  const entered = ["subject", "trial", "condition"].map((id) => [id, byId(id).value]);
+  sessionStorage.setItem(KEPT, JSON.stringify({ included: [...included], mapping, entered }));
 };
 const kept = () => JSON.parse(sessionStorage.getItem(KEPT) ?? "null");
 
@@ -191,11 +191,11 @@ function offer(findings) {
 }
 
 /** Of several trials the first that moves: a hold shows no sign. */
-async function seenAs(asked) {
+async function seenAs(request) {
   let seen = null;
   for (const one of trials.length ? trials : [null]) {
-    const mapped = one ? forTrial(one, asked.mapping) : asked.mapping;
-    const here = await post("/api/imports/preview", { ...asked, mapping: mapped });
+    const mapped = one ? forTrial(one, request.mapping) : request.mapping;
+    const here = await post("/api/imports/preview", { ...request, mapping: mapped });
     seen ??= { ...here, name: one?.name };
     if (!one || !here.findings.some((f) => f.code === "angle-still")) return { ...here, name: one?.name };
   }
@@ -203,11 +203,11 @@ async function seenAs(asked) {
 }
 
 const preview = latest(async () => {
-  const asked = body();
+  const request = body();
   keep();
   calm(box.mapping);
   try {
-    const seen = await seenAs(asked);
+    const seen = await seenAs(request);
     offer(seen.findings);
     replace(
       byId("preview"),
@@ -233,14 +233,14 @@ async function listSubjects(chosen = byId("subject").value) {
 byId("subject").addEventListener("change", async () => {
   if (byId("subject").value !== "new") return keep();
   byId("subject").value = "";
-  const told = await editSubject();
-  if (told) await attempt(box.mapping, async () => listSubjects((await post("/api/subjects", told)).id));
+  const entered = await editSubject();
+  if (entered) await attempt(box.mapping, async () => listSubjects((await post("/api/subjects", entered)).id));
   return keep();
 });
 
 /** Every trial by the one description; those that move and are sound are then chosen for a fit. */
 async function importTrials(analyse = false) {
-  const asked = body();
+  const request = body();
   const failed = [];
   const fit = [];
   const all = [];
@@ -249,8 +249,8 @@ async function importTrials(analyse = false) {
   for (const one of trials) {
     byId("upload-progress").textContent = `Importing ${one.name} …`;
     try {
-      const own = forTrial(one, asked.mapping);
-      const made = await post("/api/imports", { ...asked, mapping: own, trial: own.name });
+      const own = forTrial(one, request.mapping);
+      const made = await post("/api/imports", { ...request, mapping: own, trial: own.name });
       all.push(made.id);
       included.delete(one.id);
       if (analyse) continue; // the session sorts them
@@ -322,6 +322,6 @@ const ready = attempt(box.upload, async () => {
   [units] = await Promise.all([get("/api/units"), listSubjects(), listUploads()]);
   if (!uploads.length) return;
   included = new Set((before?.included ?? [uploads[uploads.length - 1].id]).filter((id) => uploads.some((one) => one.id === id)));
-  for (const [id, value] of before?.told ?? []) byId(id).value = value;
+  for (const [id, value] of before?.entered ?? []) byId(id).value = value;
   await inspect(included.size && before ? before.mapping : null);
 });

@@ -29,7 +29,7 @@ const plots = [
 replace(byId("plots"), plots.map((plot) => plot.element));
 onTheme(() => plots.forEach((plot) => plot.redraw()));
 
-function told() {
+function entered() {
   const settings = {
     profile: kept ? "designed" : byId("profile").value,
     ...(kept ?? {}),
@@ -68,15 +68,15 @@ function slide() {
 }
 
 const preview = latest(async () => {
-  const asked = told();
-  localStorage.setItem(KEPT, JSON.stringify(asked));
+  const request = entered();
+  localStorage.setItem(KEPT, JSON.stringify(request));
   for (const [id, list] of [["profile", choices.profiles], ["task", choices.tasks]]) byId(`${id}-said`).textContent = list.find((one) => one.name === byId(id).value)?.description ?? "";
-  byId("adapt").disabled = asked.settings.device === null;
+  byId("adapt").disabled = request.settings.device === null;
   const whole = kept !== null || choices.profiles.find((one) => one.name === byId("profile").value)?.designed;
   byId("chirp_amplitude").disabled = byId("chirp_rate").disabled = whole; // a designed movement has none
   byId("said").textContent = "Working it out …";
   try {
-    show(await post("/api/protocols/preview", asked));
+    show(await post("/api/protocols/preview", request));
     calm(box);
   } catch (error) {
     complain(box, error);
@@ -165,13 +165,13 @@ byId("settings").addEventListener("submit", (event) => {
   event.preventDefault();
   preview();
 });
-byId("export").addEventListener("click", () => byId("settings").reportValidity() && attempt(box, () => download("/api/protocols/csv", "protocol.csv", { settings: told().settings, reason: byId("reason").value }), byId("export")));
+byId("export").addEventListener("click", () => byId("settings").reportValidity() && attempt(box, () => download("/api/protocols/csv", "protocol.csv", { settings: entered().settings, reason: byId("reason").value }), byId("export")));
 byId("save").addEventListener("click", async () => {
   if (!byId("settings").reportValidity()) return;
   const name = h("input", { type: "text", required: true, maxlength: 120, value: byId("profile").value });
   if (!(await ask("Save the protocol", field("Name", name), { confirm: "Save" }))) return;
   await attempt(box, async () => {
-    await post("/api/protocols", { name: name.value.trim(), settings: told().settings });
+    await post("/api/protocols", { name: name.value.trim(), settings: entered().settings });
     await showSaved();
   });
 });
@@ -206,7 +206,7 @@ const watch = jobControls({ start: byId("search"), stop: byId("stop"), said: byI
 byId("search").addEventListener("click", () => {
   if (!byId("settings").reportValidity()) return;
   attempt(box, async () => {
-    const { settings, model, population, noise } = told();
+    const { settings, model, population, noise } = entered();
     const durations = byId("durations").value.split(",").map(Number).filter((value) => value > 0);
     watch(await post("/api/protocols/design", { device: settings.device, range: settings.range_of_motion, rate_hz: settings.rate_hz, model, population, noise, durations, aim: byId("aim").value.trim(), effort: byId("effort").value, evaluations: Number(byId("evaluations").value) }));
   });

@@ -92,11 +92,11 @@ const subjectsTable = sortable("All subjects of the project", [
 ]);
 
 async function edit(person) {
-  const told = await editSubject(person);
-  if (!told) return;
+  const entered = await editSubject(person);
+  if (!entered) return;
   await attempt(boxes.subjects, async () => {
-    if (person) await patch(`/api/subjects/${person.id}`, told, person.revision);
-    else await post("/api/subjects", told);
+    if (person) await patch(`/api/subjects/${person.id}`, entered, person.revision);
+    else await post("/api/subjects", entered);
     await refresh();
   });
 }

@@ -20,15 +20,15 @@ export function signalPlots(options) {
       height: role === "torque" ? 180 : 140,
     })),
   ];
-  let asked = null;
+  let pending = null;
 
   const stack = linked(panels, {
     ...options,
     load: async (range) => {
-      asked?.abort();
-      asked = new AbortController();
+      pending?.abort();
+      pending = new AbortController();
       try {
-        const window = await options.fetch(range, asked.signal);
+        const window = await options.fetch(range, pending.signal);
         options.done();
         draw(window, range);
       } catch (error) {

@@ -24,13 +24,13 @@ export const ranges = (channels) =>
 
 /** A form in `place` that describes a recording; `done` is called at its end, with what was said. */
 export async function describe(id, place, box, done) {
-  const [told, units] = await Promise.all([get(`/api/recordings/${id}/description`), get("/api/units")]);
-  const { mapping } = told;
+  const [answer, units] = await Promise.all([get(`/api/recordings/${id}/description`), get("/api/units")]);
+  const { mapping } = answer;
   const table = h("div");
   const seen = h("div", { "aria-live": "polite" });
   const emg = select({}, [["raw", "raw"], ["envelope", "envelope"]], mapping.emg ?? "raw");
   const gravity = h("input", { type: "checkbox", checked: mapping.fixed.m === 0 });
-  const others = told.alike.map((other) => [other.id, h("input", { type: "checkbox" }), other.name]);
+  const others = answer.alike.map((other) => [other.id, h("input", { type: "checkbox" }), other.name]);
 
   const body = () => {
     mapping.emg = emg.value;
@@ -50,7 +50,7 @@ export async function describe(id, place, box, done) {
   });
   const check = settled(look, 350);
   const changed = () => {
-    replace(table, mappingTable(mapping, told.files, units, changed));
+    replace(table, mappingTable(mapping, answer.files, units, changed));
     check();
   };
   for (const input of [emg, gravity]) input.addEventListener("change", check);
@@ -66,7 +66,7 @@ export async function describe(id, place, box, done) {
       done();
     } } },
     table,
-    !told.whole && h("p", { class: "muted small" }, "The files that were imported are no longer here: other columns can be chosen after dropping them on the page Import again."),
+    !answer.whole && h("p", { class: "muted small" }, "The files that were imported are no longer here: other columns can be chosen after dropping them on the page Import again."),
     h("div", { class: "fields" }, field("EMG is", emg)),
     h("label", { class: "check" }, gravity, "Inertia and gravity are taken out of the torque already (inverse dynamics)"),
     others.length > 0 && h("fieldset", { class: "plain" }, h("legend", {}, "The same for these, which have the same columns"), others.map(([, tick, name]) => h("label", { class: "check" }, tick, name))),

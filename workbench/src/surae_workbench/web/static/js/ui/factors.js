@@ -21,9 +21,9 @@ const CHOICES = [
  * The form.
  *
  * @param choices what the server offers
- * @param told called with the TOML and the number of fits, or null where an entry is wrong
+ * @param changed called with the TOML and the number of fits, or null where an entry is wrong
  */
-export function factors(choices, told) {
+export function factors(choices, changed) {
   const name = h("input", { type: "text", required: true, maxlength: 60, value: "chirp" });
   const numbers = NUMBERS.map(([key, label, value]) => [key, h("input", { type: "text", required: true, value, inputmode: "decimal", "aria-label": label }), label]);
   const counts = COUNTS.map(([key, label, value]) => [key, h("input", { type: "number", required: true, min: 1, max: 10000, step: 1, value }), label]);
@@ -60,8 +60,8 @@ export function factors(choices, told) {
       fits *= input.valueAsNumber || 0;
       lines.push(`${key} = ${input.valueAsNumber || 1}`);
     }
-    if (good) told(`${lines.join("\n")}\n`, fits);
-    else told(null, 0);
+    if (good) changed(`${lines.join("\n")}\n`, fits);
+    else changed(null, 0);
   }
 
   const element = h(

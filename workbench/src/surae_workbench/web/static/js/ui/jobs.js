@@ -13,8 +13,8 @@ export const PHASES = {
 };
 
 /** How far a job is, in words: what is counted, or its phase. */
-export const progressText = (told, what) =>
-  told.total ? `${what}: ${told.done} of ${told.total}` : `${PHASES[told.phase] ?? "At work"} …`;
+export const progressText = (report, what) =>
+  report.total ? `${what}: ${report.done} of ${report.total}` : `${PHASES[report.phase] ?? "At work"} …`;
 
 const ENDED = ["done", "failed", "cancelled", "interrupted"];
 export const ended = (job) => ENDED.includes(job.state);
@@ -66,7 +66,7 @@ export function jobControls({ start, stop, said }, box, { progress, ended: text,
     stop.hidden = false;
     follow(found.id, {
       state: (now) => now.state === "queued" && (said.textContent = "Waiting for another job …"),
-      progress: (told) => (said.textContent = progress(told)),
+      progress: (report) => (said.textContent = progress(report)),
       end: async (now) => {
         job = null;
         start.disabled = false;

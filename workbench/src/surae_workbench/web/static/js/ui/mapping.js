@@ -60,16 +60,16 @@ function cells(role, mapping, files, units, changed) {
     changed();
   });
 
-  const told = channel?.unit ?? column?.unit ?? "";
-  const known = told && !units.includes(told) ? [told, ...units] : units;
+  const stated = channel?.unit ?? column?.unit ?? "";
+  const known = stated && !units.includes(stated) ? [stated, ...units] : units;
   const unit = select(
     { "aria-label": `Unit of ${roleText(role)}`, disabled: !channel, "data-focus": `unit-${role}` },
-    [...(told ? [] : [["", "choose …"]]), ...known.map((name) => [name, unitText(name) || "none"])],
-    told,
+    [...(stated ? [] : [["", "choose …"]]), ...known.map((name) => [name, unitText(name) || "none"])],
+    stated,
   );
   unit.addEventListener("change", () => {
     channel.unit = unit.value || null;
-    // One amplifier measures all muscles: a unit told once holds for the EMG without one.
+    // One amplifier measures all muscles: a unit given once holds for the EMG without one.
     for (const other of EMG.includes(role) ? EMG : []) {
       if (mapping.channels[other]) mapping.channels[other].unit ??= channel.unit;
     }
@@ -89,7 +89,7 @@ function cells(role, mapping, files, units, changed) {
       "data-focus": `sign-${role}`,
     },
   );
-  const range = column ? `${number(column.low, 3)} … ${number(column.high, 3)} ${unitText(told)}` : "—";
+  const range = column ? `${number(column.low, 3)} … ${number(column.high, 3)} ${unitText(stated)}` : "—";
   return [
     [roleText(role), NEEDED.includes(role) ? "" : h("span", { class: "muted small" }, " (optional)")],
     choose,

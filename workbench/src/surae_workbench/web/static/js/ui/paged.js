@@ -28,19 +28,19 @@ export function paged(kind, changed, also = () => []) {
   find.addEventListener("input", settled(() => go(0), 150));
 
   async function read() {
-    const asked = query({ start, count: COUNT, find: find.value, sort, down, also: also().join(",") });
-    const told = await get(`/api/${kind}${asked}`);
-    const page = told[kind];
+    const request = query({ start, count: COUNT, find: find.value, sort, down, also: also().join(",") });
+    const answer = await get(`/api/${kind}${request}`);
+    const page = answer[kind];
     if (!page.length && start) {
       start = 0;
       return read();
     }
-    const known = new Set((told.also ?? []).map((one) => one.id));
-    element.hidden = (told.total ?? page.length) <= COUNT && !find.value;
-    said.textContent = page.length ? `${start + 1} to ${start + page.length} of ${told.total}` : "none found";
+    const known = new Set((answer.also ?? []).map((one) => one.id));
+    element.hidden = (answer.total ?? page.length) <= COUNT && !find.value;
+    said.textContent = page.length ? `${start + 1} to ${start + page.length} of ${answer.total}` : "none found";
     back.disabled = start === 0;
-    on.disabled = start + page.length >= told.total;
-    return { rows: [...(told.also ?? []), ...page.filter((one) => !known.has(one.id))], none: !page.length && !find.value };
+    on.disabled = start + page.length >= answer.total;
+    return { rows: [...(answer.also ?? []), ...page.filter((one) => !known.has(one.id))], none: !page.length && !find.value };
   }
 
   return {

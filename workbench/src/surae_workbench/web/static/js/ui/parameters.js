@@ -30,7 +30,7 @@ function scaleOf({ lower, upper, default: usual }) {
 /**
  * The table.
  *
- * @param on {slide(name, value), settle(name, value), set(name, told|null, label)}
+ * @param on {slide(name, value), settle(name, value), set(name, changes|null, label)}
  */
 export function parameterTable(on) {
   const head = ["Parameter", "Slider", "Free", "Start or value", "Lower", "Upper", "Prior median", "Prior spread"];
@@ -125,8 +125,8 @@ function makeRow(first, on) {
     on.settle(name, scale.value(Number(slider.value)));
   });
 
-  /** Only what differs from the default is told. */
-  function told(changes) {
+  /** Only what differs from the default is sent. */
+  function differing(changes) {
     const now = { free: p.free, value: p.value, lower: p.lower, upper: p.upper, prior: p.prior, ...changes };
     const made = {};
     for (const key of ["free", "value", "lower", "upper"]) if (now[key] !== p.default[key]) made[key] = now[key];
@@ -136,14 +136,14 @@ function makeRow(first, on) {
     return Object.keys(made).length || p.optional ? made : null; // an optional one is there while it is mentioned
   }
   const numeric = (input, fallback) => (input.value.trim() === "" ? fallback : Number(input.value));
-  free.addEventListener("change", () => on.set(name, told({ free: free.checked }), `${free.checked ? "free" : "fix"} ${name}`));
-  value.addEventListener("change", () => on.set(name, told({ value: numeric(value, p.default.value) }), `${name} = ${value.value || "default"}`));
-  lower.addEventListener("change", () => on.set(name, told({ lower: numeric(lower, p.default.lower) }), `lower bound of ${name}`));
-  upper.addEventListener("change", () => on.set(name, told({ upper: numeric(upper, p.default.upper) }), `upper bound of ${name}`));
+  free.addEventListener("change", () => on.set(name, differing({ free: free.checked }), `${free.checked ? "free" : "fix"} ${name}`));
+  value.addEventListener("change", () => on.set(name, differing({ value: numeric(value, p.default.value) }), `${name} = ${value.value || "default"}`));
+  lower.addEventListener("change", () => on.set(name, differing({ lower: numeric(lower, p.default.lower) }), `lower bound of ${name}`));
+  upper.addEventListener("change", () => on.set(name, differing({ upper: numeric(upper, p.default.upper) }), `upper bound of ${name}`));
   function prior() {
     const both = median.value !== "" && spread.value !== "";
-    if (!both && median.value + spread.value !== "") return; // half told: wait for the other
-    on.set(name, told({ prior: both ? { median: Number(median.value), spread: Number(spread.value) } : null }), both ? `prior of ${name}` : `no prior of ${name}`);
+    if (!both && median.value + spread.value !== "") return; // half given: wait for the other
+    on.set(name, differing({ prior: both ? { median: Number(median.value), spread: Number(spread.value) } : null }), both ? `prior of ${name}` : `no prior of ${name}`);
   }
   median.addEventListener("change", prior);
   spread.addEventListener("change", prior);

@@ -18,7 +18,7 @@ export function profiles(id, result, reread) {
   byId("profile-name").value = free[0]?.[0] ?? "";
 
   const watch = jobControls({ start: byId("profile-start"), stop: byId("profile-stop"), said: byId("profile-said") }, box, {
-    progress: (told) => progressText(told, `Profiling ${told.parameter}`),
+    progress: (report) => progressText(report, `Profiling ${report.parameter}`),
     ended: ({ state }) => ({ done: "The profile is done.", cancelled: "Stopped." })[state] ?? "",
     done: () => attempt(box, async () => {
       await reread();

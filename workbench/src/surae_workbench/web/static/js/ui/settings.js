@@ -80,8 +80,8 @@ function contractions(recordings, draft, store) {
 }
 
 /** What may drive the muscles beside the EMG as it is: its parameters come and go together. */
-function drive({ name, label, parameters: members }, told, store) {
-  const knob = h("input", { type: "checkbox", id: `set-${name}`, checked: members.some((one) => told[one]) });
+function drive({ name, label, parameters: members }, values, store) {
+  const knob = h("input", { type: "checkbox", id: `set-${name}`, checked: members.some((one) => values[one]) });
   knob.addEventListener("change", () => {
     const each = (value) => Object.fromEntries(members.map((one) => [one, value]));
     const change = knob.checked ? { parameters: each({ free: true }) } : { parameters: each(null), sliders: each(null) };

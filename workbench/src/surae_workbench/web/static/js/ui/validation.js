@@ -29,7 +29,7 @@ export function validation(id, { summary }) {
       complain(box, "choose at least one recording");
       return;
     }
-    const told = await attempt(box, () => post(`/api/fits/${id}/validate`, { recordings: chosen }), byId("validate-start"));
-    if (told) replace(byId("predictions"), html(told.html));
+    const answer = await attempt(box, () => post(`/api/fits/${id}/validate`, { recordings: chosen }), byId("validate-start"));
+    if (answer) replace(byId("predictions"), html(answer.html));
   });
 }
