@@ -115,8 +115,8 @@ def test_what_was_read_is_kept_until_it_is_written(serve, monkeypatch) -> None:
         for number in range(200):
             database.add("recording", recording(f"r{number}"), f"{number:016x}")
     assert browser.get("/api/recordings").json()["total"] == 200
-    read = module.thing
-    monkeypatch.setattr(module, "thing", lambda *row: (reads.append(row), read(*row))[1])
+    read = module.entry
+    monkeypatch.setattr(module, "entry", lambda *row: (reads.append(row), read(*row))[1])
     for _ in range(3):
         assert browser.get("/api/recordings").json()["total"] == 200
     assert reads == []
