@@ -3,11 +3,12 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-import numpy as np
+if TYPE_CHECKING:  # help reads settings, which need no NumPy
+    import numpy as np
 
-from surae.units import FloatArray
+    from surae.units import FloatArray
 
 __all__ = ["Comparable", "FrozenDict", "freeze", "read_only"]
 
@@ -82,6 +83,8 @@ def _restored(kind: type, values: tuple[Any, ...]) -> Any:
 
 
 def _make_read_only(value: Any) -> None:
+    import numpy as np
+
     if isinstance(value, np.ndarray):
         value.setflags(write=False)
     elif isinstance(value, tuple):
@@ -91,6 +94,8 @@ def _make_read_only(value: Any) -> None:
 
 def _same(a: Any, b: Any) -> bool:
     """Whether two values are equal, arrays and containers of them included."""
+    import numpy as np
+
     same = a is b
     if not same and (isinstance(a, np.ndarray) or isinstance(b, np.ndarray)):
         real = np.asarray(a).dtype.kind == np.asarray(b).dtype.kind == "f"
@@ -110,6 +115,8 @@ def _same(a: Any, b: Any) -> bool:
 
 def _key(value: Any) -> Any:
     """Something hashable that is the same for values that are equal."""
+    import numpy as np
+
     if isinstance(value, np.ndarray):
         plain = value + 0.0 if value.dtype.kind == "f" else value  # −0 equals 0
         return value.shape, plain.tobytes()
@@ -122,8 +129,10 @@ def _key(value: Any) -> Any:
     return "NaN" if isinstance(value, float) and math.isnan(value) else value
 
 
-def read_only(values: Any) -> FloatArray:
+def read_only(values: Any) -> "FloatArray":
     """A float64 copy of `values` that cannot be written to."""
+    import numpy as np
+
     # A signalling NaN warns where it is cast; the checks of samples find every NaN.
     with np.errstate(invalid="ignore"):
         array = np.array(values, dtype=np.float64)
@@ -131,12 +140,12 @@ def read_only(values: Any) -> FloatArray:
     return array
 
 
-def as_read_only(values: "np.ndarray[Any, Any]") -> FloatArray:
+def as_read_only(values: "np.ndarray[Any, Any]") -> "FloatArray":
     """Float64 that cannot be written to: as it is, or a copy where it is not so."""
-    return read_only(values) if values.dtype != np.float64 or values.flags.writeable else values
+    return read_only(values) if values.dtype != "float64" or values.flags.writeable else values
 
 
-def freeze(values: FloatArray) -> FloatArray:
+def freeze(values: "FloatArray") -> "FloatArray":
     """Make a float64 array read-only that nobody else holds, and return it."""
     values.setflags(write=False)
     return values

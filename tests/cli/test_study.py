@@ -161,7 +161,7 @@ def test_wrong_use_is_one_line(run, study) -> None:
     refused(run("study", "export", "none.db", "--output", "t.csv"), "there is no such file")
     refused(run("study", "export", "study.toml", "--output", "t.csv"), "is not a store of surae")
     (study / "study.toml").write_text('protocol = "sin"')
-    refused(run(*begin, "s.db"), "study.toml: protocol is 'sin': use one of: ramp-and-hold")
+    refused(run(*begin, "s.db"), "study.toml: protocol is 'sin'; use one of: ramp-and-hold")
     assert not (study / "s.db").exists()
 
 

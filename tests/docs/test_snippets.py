@@ -169,7 +169,7 @@ def _do(snippet: Snippet, page: str, surae, namespace: dict[str, object]) -> Non
 
 
 def _read_toml(text: str) -> None:
-    """A mapping, a device, or a study."""
+    """A mapping, a device, a study, or a distribution's own entry points."""
     if "max_torque_Nm" in text:
         from surae.protocol import read_device
 
@@ -184,6 +184,14 @@ def _read_toml(text: str) -> None:
         alone = "file =" in text  # else it is of many files
         mapped = read("printed.toml") if alone else read("leg/trial1.csv", mapping="printed.toml")
         assert len(mapped.channels) > 2
+    elif "[project.entry-points" in text:
+        from surae.plugins import plugins
+
+        named = {
+            group.partition(".")[2] for group in tomllib.loads(text)["project"]["entry-points"]
+        }
+        served = set(re.findall(r'"(\w+)"', plugins.__doc__))
+        assert named <= served | {"commands"}
     else:
         from surae.studies.study import parse_study
 
