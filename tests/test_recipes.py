@@ -118,7 +118,7 @@ def still(trial: CheckedTrial) -> Iterator[Finding]:
     if np.ptp(trial.torque) == 0.0:
         value = float(trial.torque[0])
         span = trial.time[0], trial.time[-1]
-        yield found("torque-still", "torque", span, value, "The torque never changes.")
+        yield make_finding("torque-still", "torque", span, value, "The torque never changes.")
 
 
 '''),

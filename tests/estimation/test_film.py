@@ -51,7 +51,7 @@ def filmed():
 @pytest.fixture(scope="module")
 def posterior(filmed) -> LogPosterior:
     search = _Search(make_problem([filmed[0]], "auto"), None)
-    return search._posterior(("arm", "curves"), 64.0, _white(search._asked, 0.05), _BEGIN)
+    return search._posterior(("arm", "curves"), 64.0, _white(search._original, 0.05), _BEGIN)
 
 
 @pytest.fixture(scope="module")
@@ -181,7 +181,7 @@ def test_the_trackers_drift_is_followed_faster_than_it_forgets(posterior) -> Non
 def test_a_joint_fit_has_one_zero_of_each_film(filmed) -> None:
     recording, _ = filmed
     search = _Search(make_problem([recording, replace(recording, name="again")], "auto"), None)
-    joint = search._posterior((), 64.0, _white(search._asked, 0.05), _BEGIN)
+    joint = search._posterior((), 64.0, _white(search._original, 0.05), _BEGIN)
     at = joint.names.index("film_zero_tib")
     assert joint.names.count("film_zero_tib") == 1
     z, c, w = joint.start({}), joint.still(), joint.expected()
