@@ -47,8 +47,8 @@ _SPELLINGS = {
     **dict.fromkeys(("sec", "second", "seconds"), "s"),
     **dict.fromkeys(("msec", "millisecond", "milliseconds"), "ms"),
 }
-#: Kind of signal by the first word of roles that name a muscle.
-_KINDS = {"emg": "emg", "fascicle": "length", "pennation": "angle"}
+#: Kind of signal by the first word of roles that have a second.
+_KINDS = {"emg": "emg", "fascicle": "length", "pennation": "angle", "second": "angle"}
 _KNOWN = {unit.casefold(): unit for units in FACTORS.values() for unit in units}
 
 

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import surae
@@ -19,6 +20,8 @@ from surae.model import (
 from surae.model.geometry import paths
 from surae.model.laboratory import laboratory
 from surae.settings import FitSettings
+from surae.signals.prepare import smoothed
+from surae.signals.resample import thinned
 
 DEGREES = np.arange(-60.0, 45.0, 5.0)
 #: Arm of a triceps whose soleus and gastrocnemius heads have 5, 4 and 3 cm, by their areas.
@@ -61,19 +64,91 @@ BENT = GeometryTable(
 )
 
 
+def over_a_knee(folder, *notes):
+    """A CSV over both angles, of which the knee shortens the gastrocnemius."""
+    rows = ["angle_deg,second_angle_deg,length_tri_mm,length_tib_mm"]
+    for degrees in DEGREES:
+        for knee in (0.0, 20.0, 50.0, 90.0, 120.0):
+            a, k = math.radians(degrees), math.radians(knee)
+            triceps = 420 + 48 * a + 4 * math.sin(2 * a) - 9 * k - 3 * math.sin(k) + 1.5 * a * k
+            rows.append(f"{degrees},{knee},{triceps!r},{260 - 40 * a + 3 * a * a!r}")
+    (folder / "knee.csv").write_text("\n".join([*notes, *rows]), encoding="utf-8")
+    return folder / "knee.csv"
+
+
+@pytest.mark.parametrize("knee", [False, True])
 @pytest.mark.parametrize("low", [-1.0, -2.0])  # within the table, and beyond its ends
-def test_derivatives_are_those_of_small_steps(low):
+def test_derivatives_are_those_of_small_steps(low, knee, tmp_path):
     angle, step = np.linspace(low, -0.6 * low, 41), 1e-6
-    options = ModelOptions(geometry=BENT)
-    at, before, after = (
-        paths(angle=angle + d, velocity=np.full_like(angle, 2.0), options=options)
-        for d in (0.0, -step, step)
-    )
-    for here, one, two in zip(at, before, after, strict=True):
+    options = ModelOptions(geometry=read_geometry(over_a_knee(tmp_path)) if knee else BENT)
+    bent = np.linspace(2.0, 0.1, 41)
+
+    def at(by, knee_by):
+        """Paths a step further, at an ankle's 2 and a knee's 3 rad/s."""
+        second = (bent + knee_by, np.full_like(bent, 3.0)) if knee else ()
+        velocity = np.full_like(angle, 2.0)
+        return paths(angle=angle + by, velocity=velocity, options=options, second=second)
+
+    steps = ((0.0, 0.0), (-step, 0.0), (step, 0.0), (0.0, -step), (0.0, step))
+    for here, *near in zip(*(at(*by) for by in steps), strict=True):
+
+        def small(of, first=0, near=near):
+            return (getattr(near[first + 1], of) - getattr(near[first], of)) / (2 * step)
+
         for value, slope in (("length", "slope"), ("slope", "bend"), ("arm", "arm_slope")):
-            small = (getattr(two, value) - getattr(one, value)) / (2 * step)
-            np.testing.assert_allclose(getattr(here, slope), small, atol=2e-8)
-        np.testing.assert_allclose(here.speed, 2.0 * here.slope)
+            np.testing.assert_allclose(getattr(here, slope), small(value), atol=2e-8)
+        np.testing.assert_allclose(
+            here.speed, 2.0 * here.slope + 3.0 * small("length", 2), atol=2e-8
+        )
+        np.testing.assert_allclose(small("speed"), 2.0 * here.bend + here.swept, atol=1e-7)
+
+
+def test_the_knee_is_read_fitted_and_kept(tmp_path):
+    """A leg whose knee turns is got back with the knee, and not without."""
+    path = over_a_knee(tmp_path)
+    t = np.arange(0.0, 30.0, 0.01)
+    columns = {"time_s": t, "angle_rad": 0.3 * np.sin(2.1 * t) + 0.1 * np.sin(5.0 * t)}
+    columns["second_angle_deg"] = 50.0 + 30.0 * np.sin(1.3 * t + 1.0)
+    for k, muscle in enumerate(("ta", "gl", "sol", "gm")):
+        columns[f"emg_{muscle}_V"] = 1e-4 * np.clip(np.sin(0.9 * (k + 1) * t + k), 0, None)
+
+    def recorded(torque, *without):
+        table = pd.DataFrame(columns).assign(torque_Nm=torque).drop(columns=[*without])
+        text = f"# emg: envelope\n{table.to_csv(index=False)}"
+        (tmp_path / "trial.csv").write_text(text, encoding="utf-8")
+        return surae.read(tmp_path / "trial.csv")
+
+    options = ModelOptions(geometry=read_geometry(path))
+    start = adapted(get_model("muscle").parameters, options)
+    truth = {name: p.start for name, p in start.items()}
+    torque = surae.simulate("muscle", truth, recorded(0.0), geometry=path)
+    with pytest.raises(InputError, match="add its channel second_angle, or state"):
+        surae.fit(recorded(torque, "second_angle_deg"), "muscle", geometry=path)
+    raw = recorded(torque)
+    fit = surae.fit(raw, "muscle", starts=1, geometry=path)
+    assert fit.vaf > 99.99
+    held = over_a_knee(tmp_path, "# second_angle_deg = 50")
+    assert not read_geometry(held).second
+    assert surae.fit(raw, "muscle", starts=1, geometry=held).vaf < fit.vaf - 0.1
+    fit.save(tmp_path / "fit.json")
+    loaded = surae.load(tmp_path / "fit.json")
+    assert loaded.result.problem.inputs == fit.result.problem.inputs
+    assert loaded.predict(raw).vaf == fit.predict(raw).vaf
+    assert loaded.measures(angles=[0.0]).keys() == fit.measures(angles=[0.0]).keys()
+    prepared = surae.prepare(raw)
+    assert len(thinned(prepared, 2).second[0]) == prepared.n // 2
+    assert np.ptp(smoothed(prepared).second[0]) < np.ptp(prepared.second[0])
+
+
+def test_a_knee_needs_lengths_and_every_pair(tmp_path):
+    path = over_a_knee(tmp_path)
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join(lines[:-1]))
+    with pytest.raises(InputError, match="104 rows of 21 angles and 5 second angles"):
+        read_geometry(path)
+    path.write_text("\n".join(lines).replace("length_tri", "arm_tri"))
+    with pytest.raises(InputError, match=r"no length of tri .* a second angle needs"):
+        read_geometry(path)
 
 
 @pytest.mark.parametrize("of", ["arm_scale_tri", "length_zero_tib", "angle_zero", "l0_tri"])
@@ -169,7 +244,11 @@ def test_opensims_tables_are_one_geometry(tmp_path):
         read_geometry(lengths)
     arms = np.tile(-slopes, (len(angle), 1))
     write("leg_MuscleAnalysis_MomentArm_ankle_angle_r.sto", "no", names, arms)
-    write("leg_Kinematics_q.sto", "yes", "knee_angle_r\tankle_angle_r", np.stack([angle, angle], 1))
+    coordinates = "knee_angle_r\tankle_angle_r"
+    write("leg_Kinematics_q.sto", "yes", coordinates, np.stack([angle, angle], 1))
+    with pytest.raises(InputError, match="13 rows of 13 angles and 13 second angles"):
+        read_geometry(lengths)
+    write("leg_Kinematics_q.sto", "yes", coordinates, np.stack([0 * angle, angle], 1))
     table = read_geometry(lengths)
     np.testing.assert_allclose(table.angle, rad, atol=1e-9)
     np.testing.assert_allclose(table.arm[0], GROUP)

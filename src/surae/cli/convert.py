@@ -73,7 +73,7 @@ def _films_of_another_clock(recording: "api.Recording") -> list[str]:
 
 def _prepared(recording: "api.Recording") -> "api.Recording":
     """The recording as a model reads it."""
-    from surae.units import SI
+    from surae.units import SI, kind
 
     inputs = api.prepare(recording)
     values = {
@@ -86,13 +86,14 @@ def _prepared(recording: "api.Recording") -> "api.Recording":
         },
         "angular_velocity": inputs.velocity,
         "angular_acceleration": inputs.acceleration,
+        "second_angle": inputs.second[0] if inputs.second else None,
     }
     channels = {
         role: api.Channel(
             role=role,
             time=inputs.time,
             values=signal,
-            unit=inputs.emg_unit if role.startswith("emg_") else SI[role],
+            unit=inputs.emg_unit if role.startswith("emg_") else SI[kind(role)],
             source=f"prepared from {recording.channels[role].source}"
             if role in recording.channels
             else "computed from the angle",

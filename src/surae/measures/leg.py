@@ -115,7 +115,13 @@ class Leg:
             self.values.get(f"{name}_{group}", 0.0)
             for name in ("arm_scale", "arm_slope", "arm_bend", "path_scale", "length_zero")
         )
-        return _Path(group, self.options, tuple(own))
+        return _Path(group, self.options, tuple(own), self._second)
+
+    @cached_property
+    def _second(self) -> float | None:
+        """Angle at which a second joint holds still: its mean in the recordings [rad]."""
+        means = [float(inputs.second[0].mean()) for inputs in self.inputs if inputs.second]
+        return sum(means) / len(means) if means else None
 
     def angle_of(self, group: str, length: float) -> float:
         """Angle [deg] at which muscle and tendon, but for its slack length, are so long."""
@@ -250,7 +256,9 @@ class Leg:
     def passive_torque(self, degrees: Sequence[float], rate_hz: float) -> FloatArray:
         """Passive torque [Nm] of a leg without activity that is turned so, shape (n,)."""
         own = tuple(name for name in self.spec.optional if name.startswith(_OF_LEG))
-        names, simulator = _turned(self.spec.name, own, self.options, tuple(degrees), rate_hz)
+        names, simulator = _turned(
+            self.spec.name, own, self.options, tuple(degrees), rate_hz, self._second
+        )
         at_rest = [0.0 if name == "m" else self.values[name] for name in names]  # no limb
         return simulator.torque(np.array(at_rest))
 
@@ -279,13 +287,14 @@ def _turned(
     options: ModelOptions,
     degrees: tuple[float, ...],
     rate_hz: float,
+    second: float | None,
 ) -> tuple[tuple[str, ...], Simulator]:
     """A model's parameters, and the model tied to a leg without activity that is turned so."""
     spec, angle = with_optional(get_model(model), own), np.array(degrees) * _DEGREE
     n, velocity = len(angle), np.gradient(angle, 1.0 / rate_hz)
     inputs = ModelInputs(
         "turned", rate_hz, np.arange(n) / rate_hz, angle, velocity, np.zeros(n), np.zeros((n, 4)),
-        "V", None, prepared=True,
+        "V", None, prepared=True, second=_still(second, n),
     )  # fmt: skip
     return spec.names, spec.simulator(inputs, options, beyond=True)
 
@@ -309,21 +318,26 @@ class _Path(NamedTuple):
     #: What the leg's own differ by, as of `surae.model.movement`: scale, slope and bend of the arm,
     #: scale of the path, and the length's zero.
     own: tuple[float, ...] = (0.0,) * 5
+    second: float | None = None  #: Angle of a second joint [rad].
 
     def length(self, angle: float) -> float:
         """Length of muscle and tendon beyond the tendon's slack length [m]."""
         rest = _assumed(self.group, self.options, 0.0).length
-        travel = _assumed(self.group, self.options, angle).length - rest
+        travel = self.assumed(angle).length - rest
         return rest + self.own[4] + math.exp(self.own[3]) * travel
+
+    def assumed(self, angle: float) -> _Assumed:
+        """As the geometry assumes it."""
+        return _assumed(self.group, self.options, angle, self.second)
 
     def lengthening(self, angle: float) -> float:
         """Its derivative by the angle [m/rad]."""
-        return math.exp(self.own[3]) * _assumed(self.group, self.options, angle).slope
+        return math.exp(self.own[3]) * self.assumed(angle).slope
 
     def arm_at(self, angle: float) -> tuple[float, float]:
         """Moment arm [m] and its derivative by the angle [m/rad]."""
         scale, slope, bend = self.own[:3]
-        assumed = _assumed(self.group, self.options, angle)
+        assumed = self.assumed(angle)
         grown = math.exp(scale)
         bent = 1.0 + (slope + bend * angle) * angle
         turned = assumed.arm_slope * bent + assumed.arm * (slope + 2.0 * bend * angle)
@@ -331,11 +345,19 @@ class _Path(NamedTuple):
 
 
 @lru_cache(maxsize=4096)
-def _assumed(group: str, options: ModelOptions, angle: float) -> _Assumed:
+def _assumed(
+    group: str, options: ModelOptions, angle: float, second: float | None = None
+) -> _Assumed:
     at = np.array([angle])
-    path = paths(angle=at, velocity=np.zeros(1), options=options)[GROUPS.index(group)]
+    both = paths(angle=at, velocity=np.zeros(1), options=options, second=_still(second, 1))
+    path = both[GROUPS.index(group)]
     arm_slope = float(np.broadcast_to(path.arm_slope, 1)[0])
     return _Assumed(float(path.length[0]), float(path.slope[0]), float(path.arm[0]), arm_slope)
+
+
+def _still(second: float | None, n: int) -> tuple[FloatArray, ...]:
+    """Angle and velocity of a second joint at an angle, of `ModelInputs`."""
+    return () if second is None else (np.full(n, second), np.zeros(n))
 
 
 class _Muscle(NamedTuple):

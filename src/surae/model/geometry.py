@@ -105,12 +105,24 @@ class Path:
     #: `bend`, `arm_slope`: derivatives by the angle of `slope` [m/rad²] and of `arm` [m/rad].
     bend: FloatArray | float
     arm_slope: FloatArray | float
+    #: Of `speed`, the derivative by the angle that a moving second joint makes [m/s/rad].
+    swept: FloatArray | float = 0.0
 
 
-def paths(*, angle: FloatArray, velocity: FloatArray, options: ModelOptions) -> tuple[Path, Path]:
-    """Paths of the triceps surae and of the tibialis anterior, in this order."""
+def paths(
+    *,
+    angle: FloatArray,
+    velocity: FloatArray,
+    options: ModelOptions,
+    second: tuple[FloatArray, ...] = (),
+) -> tuple[Path, Path]:
+    """Paths of the triceps surae and of the tibialis anterior, in this order.
+
+    `second` is the angle and velocity of a second joint that a table may have.
+    """
     if isinstance(options.geometry, GeometryTable):
-        tri, tib = (_of_table(options, options.geometry, g, angle, velocity) for g in (0, 1))
+        table = options.geometry
+        tri, tib = (_of_table(options, table, g, angle, velocity, second) for g in (0, 1))
         return tri, tib
     x_tri, slope_tri = length_tri(angle, options)
     x_tib, slope_tib = length_tib(angle, options)
@@ -124,21 +136,28 @@ def paths(*, angle: FloatArray, velocity: FloatArray, options: ModelOptions) -> 
 
 
 def _of_table(
-    options: ModelOptions, table: GeometryTable, group: int, angle: FloatArray, velocity: FloatArray
+    options: ModelOptions,
+    table: GeometryTable,
+    group: int,
+    angle: FloatArray,
+    velocity: FloatArray,
+    second: tuple[FloatArray, ...],
 ) -> Path:
     """Path of a group by a table, whose lengths are those of muscle and tendon.
 
     Where it states no slack lengths, those of another joint's tendons are taken off; of the ankle's
     muscles the length at 0 rad is as assumed.
     """
-    length, slope, bend, arm, arm_slope = table.at(group, angle)
+    other, turning = second or (None, 0.0)
+    length, slope, bend, arm, arm_slope, across, twist = table.at(group, angle, other)
     if not table.slack:
         joint = options.anatomy
         rest = (options.x_ref_tri, options.x_ref_tib)[group] - float(
             table.at(group, np.zeros(1))[0][0]
         )
         length = length + (rest if joint == ANKLE else -joint.slack[group])
-    return Path(arm, length, slope * velocity, slope, bend, arm_slope)
+    speed = slope * velocity + across * turning
+    return Path(arm, length, speed, slope, bend, arm_slope, twist * turning)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.files import PathLike
@@ -27,9 +28,15 @@ _OPENSIM = {
     "ta": r"tib_?ant|tibialis_?anterior|ta",
 }
 _COLUMN = re.compile(r"(length|arm)_(tri|tib|ta|gl|gm|sol)_(mm|cm|m)")
-_NOTE = re.compile(r"#\s*(tolerance|slack_tri|slack_tib)_(mm|cm|m)\s*=\s*([-+.\deE]+)\s*")
+_NOTE = re.compile(
+    r"#?\s*(?:(tolerance|slack_tri|slack_tib)_(mm|cm|m)|(second_angle)_(deg|rad))"
+    r"\s*=\s*([-+.\deE]+)\s*"
+)
 _SOURCE = re.compile(r"#\s*source\s*[:=]\s*(.*?)\s*")
 _ANALYSIS = re.compile(r"(.*)_MuscleAnalysis_(?:Length|MomentArm_\w+)\.sto", re.IGNORECASE)
+
+#: A knee that turns by less is still [rad]; digits to which angles of a grid are the same.
+_STILL, _DIGITS = 1e-3, 6
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -75,26 +82,38 @@ def geometry_of(source: Source) -> GeometryTable:
     """The geometry in a CSV; see `read_geometry`."""
     table = delimited.open_table(source, timed=False)
     where, name = source.shown, Path(source.path).name
-    angles = [n for n in table.names if n in ("angle_rad", "angle_deg")]
+    angles, seconds = (
+        [n for n in table.names if n in (f"{of}_rad", f"{of}_deg")]
+        for of in ("angle", "second_angle")
+    )
     known = [n for n in table.names if _COLUMN.fullmatch(n)]
-    if len(angles) != 1 or not known:
+    if len(angles) != 1 or len(seconds) > 1 or not known:
         raise InputError(
             f"{where}: a geometry needs angle_deg (or angle_rad) and columns like length_tri_mm "
             f"and arm_tri_mm; columns found: {some(table.names)}"
         )
-    loaded = table.load([*angles, *known])
+    loaded = table.load([*angles, *seconds, *known])
     columns: dict[tuple[str, str], FloatArray] = {}
     for each in known:
         what, muscle, unit = each.split("_")
         columns[what, muscle] = loaded[each].values * FACTORS["length"][unit]
-    notes, stated = dict[str, float](), ""
+    angle, *second = (
+        loaded[each].values * FACTORS["angle"][each.rpartition("_")[2]]
+        for each in (*angles, *seconds)
+    )
+    stated = (_SOURCE.fullmatch(line.strip()) for line in source.lines())
+    where_from = next((match[1] for match in stated if match), "")
+    return _table(name, source, angle, second[0] if second else None, columns, where_from)
+
+
+def _notes(source: Source) -> dict[str, float]:
+    """What a file's lines state beside its columns, in SI units."""
+    notes = dict[str, float]()
     for line in source.lines():
         if match := _NOTE.fullmatch(line.strip()):
-            notes[match[1]] = _number(match[3], where) * FACTORS["length"][match[2]]
-        elif match := _SOURCE.fullmatch(line.strip()):
-            stated = match[1]
-    angle = loaded[angles[0]].values * FACTORS["angle"][angles[0].rpartition("_")[2]]
-    return _table(name, where, angle, columns, notes, stated)
+            kind, unit = ("length", match[2]) if match[1] else ("angle", match[4])
+            notes[match[1] or match[3]] = _number(match[5], source.shown) * FACTORS[kind][unit]
+    return notes
 
 
 def _number(text: str, where: str) -> float:
@@ -105,20 +124,24 @@ def _number(text: str, where: str) -> float:
 
 
 def _table(
-    name: str, where: str, angle: FloatArray, columns: Columns, notes: Mapping[str, float],
-    source: str,
+    name: str, source: Source, angle: FloatArray, second: FloatArray | None, columns: Columns,
+    stated: str,
 ) -> GeometryTable:  # fmt: skip
     """Both groups, from columns of groups or of their muscles."""
-    order = np.argsort(angle, kind="stable")
-    angle = angle[order]
+    where, notes = source.shown, _notes(source)
+    angle, seconds, order = _grid(angle, second, where)
     lengths, arms = [], []
     for group, shares, sign in zip(_GROUPS, _SHARES, (1.0, -1.0), strict=True):
         length, arm = (
             None if found is None else found[order]
             for found in (_group(what, group, shares, columns, where) for what in ("length", "arm"))
         )
-        if length is None and arm is None:
-            raise InputError(f"{where}: no length and no arm of {_words(group, shares)}")
+        if length is None and (arm is None or len(seconds)):
+            without = "" if arm is None else ", which a table over a second angle needs"
+            raise InputError(
+                f"{where}: no length{' and no arm' * (arm is None)} of {_words(group, shares)}"
+                f"{without}"
+            )
         if arm is not None:
             arm = arm * sign * np.sign(arm.sum())  # an arm that turns round is kept so
         elif length is not None:
@@ -126,14 +149,32 @@ def _table(
         if length is None:
             integral = _spline(angle, arm, where).antiderivative()
             length = integral(angle) - integral(0.0)
-        lengths.append(tuple((length - notes.get(f"slack_{group}", 0.0)).tolist()))
+        lengths.append(tuple((length - notes.get(f"slack_{group}", 0.0)).ravel().tolist()))
         assert arm is not None
-        arms.append(tuple(arm.tolist()))
+        arms.append(tuple(arm.ravel().tolist()))
     slack = {f"slack_{group}" for group in _GROUPS} <= notes.keys()
-    return GeometryTable(
+    table = GeometryTable(
         name, tuple(angle.tolist()), (lengths[0], lengths[1]), (arms[0], arms[1]),
-        notes.get("tolerance", TOLERANCE), slack, source,
+        notes.get("tolerance", TOLERANCE), slack, stated, tuple(seconds.tolist()),
     )  # fmt: skip
+    return table.held(notes["second_angle"]) if "second_angle" in notes else table
+
+
+def _grid(
+    angle: FloatArray, second: FloatArray | None, where: str
+) -> tuple[FloatArray, FloatArray, npt.NDArray[np.intp]]:
+    """Angles, second angles (none without), and the row of each pair, shape (n,) or (n, k)."""
+    if second is None:
+        order = np.argsort(angle, kind="stable")
+        return angle[order], np.zeros(0), order
+    angles, seconds = np.unique(angle), np.unique(second)
+    n, k = len(angles), len(seconds)
+    if not n * k == len(angle) == len({*zip(angle, second, strict=True)}):
+        raise InputError(
+            f"{where}: {len(angle)} rows of {n} angles and {k} second angles; give one row for "
+            "each pair of them"
+        )
+    return angles, seconds, np.lexsort((second, angle)).reshape(n, k)
 
 
 def _spline(angle: FloatArray, values: FloatArray | None, where: str) -> "CubicSpline":
@@ -186,9 +227,11 @@ def _of_opensim(path: Path) -> GeometryTable:
     table = opensim.open_table(kinematics)
     if coordinate not in table.names:
         raise InputError(f"{kinematics.shown}: no column {coordinate!r}; {some(table.names)}")
-    factor = FACTORS["angle"][table.units_of_kind.get("angle", "rad")]
-    angle = table.load([coordinate])[coordinate].values * factor
     side = coordinate[-2:] if coordinate[-2:] in ("_r", "_l") else ""
+    knees = [n for n in (f"knee_angle{side}", f"knee_flexion{side}") if n in table.names]
+    factor = FACTORS["angle"][table.units_of_kind.get("angle", "rad")]
+    turned = table.load([coordinate, *knees])
+    angle, *knee = (turned[n].values * factor for n in (coordinate, *knees))
     columns: dict[tuple[str, str], FloatArray] = {}
     for what, source in (("length", length), ("arm", arm)):
         found = opensim.open_table(source)
@@ -203,6 +246,12 @@ def _of_opensim(path: Path) -> GeometryTable:
             columns[what, muscle] = found.load(match_of)[match_of[0]].values
     if len(angle) != len(columns["length", "sol"]):
         raise InputError(f"{kinematics.shown}: not as many rows as {length.shown}")
-    kept = np.unique(np.round(angle, 9), return_index=True)[1]
+    second = knee[0].round(_DIGITS) if knee and np.ptp(knee[0]) > _STILL else None
+    angle = angle.round(9 if second is None else _DIGITS)
+    pairs = angle[:, None] if second is None else np.stack([angle, second], 1)
+    kept = np.unique(pairs, axis=0, return_index=True)[1]
     columns = {key: values[kept] for key, values in columns.items()}
-    return _table(path.name, length.shown, angle[kept], columns, {}, f"OpenSim, {prefix}")
+    return _table(
+        path.name, length, angle[kept], None if second is None else second[kept], columns,
+        f"OpenSim, {prefix}",
+    )  # fmt: skip

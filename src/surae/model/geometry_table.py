@@ -1,15 +1,16 @@
 """A joint's geometry as data: lengths and moment arms of both muscle groups over the angle."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from surae.errors import InputError
+from surae.filed import filed
 
 if TYPE_CHECKING:  # help reads options, which need no NumPy
-    from scipy.interpolate import CubicSpline
+    from scipy.interpolate import CubicSpline, RectBivariateSpline
 
     from surae.signals import ModelInputs
     from surae.units import FloatArray
@@ -27,6 +28,7 @@ _FAR = 0.029
 Row = tuple[float, ...]
 
 
+@filed(sparse=("second",))
 @dataclass(frozen=True, slots=True)
 class GeometryTable:
     """Lengths and moment arms that somebody measured, or a scaled model has.
@@ -39,7 +41,8 @@ class GeometryTable:
         Joint angles, rising [rad].
     length : tuple of two tuples of float
         Of the triceps surae and the tibialis anterior, muscle and tendon together [m]; less the
-        tendon's slack length where `slack` is known.
+        tendon's slack length where `slack` is known. With a second angle for each pair of both,
+        the second running faster.
     arm : tuple of two tuples of float
         Moment arms, signed as the torque: triceps positive, tibialis negative [m].
     tolerance : float
@@ -48,6 +51,8 @@ class GeometryTable:
         Whether the lengths are those of the muscle on a rigid tendon: less its slack length.
     source : str
         Where the numbers are from.
+    second : tuple of float
+        Angles, rising, of a second joint that the muscles cross too [rad]; empty without one.
 
     Raises
     ------
@@ -62,17 +67,24 @@ class GeometryTable:
     tolerance: float = TOLERANCE
     slack: bool = False
     source: str = ""
+    second: Row = ()
 
     def __post_init__(self) -> None:
         """Refuse what is no geometry."""
-        n = len(self.angle)
-        if n < 4:
-            raise InputError(f"{self.name}: {n} angles; a spline needs at least 4")
-        if any(later <= before for before, later in zip(self.angle, self.angle[1:], strict=False)):
+        n, seconds = len(self.angle), len(self.second)
+        if n < 4 or seconds == 1:
+            raise InputError(
+                f"{self.name}: {n} angles{f' and {seconds} second angle' * (seconds == 1)}; a "
+                "spline needs at least 4, and 2 of a second one"
+            )
+        if any(
+            later <= before for of in (self.angle, self.second) for before, later in pairwise(of)
+        ):
             raise InputError(f"{self.name}: angles must rise from row to row, each only once")
-        if any(len(row) != n for row in (*self.length, *self.arm)):
+        if any(len(row) != n * (seconds or 1) for row in (*self.length, *self.arm)):
             raise InputError(f"{self.name}: not a length and an arm for each angle")
-        if not all(map(math.isfinite, (*self.angle, *sum((*self.length, *self.arm), ())))):
+        numbers = (*self.angle, *self.second, *sum((*self.length, *self.arm), ()))
+        if not all(map(math.isfinite, numbers)):
             raise InputError(f"{self.name}: a number is missing or not finite")
         self._check_slopes()
 
@@ -81,30 +93,52 @@ class GeometryTable:
         """Smallest and largest angle [rad]."""
         return self.angle[0], self.angle[-1]
 
-    def at(self, group: int, angle: "FloatArray") -> tuple["FloatArray", ...]:
+    def at(
+        self, group: int, angle: "FloatArray", second: "FloatArray | None" = None
+    ) -> tuple["FloatArray", ...]:
         """Length of a group, its two derivatives by the angle, arm and its derivative, by splines.
 
-        Beyond the ends arms stay and lengths go on straight.
+        Then the length's derivative by the second angle, and that of its slope: 0 without one.
+        Where the table has one that is not given, it is in the middle. Beyond the ends arms stay
+        and lengths go on straight.
         """
-        length, arm = _splines(self, group)
+        table = self.held() if second is None else self
         inside = angle.clip(*self.range)
         beyond = angle - inside
-        slope, within = length(inside, 1), beyond == 0.0
+        within = beyond == 0.0
+        if not table.second:
+            length, arm = _splines(table, group)
+            slope, nothing = length(inside, 1), 0.0 * beyond
+            return (
+                length(inside) + slope * beyond, slope, within * length(inside, 2), arm(inside),
+                within * arm(inside, 1), nothing, nothing,
+            )  # fmt: skip
+        assert second is not None
+        length, arm = _surfaces(table, group)
+        kept = second.clip(self.second[0], self.second[-1])
+        slope, across, turn = (length.ev(inside, kept, *by) for by in ((1, 0), (0, 1), (1, 1)))
+        across, turn = (kept == second) * across, (kept == second) * turn
         return (
-            length(inside) + slope * beyond, slope, within * length(inside, 2), arm(inside),
-            within * arm(inside, 1),
+            length.ev(inside, kept) + slope * beyond, slope, within * length.ev(inside, kept, 2, 0),
+            arm.ev(inside, kept), within * arm.ev(inside, kept, 1, 0), across + turn * beyond, turn,
         )  # fmt: skip
+
+    def held(self, second: float | None = None) -> "GeometryTable":
+        """The table with the second joint still at an angle [rad], by default the middle one."""
+        if not self.second:
+            return self
+        return _held(self, 0.5 * (self.second[0] + self.second[-1]) if second is None else second)
 
     def rest(self, group: int) -> float:
         """Length at 0 rad, about [m]."""
         import numpy as np
 
-        return float(np.interp(0.0, self.angle, self.length[group]))
+        return float(np.interp(0.0, self.angle, self.held().length[group]))
 
     @property
     def travels_far(self) -> bool:
         """Whether the triceps travels as by virtual work, not as little as equation (9) says."""
-        length, (low, high) = self.length[0], self.range
+        length, (low, high) = self.held().length[0], self.range
         travel = sum(abs(b - a) for a, b in pairwise(length))
         return travel > _FAR * (high - low)
 
@@ -112,26 +146,30 @@ class GeometryTable:
         """Arms are the slopes of lengths that rise or fall somewhere as they have to."""
         import numpy as np
 
-        self._check_turns(*self.range, everywhere=True)
         angle = np.linspace(*self.range, _CHECKED)
-        for group, muscle in enumerate(("triceps", "tibialis")):
-            _, slopes, _, arms, _ = self.at(group, angle)
-            apart = np.abs(arms - slopes)
-            worst = int(np.argmax(apart))
-            if apart[worst] > self.tolerance:
-                raise InputError(
-                    f"{self.name}: the moment arm of the {muscle} is {1e3 * apart[worst]:.3g} mm "
-                    f"off the slope of its length at {math.degrees(angle[worst]):.3g}°, more than "
-                    f"{1e3 * self.tolerance:.3g} mm; correct it, or state '# tolerance_mm = …'"
-                )
+        for second in self.second or (None,):
+            at = None if second is None else np.full(_CHECKED, second)
+            self._check_turns(angle, at, everywhere=True)
+            for group, muscle in enumerate(("triceps", "tibialis")):
+                _, slopes, _, arms, *_ = self.at(group, angle, at)
+                apart = np.abs(arms - slopes)
+                worst = int(np.argmax(apart))
+                if apart[worst] > self.tolerance:
+                    raise InputError(
+                        f"{self.name}: the moment arm of the {muscle} is {1e3 * apart[worst]:.3g} "
+                        f"mm off the slope of its length at {math.degrees(angle[worst]):.3g}°, "
+                        f"more than {1e3 * self.tolerance:.3g} mm; correct it, or state "
+                        "'# tolerance_mm = …'"
+                    )
 
-    def _check_turns(self, low: float, high: float, *, everywhere: bool = False) -> None:
-        """Lengths rise or fall between two angles, and arms do not turn; or not everywhere."""
+    def _check_turns(
+        self, angle: "FloatArray", second: "FloatArray | None", *, everywhere: bool = False
+    ) -> None:
+        """Lengths rise or fall at these angles, and arms do not turn; or not everywhere."""
         import numpy as np
 
-        angle = np.linspace(low, high, _CHECKED)
         for group, (sign, muscle) in enumerate(((1.0, "triceps"), (-1.0, "tibialis"))):
-            _, slopes, _, arms, _ = self.at(group, angle)
+            _, slopes, _, arms, *_ = self.at(group, angle, second)
             for values, what in ((slopes, "length"), (arms, "moment arm")):
                 wrong = np.flatnonzero(sign * values <= 0.0)
                 if wrong.size == len(angle) or (wrong.size and not everywhere):
@@ -149,20 +187,36 @@ class GeometryTable:
         Raises
         ------
         InputError
-            It moves farther.
+            It moves farther, or has no second angle where the table has one.
         """
-        counted = inputs.angle if inputs.weight is None else inputs.angle[inputs.weight > 0]
-        low, high = float(counted.min()), float(counted.max())
-        if low < self.range[0] - _BEYOND or high > self.range[1] + _BEYOND:
-            moved, known = (
-                "{:.3g}° to {:.3g}°".format(*map(math.degrees, ends))
-                for ends in ((low, high), self.range)
-            )
-            raise InputError(
-                f"{inputs.where}: the joint moves from {moved}, the geometry of {self.name} is "
-                f"known from {known}; give a table that covers the movement"
-            )
-        self._check_turns(max(low, self.range[0]), min(high, self.range[1]))
+        import numpy as np
+
+        moves = [("joint", inputs.angle, self.range)]
+        if self.second:
+            if not inputs.second:
+                raise InputError(
+                    f"{inputs.where}: the geometry of {self.name} is over a second angle, which "
+                    "the recording has not; add its channel second_angle, or state '# "
+                    "second_angle_deg = …' in the geometry's file, where that joint held still"
+                )
+            moves += [("second joint", inputs.second[0], (self.second[0], self.second[-1]))]
+        counted = [angle[inputs.counts] for _, angle, _ in moves]
+        for (joint, _, known), angle in zip(moves, counted, strict=True):
+            low, high = float(angle.min()), float(angle.max())
+            if low < known[0] - _BEYOND or high > known[1] + _BEYOND:
+                moved, has = (
+                    "{:.3g}° to {:.3g}°".format(*map(math.degrees, ends))
+                    for ends in ((low, high), known)
+                )
+                raise InputError(
+                    f"{inputs.where}: the {joint} moves from {moved}, the geometry of {self.name} "
+                    f"is known from {has}; give a table that covers the movement"
+                )
+        if self.second:
+            self._check_turns(counted[0].clip(*self.range), counted[1])
+        else:
+            low, high = np.clip((counted[0].min(), counted[0].max()), *self.range)
+            self._check_turns(np.linspace(low, high, _CHECKED), None)
 
 
 @lru_cache(maxsize=16)
@@ -172,3 +226,31 @@ def _splines(table: GeometryTable, group: int) -> tuple["CubicSpline", "CubicSpl
 
     length, arm = (CubicSpline(table.angle, row[group]) for row in (table.length, table.arm))
     return length, arm
+
+
+@lru_cache(maxsize=16)
+def _surfaces(
+    table: GeometryTable, group: int
+) -> tuple["RectBivariateSpline", "RectBivariateSpline"]:
+    """The same over both angles."""
+    import numpy as np
+    from scipy.interpolate import RectBivariateSpline
+
+    shape = len(table.angle), len(table.second)
+    length, arm = (
+        RectBivariateSpline(
+            table.angle, table.second, np.reshape(row[group], shape), ky=min(3, shape[1] - 1)
+        )
+        for row in (table.length, table.arm)
+    )
+    return length, arm
+
+
+@lru_cache(maxsize=16)
+def _held(table: GeometryTable, second: float) -> GeometryTable:
+    import numpy as np
+
+    angle = np.array(table.angle)
+    tri, tib = (table.at(group, angle, np.full_like(angle, second)) for group in (0, 1))
+    length, arm = ((tuple(tri[k].tolist()), tuple(tib[k].tolist())) for k in (0, 3))
+    return replace(table, length=length, arm=arm, second=())

@@ -186,7 +186,10 @@ class Movement:
             row += by.factor * (inertia + gravity)
             swung = inertia_torque(acceleration=swung, distance=distance)
             row += joint.factor * (swung + falling * by.angle)
-        plain = paths(angle=joint.angle, velocity=joint.factor * velocity, options=options)
+        plain = paths(
+            angle=joint.angle, velocity=joint.factor * velocity, options=options,
+            second=inputs.second,
+        )  # fmt: skip
         rest = paths(angle=np.zeros(1), velocity=np.zeros(1), options=options)
         muscles = []
         for group, path in enumerate(plain):
@@ -203,7 +206,7 @@ class Movement:
                     speed[row] = (
                         bent.bend * by.angle * joint.factor + bent.slope * by.factor
                     ) * velocity
-                    speed[row] += bent.slope * joint.factor * rate
+                    speed[row] += bent.slope * joint.factor * rate + bent.swept * by.angle
             muscles.append(
                 MusclePath(joint.factor * bent.arm, bent.length, bent.speed, arm, length, speed)
             )
@@ -240,6 +243,7 @@ def _own_path(
         stretch * path.slope,
         stretch * path.bend,
         path.arm_slope * bent + grown * path.arm * (slope + 2.0 * bend * angle),
+        stretch * path.swept,
     )
     by = (
         (arm, still, still),

@@ -24,6 +24,7 @@ from surae.recording.roles import (
     is_plate_moment,
     joint_of_muscles,
     other_joint,
+    unit_kind,
 )
 from surae.recording.source import open_source
 from surae.recording.table import Column, Table, load_each, sampling_of, some
@@ -172,6 +173,8 @@ def _of_their_joint(
     for channel in channels:
         guess, other = channel.guess, other_joint(channel.column)
         own = f"of the {other}, not the ankle" if other else ""
+        if other == "knee" and unit_kind(channel.unit) in (None, "angle"):
+            own += "; second_angle for a geometry over both"
         if not own and is_plate_moment(channel.column, channel.unit):
             own = "a moment about an axis of a force plate or load cell, not the ankle's"
         if guess is None and own:

@@ -20,6 +20,7 @@ _SIGN = {
     "torque": "check: 1 if it is positive when the triceps pulls, -1 if when the tibialis does",
     "angular_velocity": "check: as the angle's",
     "angular_acceleration": "check: as the angle's",
+    "second_angle": "check: as in the geometry's file",
 }
 _OFFSET = {
     "angle": "added before the sign; 0 must be the foot perpendicular to the shank",

@@ -35,6 +35,7 @@ ROLES = (
     *(f"emg_{muscle}" for muscle in MUSCLES),
     "angular_velocity",
     "angular_acceleration",
+    "second_angle",  # of a joint that the muscles cross too, such as the knee
     *(f"{seen}_{muscle}" for seen in ("fascicle", "pennation") for muscle in FILMED),
 )
 #: Roles that a film shows: it has a clock of its own, may lose frames and need not last.

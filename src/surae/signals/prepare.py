@@ -27,6 +27,7 @@ from surae.units import FloatArray
 _DEFAULTS = Preparation()
 #: The angle's derivatives and the channels that have them where they were measured.
 _DERIVATIVES = {"velocity": "angular_velocity", "acceleration": "angular_acceleration"}
+_SECOND = "second_angle"
 
 
 def prepare(
@@ -73,6 +74,8 @@ def prepare(
     )
     computed = derivatives(signals["angle"], rate_hz, where=f"{recording.where}: angle")
     steps = [*steps, _derivative_step(signals)]
+    second = [signals[_SECOND]] if _SECOND in signals else []
+    second += [derivatives(a, rate_hz, where=f"{recording.where}: {_SECOND}")[0] for a in second]
 
     present = tuple(muscle for muscle in MUSCLES if f"emg_{muscle}" in signals)
     emg = np.zeros((len(time), len(MUSCLES)))
@@ -99,6 +102,7 @@ def prepare(
         files=recording.files,
         films=films_of(recording),
         measured=tuple(name for name, role in _DERIVATIVES.items() if role in signals),
+        second=tuple(map(read_only, second)),
         lowpass=None
         if prepared or settings.bessel_hz is None
         else (settings.bessel_hz, settings.bessel_order),
@@ -123,11 +127,13 @@ def smoothed(inputs: ModelInputs) -> ModelInputs:
     if inputs.lowpass is None or inputs.lowpass[0] >= HIGHEST_CUTOFF * inputs.rate_hz:
         return inputs
     cutoff, order = inputs.lowpass
-    left: dict[str, Any] = {
-        name: read_only(bessel_lowpass(signal, inputs.rate_hz, cutoff, order, where=inputs.where))
-        for name, signal in _filtered(inputs).items()
-    }
-    return replace(inputs, **left)
+
+    def low(signal: FloatArray) -> FloatArray:
+        passed = bessel_lowpass(signal, inputs.rate_hz, cutoff, order, where=inputs.where)
+        return read_only(passed)
+
+    left: dict[str, Any] = {name: low(signal) for name, signal in _filtered(inputs).items()}
+    return replace(inputs, **left, second=tuple(map(low, inputs.second)))
 
 
 def sharpened(inputs: ModelInputs) -> ModelInputs:
@@ -146,7 +152,8 @@ def sharpened(inputs: ModelInputs) -> ModelInputs:
     twice: dict[str, Any] = {
         name: read_only(2.0 * signal - left[name]) for name, signal in _filtered(inputs).items()
     }
-    return replace(inputs, **twice)
+    second = zip(inputs.second, once.second, strict=True)
+    return replace(inputs, **twice, second=tuple(read_only(2.0 * a - b) for a, b in second))
 
 
 def _filtered(inputs: ModelInputs) -> dict[str, FloatArray]:
@@ -224,12 +231,13 @@ def _chain(recording: Recording, settings: Preparation) -> _Signals:
             refuse_negative(recording.channels[role], sources[role].where, recording.emg)
     if emg and recording.emg == "raw":
         steps.append(envelope_step([sources[role] for role in emg], settings))
-    mechanical = [role for role in ("angle", "torque") if role in sources]
+    mechanical = [role for role in ("angle", _SECOND, "torque") if role in sources]
     if settings.bessel_hz is not None:
         for role in mechanical:
             filtered[role] = _bessel(sources[role], settings.bessel_hz, settings.bessel_order)
+        which = " and ".join(mechanical).replace("_", " ").capitalize()
         steps.append(
-            f"{' and '.join(mechanical).capitalize()}: zero-phase Bessel low-pass of order "
+            f"{which}: zero-phase Bessel low-pass of order "
             f"{settings.bessel_order} (-3 dB at {settings.bessel_hz:g} Hz after both passes)."
         )
 

@@ -130,6 +130,7 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
         emg=kept(correlate1d(inputs.emg, around / factor, axis=0, mode="nearest")),
         torque=None if inputs.torque is None else kept(inputs.torque),
         weight=None if inputs.weight is None else kept(inputs.weight),
+        second=tuple(map(kept, inputs.second)),
         steps=(*inputs.steps, f"Thinned to every {factor}th sample."),
     )
 

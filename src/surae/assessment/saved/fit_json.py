@@ -225,6 +225,7 @@ def _check(result: FitResult) -> None:
                 ("acceleration", recording.acceleration),
                 ("torque", recording.torque),
                 ("weight", recording.weight),
+                *(("second", array) for array in recording.second),
                 ("residual", residual),
             )
         ]
