@@ -16,6 +16,7 @@ from surae.assessment import Verdict
 from surae.errors import InputError
 from surae.report import output
 from surae.report.document import TableCell
+from surae.report.leg import first_answer
 from surae.report.session import _crossings, _estimate, _spread
 from surae.trials import Crossed
 from undrawn import blank_figures
@@ -45,6 +46,17 @@ def test_each_and_all_are_fitted_and_predicted(done):
     assert hold.r2 is None  # its torque does not change: R² would be of noise
     assert abs(hold.bias) < 1.0
     assert all(result.joint_predictions[name].fitted for name in result.joined)
+
+
+@pytest.mark.parametrize("lost", [False, True])
+def test_the_joint_fit_in_a_process_beside_is_the_same(done, leg, monkeypatch, lost):
+    """Where that process is lost, the fit is made here."""
+    if lost:
+        monkeypatch.setattr(session_run._Beside, "begin", lambda self, *_: self._child.close())
+    _, result = done
+    both = surae.session(leg).run(workers=2, **QUICK)
+    assert both.rows() == result.rows()
+    assert both.joint_predictions == result.joint_predictions
 
 
 def test_a_passive_trial_predicts_no_active_one(done):
@@ -163,6 +175,15 @@ def test_holds_alone_identify_nothing(leg, tmp_path, run):
     assert not list((tmp_path / "out" / "fits").iterdir())
     page = (tmp_path / "out" / "report.html").read_text()
     assert "identified" not in page.split("</style>")[1]
+
+
+def test_held_angles_answer_before_any_fit(leg):
+    session = surae.session(leg)
+    assert first_answer(session.trials) == ""  # one hold shows no slope
+    (hold,) = (trial for trial in session.trials if trial.hold is not None)
+    moved = replace(hold.hold, angle=hold.hold.angle + 0.2, torque=hold.hold.torque + 2.0)
+    both = [replace(each, effort="passive") for each in (hold, replace(hold, hold=moved))]
+    assert "0.17 Nm/° from" in first_answer(both)  # 2 Nm over 11.46°
 
 
 def test_a_turned_trial_is_not_in_the_joint_fit(leg, tmp_path):

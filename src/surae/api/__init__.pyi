@@ -154,6 +154,7 @@ from surae.report.figures.study import study_figure as study_figure
 from surae.report.figures.style import new_figure as new_figure
 from surae.report.laboratory import family_text as family_text
 from surae.report.laboratory import trials_section as trials_section
+from surae.report.leg import first_answer as first_answer
 from surae.report.output import write_blocks as write_blocks
 from surae.report.parameters import repeatable as repeatable
 from surae.report.parameters import shown_parameters as shown_parameters

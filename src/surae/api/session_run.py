@@ -1,9 +1,15 @@
-"""A session's run: every trial checked and fitted, all together, each predicted by the others."""
+"""A session's run: every trial checked and fitted, all together, each predicted by the others.
+
+The joint fit takes longer than all others together, so it may run in a process beside them.
+"""
 
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -17,7 +23,10 @@ from surae.assessment.validation import predict_others
 from surae.diagnosis import STILL
 from surae.errors import ComputationError, InputError
 from surae.files import PathLike
-from surae.quality import Quality
+from surae.processes import Child, End, Plain
+from surae.quality import Finding, Quality
+from surae.records import from_plain, to_plain
+from surae.runner import cores
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.trials import Crossed, Trial, TrialSet, prepared_for
@@ -54,8 +63,9 @@ StepProgress = Callable[[Step], None]
 
 
 def run(
-    session: TrialSet, settings: FitSettings, output: PathLike | None, progress: StepProgress | None
-) -> SessionResult:
+    session: TrialSet, settings: FitSettings, output: PathLike | None,
+    progress: StepProgress | None, workers: int | None,
+) -> SessionResult:  # fmt: skip
     """Check, fit each and all, cross-predict; see `Session.run`."""
     if any(trial.name == "joint" for trial in session.trials):
         raise InputError("a trial is called 'joint', as the fit of all together is; rename it")
@@ -63,13 +73,14 @@ def run(
     if root is not None:
         write_index(SessionResult(session, settings), root, begun=True)
     work = _Run(session, settings, root, progress or _silent)
-    try:
-        work.every_trial()
-        work.together()
-        work.crossed()
-    except KeyboardInterrupt:
-        work.interrupted = True
-        work.crossed()
+    with ExitStack() as stack:
+        beside = stack.enter_context(_Beside()) if (workers or cores()) > 1 else None
+        try:
+            work.every_trial(beside)
+            work.together(beside)
+        except KeyboardInterrupt:
+            work.interrupted = True
+    work.crossed()
     result = work.result()
     if root is not None:
         write_summary(result, root)
@@ -102,8 +113,8 @@ class _Run:
         self._steps = [*(trial.name for trial in session.trials), "all together"]
         self._done = 0
 
-    def every_trial(self) -> None:
-        """Prepare and check each trial, and fit those that can be."""
+    def every_trial(self, beside: "_Beside | None") -> None:
+        """Prepare and check each trial, and fit those that can be, the joint fit begun `beside`."""
         reference = self.session.emg_reference(self.settings)
         for trial in self.session.trials:
             if trial.problem or trial.recording is None:
@@ -119,7 +130,10 @@ class _Run:
         for name in self.session.fitted:
             if name in self.inputs:
                 self._cost[name] = float(self.inputs[name].n)
+        sound = tuple(name for name in self._cost if self._wrong(name) is None)
         self._cost["all together"] = _JOINT_COST * sum(self._cost.values())
+        if beside is not None and len(sound) > 1 and self._saved(self._joint_path, sound) is None:
+            beside.begin(sound, *self._of(sound), self.settings)
         for trial in self.session.trials:
             if trial.name in self.failed:
                 self._step(trial.name, self.failed[trial.name])
@@ -128,26 +142,21 @@ class _Run:
             else:
                 self._fit(trial.name)
 
-    def together(self) -> None:
+    def together(self, beside: "_Beside | None") -> None:
         """Fit all trials together that were fitted and have no error."""
-        wrong = {
-            name: next((f for f in self.quality[name].findings if f.severity == "error"), None)
-            for name in self.fits
-        }
-        for name, finding in wrong.items():
-            if finding is not None:
+        for name in self.fits:
+            if (finding := self._wrong(name)) is not None:
                 self.failed[name] = f"not in the joint fit: {finding.code}: {finding.message}"
         names = tuple(
-            name for name, fit in self.fits.items() if not wrong[name] and fit.status != "failed"
+            name
+            for name, fit in self.fits.items()
+            if self._wrong(name) is None and fit.status != "failed"
         )
         if len(names) < 2:
             self.failed["joint"] = "a joint fit needs two trials that can be fitted"
             self._step("all together", self.failed["joint"])
             return
-        quality = tuple(self.quality[name] for name in names)
-        inputs = tuple(self.inputs[name] for name in names)
-        path = None if self.root is None else self.root / JOINT
-        fit, outcome = self._fit_or_saved("all together", path, inputs, quality)
+        fit, outcome = self._fit_or_saved("all together", self._joint_path, names, beside)
         if fit is None:
             self.failed["joint"] = outcome
         else:
@@ -155,9 +164,10 @@ class _Run:
         self._step("all together", outcome)
 
     def crossed(self) -> None:
-        """Predict every trial by every fit."""
+        """Predict every trial by every fit that has not yet."""
         for name, fit in self.fits.items():
-            self.predictions[name] = self._predicted(fit, (name,))
+            if name not in self.predictions:
+                self.predictions[name] = self._predicted(fit, (name,))
         if self.joint is not None:
             self.joint_predictions = self._predicted(self.joint, self.joined)
 
@@ -185,28 +195,43 @@ class _Run:
 
     def _fit(self, name: str) -> None:
         path = None if self.root is None else self.root / fit_name(name)
-        fit, outcome = self._fit_or_saved(name, path, (self.inputs[name],), (self.quality[name],))
+        fit, outcome = self._fit_or_saved(name, path, (name,))
         if fit is None:
             self.failed[name] = outcome
         else:
             self.fits[name] = fit
         self._step(name, outcome)
 
+    @property
+    def _joint_path(self) -> Path | None:
+        return None if self.root is None else self.root / JOINT
+
+    def _wrong(self, name: str) -> Finding | None:
+        """The first finding of a trial that is an error."""
+        return next((f for f in self.quality[name].findings if f.severity == "error"), None)
+
+    def _of(self, names: Sequence[str]) -> tuple[tuple[ModelInputs, ...], tuple[Quality, ...]]:
+        return tuple(self.inputs[n] for n in names), tuple(self.quality[n] for n in names)
+
+    def _saved(self, path: Path | None, names: Sequence[str]) -> Fit | None:
+        """The fit on disk, where it is of the same."""
+        return None if path is None else _kept(path, self._of(names)[0], self.settings)
+
     def _fit_or_saved(
-        self,
-        name: str,
-        path: Path | None,
-        inputs: Sequence[ModelInputs],
-        quality: tuple[Quality, ...],
+        self, name: str, path: Path | None, names: tuple[str, ...], beside: "_Beside | None" = None
     ) -> tuple[Fit | None, str]:
         """A fit, the one on disk where it is of the same, and how it went."""
-        saved = None if path is None else _kept(path, inputs, self.settings)
+        saved = self._saved(path, names)
         if saved is not None:
             return saved, f"{saved.adequacy.grade}, R² {saved.adequacy.r2:.2f} % (kept)"
-        self._tell(f"fitting {name}" if len(inputs) == 1 else f"fitting {len(inputs)} together")
+        self._tell(f"fitting {name}" if len(names) == 1 else f"fitting {len(names)} together")
         begun = time.monotonic()
+        fit = None
+        if beside is not None:
+            self.crossed()  # meanwhile
+            fit = beside.fit(names)
         try:
-            fit = fit_inputs(inputs, self.settings, quality)
+            fit = fit or fit_inputs(self._of(names)[0], self.settings, self._of(names)[1])
         except (InputError, ComputationError) as error:
             return None, str(error)
         if fit.result.starts[-1].outcome == "interrupted":
@@ -231,6 +256,57 @@ class _Run:
         if self._paid <= 0.0:
             return None
         return self._spent * sum(self._cost.values()) / self._paid
+
+
+class _Beside:
+    """A process in which the joint fit is made while this one makes the others; a context."""
+
+    def __init__(self) -> None:
+        self._child, self._thread = Child(), ThreadPoolExecutor(1)
+        self._folder = TemporaryDirectory(prefix="surae-")
+        self._path = Path(self._folder.name, JOINT)
+        self._names: tuple[str, ...] = ()
+        self._end = self._asked("ready")  # to load all that a fit needs takes seconds
+
+    def __enter__(self) -> "_Beside":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End it, with the fit at work."""
+        self._child.close()
+        self._thread.shutdown()
+        self._folder.cleanup()
+
+    def begin(
+        self, names: tuple[str, ...], inputs: Sequence[ModelInputs], quality: Sequence[Quality],
+        settings: FitSettings,
+    ) -> None:  # fmt: skip
+        """Begin the fit of these trials."""
+        self._names = names
+        asked = {"inputs": inputs, "quality": quality, "settings": settings}
+        self._end = self._asked("fit_apart", path=str(self._path), **to_plain(asked))
+
+    def fit(self, names: tuple[str, ...]) -> Fit | None:
+        """The fit of these trials, when it is there; None where none was made."""
+        if names != self._names or self._end.result().how != "done":
+            return None
+        return load(self._path)
+
+    def _asked(self, function: str, **arguments: Plain) -> Future[End]:
+        return self._thread.submit(self._child.call, f"{__name__}:{function}", arguments)
+
+
+def ready() -> None:
+    """Nothing: to call it loads this module."""
+
+
+def fit_apart(inputs: Plain, quality: Plain, settings: Plain, path: str) -> None:
+    """Fit in another process, and write the fit there."""
+    fit_inputs(
+        from_plain(tuple[ModelInputs, ...], inputs),
+        from_plain(FitSettings, settings),
+        from_plain(tuple[Quality, ...], quality),
+    ).save(path)
 
 
 #: Why the fit of a passive trial predicts no active one: none of it shows what EMG does.
@@ -265,15 +341,15 @@ def _crossed(fit: Fit, inputs: ModelInputs, fitted: bool, number: int = 0) -> Cr
         own = fit.assessment.recordings[number]
         bias = float(np.mean(fit.result.residuals[number]))
         return Crossed(finite(own.vaf), finite(own.r2), finite(own.rmse), finite(bias), fitted=True)
+    moves = float(np.ptp(inputs.angle)) >= STILL
     try:
-        (prediction,) = predict_others(fit.result, [inputs])
+        (prediction,) = predict_others(fit.result, [inputs], judge=moves)
     except (InputError, ComputationError) as error:
         return Crossed(reason=str(error))
-    moves = float(np.ptp(inputs.angle)) >= STILL
     return Crossed(
         finite(prediction.vaf),
         finite(centred_r2([prediction.errors])) if moves else None,
         finite(prediction.rmse),
         finite(prediction.bias),
-        grade=str(prediction.adequacy.grade) if moves and prediction.adequacy else "",
+        grade=str(prediction.adequacy.grade) if prediction.adequacy else "",
     )

@@ -97,6 +97,7 @@ class Session(TrialSet):
         model: str | FitSettings = AUTO,
         *,
         progress: StepProgress | None = None,
+        workers: int | None = 1,
         **keywords: Any,
     ) -> SessionResult:
         """Check every trial, fit each and all together, and predict each by the others.
@@ -110,6 +111,9 @@ class Session(TrialSet):
             As of `surae.fit`.
         progress : callable, optional
             Called before every step and after it; see `surae.api.session_run.Step`.
+        workers : int or None
+            Above 1 the fit of all together is made in a process of its own, beside the others; None
+            has as many as there are processors.
         **keywords
             Keywords of `surae.fit`.
 
@@ -118,7 +122,7 @@ class Session(TrialSet):
         SessionResult
             Ctrl-C keeps the fits that are complete; `SessionResult.interrupted` says so.
         """
-        return run(self, FitSettings.of(model, **keywords), output, progress)
+        return run(self, FitSettings.of(model, **keywords), output, progress, workers)
 
 
 def session(

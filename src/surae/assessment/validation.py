@@ -78,7 +78,9 @@ def pooled(predictions: Sequence[Prediction]) -> PooledPrediction:
     return PooledPrediction(vaf(measured, residual), rmse(residual), float(residual.mean()))
 
 
-def predict_others(result: FitResult, inputs: Sequence[ModelInputs]) -> tuple[Prediction, ...]:
+def predict_others(
+    result: FitResult, inputs: Sequence[ModelInputs], *, judge: bool = True
+) -> tuple[Prediction, ...]:
     """Predict recordings with the parameters of a fit to others, and judge; see `predict`."""
     problem = result.problem
     unit = problem.inputs[0].emg_unit
@@ -100,7 +102,7 @@ def predict_others(result: FitResult, inputs: Sequence[ModelInputs]) -> tuple[Pr
     return tuple(
         replace(
             prediction,
-            adequacy=judge_prediction(result, recording, prediction.torque),
+            adequacy=judge_prediction(result, recording, prediction.torque) if judge else None,
             fascicles=followed(problem.spec, problem.options, result.values, recording),
         )
         for prediction, recording in zip(predicted, inputs, strict=True)

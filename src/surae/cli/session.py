@@ -11,6 +11,7 @@ from surae.cli.options import (
     figure_options,
     request,
     request_options,
+    workers_option,
 )
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, Work, compilation_notice, work
@@ -26,6 +27,7 @@ from surae.files import shown
 @click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
 @click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
 @click.option("--before", metavar="DIR", help="Results of an earlier visit, to show what changed.")
+@workers_option("Fits")
 @figure_options
 def command(
     recordings: tuple[str, ...],
@@ -35,6 +37,7 @@ def command(
     output: str,
     report: str | None,
     before: str | None,
+    workers: int | None,
     figure: str | None,
     width: float,
 ) -> None:
@@ -65,7 +68,9 @@ def command(
 
         trials = api.session(list(recordings), mapping=mapping)
         with compilation_notice():
-            result = trials.run(output, settings, progress=lambda step: _tell(progress, step))
+            result = trials.run(
+                output, settings, progress=lambda step: _tell(progress, step), workers=workers
+            )
     _show(result, output)
     if earlier is not None:
         result.report(Path(output, "report.html"), before=earlier)

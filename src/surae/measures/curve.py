@@ -50,14 +50,13 @@ def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
     angle = np.linspace(low, high, _COUNT)
     spread = spread_of(result, assessment)
     known = {definition.name: definition for definition in DEFINITIONS}
-    lines = []
-    for name in _LINES:
-        wanted = [MeasurePoint(known[name], float(at)) for at in angle]
-        evaluated = evaluate(result, spread, wanted)
-        value = np.array([np.nan if t.value is None else t.value for t in evaluated])
-        sd = np.array([_deviation(t, spread) for t in evaluated])
-        lines.append(CurveLine(*map(read_only, (value, value - NORMAL * sd, value + NORMAL * sd))))
-    return TorqueCurve(read_only(angle), *lines)
+    wanted = [MeasurePoint(known[name], float(at)) for name in _LINES for at in angle]
+    evaluated = evaluate(result, spread, wanted)
+    values = [np.nan if t.value is None else t.value for t in evaluated]
+    value = np.reshape(values, (len(_LINES), _COUNT))
+    sd = np.reshape([_deviation(t, spread) for t in evaluated], value.shape)
+    lines = zip(value, value - NORMAL * sd, value + NORMAL * sd, strict=True)
+    return TorqueCurve(read_only(angle), *(CurveLine(*map(read_only, line)) for line in lines))
 
 
 def _deviation(evaluated: Evaluated, spread: Spread) -> float:

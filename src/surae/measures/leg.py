@@ -232,14 +232,17 @@ class Leg:
         """Largest force on each tendon in the recordings [N]: its 99th percentile."""
         if not self.inputs:
             raise NotDefinedError("no recording says how hard the tendons were pulled")
-        states = [tie.tendon(self._vector) for tie in self._simulators]
-        force = np.concatenate([s.tendon_force for s in states if s is not None], axis=1)
+        force = np.concatenate([force for _, force in self._split], axis=1)
         return dict(zip(GROUPS, np.percentile(force, _LARGEST, axis=1).tolist(), strict=True))
 
     @cached_property
     def parts(self) -> tuple[TorqueParts, ...]:
         """What the modelled torque of each recording is made of."""
-        return tuple(tie.parts(self._vector) for tie in self._simulators)
+        return tuple(parts for parts, _ in self._split)
+
+    @cached_property
+    def _split(self) -> list[tuple[TorqueParts, FloatArray]]:
+        return [tie.split(self._vector) for tie in self._simulators]
 
     @cached_property
     def shares(self) -> Mapping[str, tuple[float, float]]:

@@ -173,6 +173,10 @@ class Simulator(Protocol):
         """The torque split into its parts."""
         ...
 
+    def split(self, values: FloatArray) -> tuple[TorqueParts, FloatArray]:
+        """The parts of the torque, and the force of both groups [N], shape (2, n)."""
+        ...
+
     def active_states(self, values: FloatArray) -> FloatArray:
         """Active state α of triceps and tibialis at the samples [N], shape (2, n)."""
         ...

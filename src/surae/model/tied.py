@@ -120,12 +120,18 @@ class TiedModel:
 
     def parts(self, values: FloatArray) -> TorqueParts:
         """The torque split into its parts; of a compliant tendon's, tissue is F_elas·r."""
+        return self.split(values)[0]
+
+    def split(self, values: FloatArray) -> tuple[TorqueParts, FloatArray]:
+        """The parts of the torque, and the force of both groups [N], shape (2, n)."""
         p = np.array(values, dtype=np.float64)
         leg = self._movement.at(p)
-        split, reflex = [], []
+        split, reflex, force = [], [], []
         for group, active in enumerate(self._active(p, leg)):
             muscle = leg.muscles[group]
-            split.append(muscle.arm * self._forces(p, group, muscle, active))
+            forces = self._forces(p, group, muscle, active)
+            force.append(forces[0] + forces[1])
+            split.append(muscle.arm * forces)
             if self._excitation.has_reflex:
                 alpha, by_reflex = active.alpha[-1], active.drives[1][-1]
                 share = np.divide(by_reflex, alpha, out=np.zeros_like(alpha), where=alpha != 0.0)
@@ -135,7 +141,7 @@ class TiedModel:
             part: sum(p[column] * row for of, column, row in self._added if of == part)
             for part, _, _ in self._added
         }
-        return TorqueParts(
+        parts = TorqueParts(
             tissue_tri=tissue_tri,
             tissue_tib=tissue_tib,
             neural_tri=neural_tri,
@@ -146,6 +152,7 @@ class TiedModel:
             reflex_tib=reflex[1] if reflex else None,
             zero=added.get("zero"),
         )
+        return parts, np.stack(force)
 
     def active_states(self, values: FloatArray) -> FloatArray:
         """Active state α of triceps and tibialis at the samples [N], shape (2, n)."""

@@ -134,6 +134,13 @@ def leg_answers(
     return LegAnswers(cards, figures, of_fit, at)
 
 
+def first_answer(trials: Sequence[Trial]) -> str:
+    """What held angles say of stiffness before any fit, in a sentence; empty where nothing."""
+    holds, _ = _measured(trials, {})
+    slope = measured_slope(holds, (), _AT)
+    return "" if slope is None else f"Measured slope of the relaxed ankle: {_slope(slope)}."
+
+
 def _measured(
     trials: Sequence[Trial], fits: Mapping[str, AssessedFit]
 ) -> tuple[list[HeldPoint], list[Stretch]]:

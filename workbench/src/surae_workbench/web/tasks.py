@@ -81,11 +81,13 @@ def session(task: Task) -> dict[str, Any]:
     efforts = {task["names"][id_]: effort for id_, effort in task["efforts"].items()}
     leg = api.session(recordings, name=task["name"], efforts=efforts)
 
+    first = api.first_answer(leg.trials)
+
     def progress(step: "api.Step") -> None:
-        tell({"what": step.what, "done": step.done, "total": step.total})
+        tell({"what": step.what, "done": step.done, "total": step.total, "first": first})
 
     with _compiling():
-        result = leg.run(None, settings, progress=progress)
+        result = leg.run(None, settings, progress=progress, workers=None)
     fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
     for name, fitted in fits.items():
         fitted.save(_file(task, "fits", task["fits"][name], ".json"))

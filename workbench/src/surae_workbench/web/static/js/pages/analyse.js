@@ -85,6 +85,7 @@ function watch(found) {
   const said = (answer) => {
     byId("said").textContent = answer.total ? `${answer.what}: ${answer.done} of ${answer.total} steps are done` : progressText(answer, "");
     if (answer.total) byId("progress").value = answer.done / answer.total;
+    byId("first").textContent = answer.first ?? "";
   };
   follow(found.id, {
     state: (now) => {

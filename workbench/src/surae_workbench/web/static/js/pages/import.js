@@ -34,15 +34,9 @@ const kept = () => JSON.parse(sessionStorage.getItem(KEPT) ?? "null");
 async function receive(files) {
   await ready; // else what was there before would come after these, and in their place
   calm(box.upload);
-  const arrived = [];
-  for (const file of files) {
-    byId("upload-progress").textContent = `Reading ${file.name} (${bytes(file.size)}) …`;
-    try {
-      arrived.push(await upload(`/api/uploads${query({ name: file.name })}`, file));
-    } catch (error) {
-      complain(box.upload, error);
-    }
-  }
+  byId("upload-progress").textContent = `Reading ${files.map((file) => `${file.name} (${bytes(file.size)})`).join(", ")} …`;
+  const sent = await Promise.all(files.map((file) => upload(`/api/uploads${query({ name: file.name })}`, file).catch((error) => complain(box.upload, error))));
+  const arrived = sent.filter(Boolean);
   byId("upload-progress").textContent = arrived.length ? `${arrived.map((one) => one.name).join(", ")} received.` : "";
   if (!arrived.length) return;
   await listUploads();
@@ -89,19 +83,12 @@ async function discard(one) {
 async function inspect(given = null) {
   calm(box.inspect);
   byId("inspect-error").hidden = true;
-  const read = [];
-  for (const id of included) {
-    if (!inspected.has(id)) {
-      byId("upload-progress").textContent = "Looking into the file …";
-      try {
-        inspected.set(id, await get(`/api/uploads/${id}/inspect`));
-      } catch (error) {
-        complain(box.inspect, error);
-        continue;
-      }
-    }
-    read.push(inspected.get(id));
-  }
+  byId("upload-progress").textContent = "Looking into the files …";
+  const seen = async (id) => {
+    if (!inspected.has(id)) inspected.set(id, await get(`/api/uploads/${id}/inspect`));
+    return inspected.get(id);
+  };
+  const read = (await Promise.all([...included].map((id) => seen(id).catch((error) => complain(box.inspect, error))))).filter(Boolean);
   byId("upload-progress").textContent = "";
   showUploads();
   trials = trialsAmong(read);
@@ -242,26 +229,25 @@ byId("subject").addEventListener("change", async () => {
 async function importTrials(analyse = false) {
   const request = body();
   const failed = [];
-  const fit = [];
-  const all = [];
   calm(box.mapping);
   byId("import").disabled = byId("analyse").disabled = true;
-  for (const one of trials) {
-    byId("upload-progress").textContent = `Importing ${one.name} …`;
+  byId("upload-progress").textContent = `Importing ${trials.length} trials …`;
+  const made = await Promise.all(trials.map(async (one) => {
+    const own = forTrial(one, request.mapping);
     try {
-      const own = forTrial(one, request.mapping);
-      const made = await post("/api/imports", { ...request, mapping: own, trial: own.name });
-      all.push(made.id);
+      const { id } = await post("/api/imports", { ...request, mapping: own, trial: own.name });
       included.delete(one.id);
-      if (analyse) continue; // the session sorts them
-      const { findings } = await get(`/api/recordings/${made.id}/quality`);
-      const reason = whyNot(findings);
-      if (reason) rememberLeftOut({ [made.id]: reason });
-      else fit.push(made.id);
+      if (analyse) return { id }; // the session sorts them
+      const reason = whyNot((await get(`/api/recordings/${id}/quality`)).findings);
+      if (reason) rememberLeftOut({ [id]: reason });
+      return { id, fits: !reason };
     } catch (error) {
       failed.push(`${one.name}: ${error.message}`);
+      return null;
     }
-  }
+  }));
+  const all = made.filter(Boolean).map((one) => one.id);
+  const fit = made.filter((one) => one?.fits).map((one) => one.id);
   byId("import").disabled = byId("analyse").disabled = false;
   byId("upload-progress").textContent = "";
   if (analyse && all.length && !(await attempt(byId("offer-error"), () => post("/api/sessions", { recordings: all })))) return;
