@@ -46,8 +46,9 @@ QUICKER = {
 #: Pages whose sessions, cohorts and studies take seconds each; what they run has tests of its own.
 LONG = {
     f"docs/{page}.md"
-    for page in ("how-to/run-a-cohort", "how-to/sessions", "how-to/run-a-study", "clinicians",
-                 "how-to/before-and-after", "how-to/design-a-protocol", "methods/measures")
+    for page in ("start", "clinicians", "how-to/run-a-cohort", "how-to/sessions",
+                 "how-to/run-a-study", "how-to/before-and-after", "how-to/design-a-protocol",
+                 "methods/measures")
 }  # fmt: skip
 #: Targets of the Makefile, and extras of the package.
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
@@ -93,10 +94,10 @@ def _resolved(words: list[str]) -> tuple[click.Command, list[str]]:
     return command, rest
 
 
-def _run_surae(words: list[str], surae) -> None:
-    """Run a command as it stands, or read its options."""
+def _run_surae(words: list[str], surae, named: bool) -> None:
+    """Run a command as it stands, or read its options: of one that is only named, in a text."""
     command, rest = _resolved(words)
-    if _reason_to_read_only(words) is not None:
+    if named or _reason_to_read_only(words) is not None:
         with command.make_context("surae", list(rest)):
             return
     for called, more in QUICKER.items():
@@ -153,7 +154,7 @@ def _do(snippet: Snippet, page: str, surae, namespace: dict[str, object]) -> Non
             }
             assert words[-1] in named
         else:
-            _run_surae(words, surae)
+            _run_surae(words, surae, snippet.kind == "mention")
         assert not target or re.fullmatch(r"\S+", target)
     elif snippet.kind == "python":
         exec(compile(snippet.text, f"{page}:{snippet.line}", "exec"), namespace)

@@ -36,9 +36,10 @@ def moved(side, name: str, deviations: float):
 
 
 def test_another_trial_of_a_leg_shows_no_change(pair) -> None:
-    told = surae.change(*pair)
+    told = surae.change(*pair, angles=[10.0, 45.0])
     assert told.changed == ()
     assert any(d.verdict is NONE for d in told.measures.values())
+    assert told.measures["passive_torque@45deg"].verdict is NOT  # it was not measured there
 
 
 def test_what_changes_by_far_more_than_its_noise_is_found(sides) -> None:
@@ -93,29 +94,24 @@ def test_what_models_leave_unsure_does_not_cancel(sides) -> None:
     assert other.ci95[1] - other.ci95[0] > 3.0 * (sure.ci95[1] - sure.ci95[0])
 
 
-def test_what_was_not_measured_is_not_compared(pair) -> None:
-    told = surae.change(*pair, angles=[45.0])
-    assert told.measures["passive_torque@45deg"].verdict is NOT
-
-
-def test_timing_is_not_compared_where_a_muscle_had_no_electrode(pair) -> None:
-    fit, other = pair
+def test_timing_is_not_compared_where_a_muscle_had_no_electrode(pair, sides) -> None:
+    fit, _ = pair
     problem = fit.result.problem
     deaf = tuple(replace(recording, missing_emg=("gl",)) for recording in problem.inputs)
     partly = replace(fit, result=replace(fit.result, problem=replace(problem, inputs=deaf)))
-    told = surae.change(partly, other)
+    told = compare_sessions(quantities(partly.result, fit.assessment, [10.0]), sides[1])
     for d in (told.measures["bandwidth"], told.parameters["f0"], told.parameters["beta"]):
         assert d.verdict is NOT
         assert "electrode" in d.note
     assert told.measures["passive_stiffness@10deg"].verdict is not NOT
-    assert surae.change(fit, other).measures["bandwidth"].verdict is not NOT
+    assert compare_sessions(*sides).measures["bandwidth"].verdict is not NOT
 
 
-def test_an_inadequate_fit_changes_nothing(pair) -> None:
-    fit, other = pair
+def test_an_inadequate_fit_changes_nothing(pair, sides) -> None:
+    fit, other = pair[0], sides[1]
     worse = replace(fit.adequacy, grade=Grade.INADEQUATE, reasons=("the ankle hardly moves",))
     judged = replace(fit, assessment=replace(fit.assessment, adequacy=worse))
-    told = surae.change(judged, other)
+    told = compare_sessions(quantities(judged.result, judged.assessment, [10.0]), other)
     assert told.changed == ()
     assert {d.verdict for d in told.measures.values()} == {NOT}
 

@@ -80,7 +80,7 @@ def legs():
     return population_legs("muscle", None, 3)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(6))
 def test_limits_hold_at_every_sample(seed, legs) -> None:
     check_limits(seed, legs)
 
@@ -101,15 +101,18 @@ def designed():
     return surae.design(20.0, seed=3, evaluations=200, rate_hz=64.0, aim="mean")
 
 
-def test_a_design_tells_more_than_its_beginning_and_is_the_same_again(designed) -> None:
+def test_a_design_tells_more_than_its_beginning(designed) -> None:
     assert designed.curve[-1][2] < designed.curve[0][2] - 0.02
-    again = surae.design(20.0, seed=3, evaluations=200, rate_hz=64.0, aim="mean")
-    assert again.plan == designed.plan
-    assert np.array_equal(again.trajectory.angle, designed.trajectory.angle)
     assert not designed.stopped
     # the legs it is judged by are those of an expectation, which the search did not see
     told = surae.expect(designed.trajectory, "muscle", legs=40)
     assert told.worst == pytest.approx(designed.expectation.worst)
+
+
+def test_a_design_is_the_same_again() -> None:
+    first, again = (surae.design(12.0, seed=3, **QUICK) for _ in range(2))
+    assert again.plan == first.plan
+    assert np.array_equal(again.trajectory.angle, first.trajectory.angle)
 
 
 def test_a_design_is_written_and_read(designed, tmp_path) -> None:

@@ -35,7 +35,7 @@ def test_only_our_errors_come_out(tmp_path, name, seed):
     opened = path if name != "data.sto" else tmp_path / "data.toml"
     assert isinstance(read(opened), Recording)
     outcomes = {"read": 0, "refused": 0}
-    for _ in range(400):
+    for _ in range(200):
         path.write_bytes(mutated(files[name], rng, text=True))
         try:
             recording = read(opened)
@@ -47,7 +47,7 @@ def test_only_our_errors_come_out(tmp_path, name, seed):
             for channel in recording.channels.values():
                 assert np.isfinite(channel.values).all()
                 assert (np.diff(channel.time) > 0).all()
-    assert min(outcomes.values()) > 20
+    assert min(outcomes.values()) > 10
 
 
 @pytest.mark.parametrize("reader", SEEDS)
@@ -60,7 +60,7 @@ def test_every_reader_reads_or_refuses(tmp_path, reader):
         path.write_bytes(original)
         assert exercise(path) == "read"
     outcomes = {"read": 0, "refused": 0}
-    for _ in range(60):
+    for _ in range(30):
         path.write_bytes(mutated(rng.choice(originals), rng, text=reader in TEXT))
         outcomes[exercise(path)] += 1
-    assert min(outcomes.values()) > 5, outcomes
+    assert min(outcomes.values()) > 2, outcomes

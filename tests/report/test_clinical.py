@@ -67,6 +67,7 @@ def test_one_sentence_answers_and_holds_its_numbers(fit) -> None:
     assert numbers[3] == pytest.approx(told["passive_stiffness@10deg"].value, rel=5e-3)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_an_inadequate_fit_gives_no_answer_and_no_known_number(fit) -> None:
     told = page(judged(fit, Grade.INADEQUATE))
     assert answer(told) == "These recordings do not show how stiff this ankle is."
@@ -113,6 +114,7 @@ def test_an_angle_has_its_direction_and_a_pull_is_no_resistance(fit) -> None:
     assert "10° of dorsiflexion" in answer(page(fit))
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_what_is_not_all_known_asks_for_more_or_says_nothing(fit) -> None:
     strong = replace(fit, assessment=replace(
         fit.assessment, parameters={n: replace(p, verdict=Verdict.IDENTIFIED)
@@ -127,6 +129,7 @@ def one(fit):
     return quantities(fit.result, fit.assessment, [10.0])
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_two_legs_do_not_change(fit, one) -> None:
     side = (fit.result, fit.assessment)
     told = change_page(compare_sessions(one, one, legs=True), [side, side], created=NOW)
@@ -135,6 +138,7 @@ def test_two_legs_do_not_change(fit, one) -> None:
     assert "before" not in told.page().split("</style>")[1].casefold()
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_every_language_has_a_whole_page_without_names(fit, language) -> None:
     html = page(fit, language=language).page()

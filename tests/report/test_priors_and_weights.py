@@ -129,7 +129,7 @@ def test_all_samples_count_without_weights(plain):
 @pytest.mark.parametrize(
     ("model", "fixed"),
     [
-        ("muscle", {"m": 1e200}),
+        pytest.param("muscle", {"m": 1e200}, marks=pytest.mark.slow),
         pytest.param("muscle", {"k_tri": 1e6, "x0_tri": 1e-3}, marks=pytest.mark.slow),
         pytest.param("muscle-tendon", {"k_tri": 1e6, "x0_tri": 1e-3}, marks=pytest.mark.slow),
         ("muscle-tendon", {"g1": 1e300}),

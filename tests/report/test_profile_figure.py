@@ -7,7 +7,6 @@ import pytest
 
 from surae.assessment.likelihood.profile import ParameterProfile
 from surae.assessment.likelihood.profiles import Profiles
-from surae.report.figures import png, svg
 from surae.report.figures.intervals import profile_figure
 
 
@@ -64,12 +63,6 @@ def test_the_caption_says_what_the_noise_was_taken_for():
     figure = profile_figure([made()], noise)
     assert figure.get_supxlabel().replace("\n", " ") == noise
     assert profile_figure([made()]).get_supxlabel() == ""
-
-
-def test_the_same_bytes_twice():
-    single = [made("dlt_tib", "m")]
-    assert png(profile_figure(single), 60) == png(profile_figure(single), 60)
-    assert svg(profile_figure(single)) == svg(profile_figure(single))
 
 
 def test_profiles_say_that_a_film_is_left_out():

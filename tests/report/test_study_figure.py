@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from surae.errors import InputError
-from surae.report.figures import png, svg
+from surae.report.figures import png
 from surae.report.figures.study import study_figure
 from surae.report.study import study_curves
 
@@ -109,8 +109,3 @@ def test_protocols_are_categories_where_no_number_varies() -> None:
     assert figure.axes[0].get_yscale() == "log"
     assert len(figure.legends) == 1
     assert png(figure, 40).startswith(b"\x89PNG")
-
-
-def test_the_same_bytes_twice() -> None:
-    curves = study_curves(crossed(), FACTORS)
-    assert svg(study_figure(curves)) == svg(study_figure(curves))

@@ -210,6 +210,7 @@ def test_what_had_nothing_to_act_on_is_not_shown(auto):
     assert {"k_tri", "l0_tib"} <= shown
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_page_has_all_of_it(auto):
     result, assessment = auto
     page = fit_report(result, assessment, versions={}, created=datetime(2026, 1, 5, 14, 3)).page()

@@ -231,17 +231,17 @@ def test_what_was_there_already_is_no_measure_of_the_time_left(done, leg, tmp_pa
     assert all(step.left_s is None for step in kept)  # nobody knows how long a fit takes
 
 
+@pytest.mark.usefixtures("words_alone")
 def test_the_command(leg, tmp_path, run):
     done = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
                "--starts", 1, "--figure", tmp_path / "out" / "trials.svg")  # fmt: skip
     assert done.code == 0
-    assert (tmp_path / "out" / "trials.svg").stat().st_size > 1000
+    assert (tmp_path / "out" / "trials.svg").exists()
     assert "could not be read: broken" in done.err
     assert "[6/6] all together" in done.err
     assert "joint" in done.out
-    with blank_figures():
-        again = run("session", leg, "--output", tmp_path / "out", "--model", "muscle",
-                    "--prepared", "--starts", 1)  # fmt: skip
+    again = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
+                "--starts", 1)  # fmt: skip
     assert again.err.count("(kept)") == 4
     assert run("session", leg, "--output", tmp_path / "o", "--mvc", "x.csv").code == 2
 
@@ -257,8 +257,7 @@ def test_names_in_the_report_are_escaped(leg, tmp_path):
 
 def test_figures_of_a_session_and_of_what_it_says(done, tmp_path, run):
     folder, result = done
-    for name, width in (("wide.svg", 170.0), ("narrow.pdf", 85.0)):
-        result.figure(tmp_path / name, width=width)
+    result.figure(tmp_path / "wide.svg", width=170.0)
     text = (tmp_path / "wide.svg").read_text()
     assert 'width="481' in text  # 170 mm in points
     told = run("measures", folder, "--figure", tmp_path / "curve.svg", "--width", 85)
@@ -304,6 +303,7 @@ def test_a_notebook_shows_the_legs_page(done):
     assert "<script" not in shown
 
 
+@pytest.mark.usefixtures("words_alone")
 def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkeypatch):
     folder, result = done
     seen = {}
@@ -316,8 +316,7 @@ def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkey
     result.report(tmp_path / "whole.pdf")
     assert (tmp_path / "whole.pdf").read_bytes().startswith(b"%PDF-")
     monkeypatch.setattr(output, "typeset", keep)
-    with blank_figures():
-        result.report(tmp_path / "session.pdf")
+    result.report(tmp_path / "session.pdf")
     page = html.unescape((folder / "report.html").read_text())
     first, details, research = seen["blocks"]
     assert [card["title"] for card in first["blocks"]] == list(QUESTIONS)

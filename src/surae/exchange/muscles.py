@@ -213,6 +213,9 @@ class DeGrooteMuscle:
         """As of `ForeignMuscle`; tendon and muscle are in balance, at the speed of the path."""
         bent = _FV[1] * speed / (self.speed * self.optimal) + _FV[2]
         moving = activation * (_FV[0] * np.arcsinh(bent) + _FV[3])
+        if self.strain == 0.0:
+            held = moving * self._held((length - self.slack) / self.optimal)
+            return self.peak * np.clip(held, 0.0, FECC)
         low, high = np.zeros_like(length), np.full_like(length, FECC)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)

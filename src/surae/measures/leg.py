@@ -78,12 +78,18 @@ class Leg:
     inputs: tuple[ModelInputs, ...] = ()  #: Recordings; empty where only the leg itself is asked.
     _holds: dict[tuple[str, float, float], MuscleHold] = field(default_factory=dict, compare=False)
     _muscles: dict[str, "_Muscle"] = field(default_factory=dict, compare=False)
+    # What all legs of these recordings and options share:
     _ties: dict[int, Simulator] = field(default_factory=dict, compare=False)
+    _geometry: dict[tuple[str, float, float | None], "_Assumed"] = field(
+        default_factory=dict, compare=False
+    )
 
     def with_values(self, values: Mapping[str, float]) -> "Leg":
         """The leg with other values of some parameters, in the same recordings."""
         own = {**self.values, **values}
-        return Leg(self.spec, self.options, own, self.inputs, _ties=self._ties)
+        return Leg(
+            self.spec, self.options, own, self.inputs, _ties=self._ties, _geometry=self._geometry
+        )
 
     @property
     def is_compliant(self) -> bool:
@@ -115,7 +121,7 @@ class Leg:
             self.values.get(f"{name}_{group}", 0.0)
             for name in ("arm_scale", "arm_slope", "arm_bend", "path_scale", "length_zero")
         )
-        return _Path(group, self.options, tuple(own), self._second)
+        return _Path(group, self.options, self._geometry, tuple(own), self._second)
 
     @cached_property
     def _second(self) -> float | None:
@@ -318,20 +324,22 @@ class _Path(NamedTuple):
 
     group: str
     options: ModelOptions
+    #: What was computed of these options, by group, angle and angle of the second joint.
+    geometry: dict[tuple[str, float, float | None], _Assumed]
     #: What the leg's own differ by, as of `surae.model.movement`: scale, slope and bend of the arm,
     #: scale of the path, and the length's zero.
-    own: tuple[float, ...] = (0.0,) * 5
-    second: float | None = None  #: Angle of a second joint [rad].
+    own: tuple[float, ...]
+    second: float | None  #: Angle of a second joint [rad].
 
     def length(self, angle: float) -> float:
         """Length of muscle and tendon beyond the tendon's slack length [m]."""
-        rest = _assumed(self.group, self.options, 0.0).length
+        rest = self._assumed(0.0, None).length
         travel = self.assumed(angle).length - rest
         return rest + self.own[4] + math.exp(self.own[3]) * travel
 
     def assumed(self, angle: float) -> _Assumed:
         """As the geometry assumes it."""
-        return _assumed(self.group, self.options, angle, self.second)
+        return self._assumed(angle, self.second)
 
     def lengthening(self, angle: float) -> float:
         """Its derivative by the angle [m/rad]."""
@@ -346,16 +354,17 @@ class _Path(NamedTuple):
         turned = assumed.arm_slope * bent + assumed.arm * (slope + 2.0 * bend * angle)
         return grown * assumed.arm * bent, grown * turned
 
-
-@lru_cache(maxsize=4096)
-def _assumed(
-    group: str, options: ModelOptions, angle: float, second: float | None = None
-) -> _Assumed:
-    at = np.array([angle])
-    both = paths(angle=at, velocity=np.zeros(1), options=options, second=_still(second, 1))
-    path = both[GROUPS.index(group)]
-    arm_slope = float(np.broadcast_to(path.arm_slope, 1)[0])
-    return _Assumed(float(path.length[0]), float(path.slope[0]), float(path.arm[0]), arm_slope)
+    def _assumed(self, angle: float, second: float | None) -> _Assumed:
+        key = self.group, angle, second
+        if key not in self.geometry:
+            at, still = np.array([angle]), _still(second, 1)
+            both = paths(angle=at, velocity=np.zeros(1), options=self.options, second=still)
+            for group, path in zip(GROUPS, both, strict=True):
+                slope = float(np.broadcast_to(path.arm_slope, 1)[0])
+                self.geometry[group, angle, second] = _Assumed(
+                    float(path.length[0]), float(path.slope[0]), float(path.arm[0]), slope
+                )
+        return self.geometry[key]
 
 
 def _still(second: float | None, n: int) -> tuple[FloatArray, ...]:
