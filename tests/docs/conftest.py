@@ -102,6 +102,11 @@ def prepared(tmp_path_factory) -> Path:
     for name in ("map", "corrected"):
         (folder / f"{name}.toml").write_text(_mapping())
     write_hdf5(folder / "recording.h5", surae.read(folder / "trial.csv"))
+    bent = "".join(f"{n / 50}\t{10 + n % 40}\n" for n in range(1001))
+    (folder / "walk36").mkdir()
+    (folder / "walk36" / "ik.sto").write_text(
+        f"ik\ninDegrees=yes\nendheader\ntime\tknee_angle_r\n{bent}"
+    )
     shown = np.arange(0.0, 18.0, 0.03)
     region = np.empty(2, [("FL", object), ("Time", object)])
     region[:] = [(60.0 + np.sin(shown), shown)] * 2
