@@ -2,9 +2,10 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
-# Each worker begins with a half, so that what a file's tests share is mostly made once; who is
-# through first takes from the other.
-SHARED := -n 2 --dist worksteal
+# Tests wait for processes, pages and streams a quarter of their time: three workers keep two cores
+# busy. Each begins with a third, so that what a file's tests share is mostly made once; who is
+# through first takes from the others.
+SHARED := -n 3 --dist worksteal
 READY  := $(VENV)/.ready
 # Compiled files are kept: else every worker, and every process that a test starts, compiles anew.
 unexport PYTHONDONTWRITEBYTECODE

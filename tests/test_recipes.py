@@ -225,7 +225,7 @@ def run(tmp_path_factory):
         assert done.returncode == 0, done.stderr
         return done.stdout
 
-    motion = generate(Protocol(profile="multiple-holds", rate_hz=16.0))
+    motion = generate(Protocol(profile="multiple-holds", rate_hz=16.0, duration=20.0))
     made = virtual_trial(virtual_subject(3), motion)
     columns = {"time_s": made.time, "angle_rad": made.angle, "torque_Nm": made.torque}
     columns |= {f"emg_{m}_V": made.emg[:, i] for i, m in enumerate(MUSCLES)}

@@ -130,6 +130,7 @@ def cluster(request, tmp_path, monkeypatch) -> Iterator[tuple[str, list[subproce
         yield json.loads(where.read_text())["address"], started[1:]
 
 
+@pytest.mark.slow
 def test_a_cluster_that_loses_a_worker_half_way(cluster) -> None:
     address, workers = cluster
     calls = {f"call {n}": {"n": n} for n in range(100)}
@@ -157,8 +158,9 @@ def test_without_dask_a_cluster_is_refused_kindly(monkeypatch) -> None:
 @pytest.mark.parametrize(
     "cluster", [{"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}], indirect=True
 )
-def test_a_call_that_kills_a_cluster_s_worker_dies(cluster) -> None:
+def test_a_cluster_gives_the_same_and_a_call_that_kills_its_worker_dies(cluster, expected) -> None:
     address, workers = cluster
+    assert all_of(CALLS, Engine("dask", address=address)) == expected
     ((key, died),) = next(results(f"{__name__}:work", POISON, Engine("dask", address=address)))
     assert (key, died) == ("poison", Died("its worker died: out of memory, or killed"))
     end = time.monotonic() + PATIENCE  # the cluster may know of the death before its parent does

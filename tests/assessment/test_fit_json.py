@@ -308,13 +308,13 @@ def test_mutated_files(seed, text, tmp_path):
         data["traces"][1][name] = data["traces"][0][name]
     everywhere = list(places(data))
     refused = 0
-    for _ in range(60):
+    for _ in range(30):
         mutant, path = mutate(data, rng, everywhere)
         try:
             refused += not survives(json.dumps(mutant), tmp_path)
         except Exception as error:
             raise AssertionError(f"{path}: {error!r}") from error
-    assert refused > 5
+    assert refused > 2
 
 
 def test_truncated_files(text, tmp_path):

@@ -62,7 +62,7 @@ def sems(result, which="sem_robust"):
 def test_correlated_noise_against_the_closed_form(clean, fixed, jacobian):
     expected = exact(jacobian, RHO)
     found, thesis = [], []
-    for seed in range(12):
+    for seed in range(8):
         noise = correlated(np.random.default_rng(seed), clean.n)
         result = fitted_to(clean, [noise], fixed)
         found.append(sems(result) / expected)
@@ -86,7 +86,7 @@ def test_noise_that_is_nearly_all_absorbed(clean, fixed, jacobian):
     expected = exact(jacobian, rho)
     found = [
         sems(fitted_to(clean, [correlated(np.random.default_rng(i), clean.n, rho)], fixed))
-        for i in range(30)
+        for i in range(16)
     ]
     ratio = np.sqrt(np.mean(np.square(found), axis=0)) / expected
     assert np.all((ratio > 0.75) & (ratio < 1.5)), ratio

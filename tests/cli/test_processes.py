@@ -165,7 +165,7 @@ def test_a_terminal_shows_how_far_the_fit_is_and_ctrl_c_keeps_the_best(files) ->
     [
         pytest.param(["inspect", "trial.csv"], "reading trial.csv", marks=pytest.mark.slow),
         pytest.param(["convert", "trial.csv", "out.h5"], "writing out.h5", marks=pytest.mark.slow),
-        (["check", "trial.csv"], "checking trial.csv"),
+        pytest.param(["check", "trial.csv"], "checking trial.csv", marks=pytest.mark.slow),
     ],
 )
 def test_a_terminal_shows_what_is_being_done(files, arguments, shows) -> None:

@@ -115,7 +115,7 @@ def within(*arguments: str) -> str:
 
 
 def test_run_status_export(run, study, finished, undisturbed) -> None:
-    done = run("study", "run", "study.toml", "--store", "s.db", "--workers", 2)
+    done = run("study", "run", "study.toml", "--store", "s.db", "--workers", 1)
     assert (done.code, done.err) == (0, "")
     assert done.out.startswith("small: 60 fits (for 72 combinations), all there; 60 computed now")
     kept = outcomes(study / "s.db")

@@ -55,10 +55,9 @@ def test_a_delay_is_found_from_all_starts() -> None:
     ("model", "free"),
     [
         ("muscle", ("emd",)),
-        ("muscle", ("reflex",)),
         ("muscle", ("emd", "reflex")),
-        ("muscle-2010", ("emd", "reflex")),
-        ("muscle-tendon", ("emd",)),
+        pytest.param("muscle-2010", ("emd", "reflex"), marks=pytest.mark.slow),
+        pytest.param("muscle-tendon", ("emd",), marks=pytest.mark.slow),
     ],
 )
 def test_a_freed_drive_never_ends_above_the_fit_without(late, model, free) -> None:
@@ -153,7 +152,7 @@ def test_with_drives_alone_to_estimate(late) -> None:
     assert result.agreeing == 2
 
 
-@pytest.mark.parametrize("trial", ["walk36", "run81"])
+@pytest.mark.parametrize("trial", ["walk36", pytest.param("run81", marks=pytest.mark.slow)])
 def test_a_delay_makes_no_measured_trial_worse(shared, trial) -> None:
     inputs = prepare(read(shared / "gait" / f"{trial}.toml"))
     starts = 8 if trial == "walk36" else 3

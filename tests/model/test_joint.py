@@ -77,6 +77,7 @@ def test_its_file_keeps_the_joint(fit, tmp_path) -> None:
     assert "joint" not in ModelOptions().as_dict()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_nothing_that_is_read_speaks_of_an_ankle(fit, tmp_path, capsys) -> None:
     fit.report(tmp_path / "fit.html")
     text = read_of(tmp_path / "fit.html")
@@ -154,6 +155,7 @@ def test_another_joint_needs_its_geometry() -> None:
         surae.expect("multi-sine", model="muscle", **WRIST)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_session_and_its_page_are_of_the_joint(trial, tmp_path) -> None:
     half = len(trial) // 2
     for name, part in (("first", trial[:half]), ("second", trial[half:])):

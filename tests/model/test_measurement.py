@@ -91,8 +91,10 @@ def test_off_is_the_model_as_it_is(name, inputs) -> None:
 
 
 @every_model
-@pytest.mark.parametrize("geometry", ["thesis", "virtual-work"])
-@pytest.mark.parametrize("values", [VALUES, dict.fromkeys(VALUES, 0.0) | {"reflex_delay": 0.05}])
+@pytest.mark.parametrize(
+    ("values", "geometry"),
+    [(VALUES, "thesis"), (dict.fromkeys(VALUES, 0.0) | {"reflex_delay": 0.05}, "virtual-work")],
+)
 def test_sensitivities(name, geometry, values, inputs) -> None:
     options = replace(OPTIONS, geometry=geometry)
     own = CURVES if name in WITH_CURVES else {}

@@ -125,7 +125,7 @@ def test_whatever_the_name_a_guess_is_of_the_known_roles():
     names = st.one_of(st.text(max_size=30), st.lists(word, max_size=4).map("_".join))
     units = st.one_of(st.none(), st.text(max_size=6), st.sampled_from(["V", "Nm", "deg", "g"]))
 
-    @settings(max_examples=300)
+    @settings(max_examples=100)
     @given(names, units)
     def check(name, unit):
         guess = guess_role(name, unit)

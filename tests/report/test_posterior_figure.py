@@ -15,7 +15,7 @@ from .conftest import TRUTH
 def posterior(sampler, make_trial):
     fixed = {name: TRUTH[name] for name in TRUTH if name not in ("f0", "beta", "tau_rel", "k_rel")}
     fitted = fit_problem(make_problem([make_trial()], fixed=fixed), starts=1)
-    return sample(fitted, draws=200, tune=150, chains=2)
+    return sample(fitted, draws=60, tune=100, chains=2)
 
 
 def titles(figure):

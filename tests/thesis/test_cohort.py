@@ -148,6 +148,7 @@ def test_without_imperfections_the_leg_is_the_muscle_tendon_model():
     assert vaf(inputs.torque, inputs.torque - torque) > 99.5
 
 
+@pytest.mark.slow
 def test_a_trial_that_stops_the_device_is_redone_with_less_effort(monkeypatch):
     free = signals(cohort_recording(TWO, HOLDS, 1))
     limit = 0.95 * np.abs(free["torque"]).max()

@@ -292,6 +292,7 @@ def test_the_tibialis_resists_as_the_figures_show(population, low, high) -> None
         assert np.mean(slack) < np.mean([leg["x0_tib"] for leg in healthy])
 
 
+@pytest.mark.slow
 def test_the_thesis_s_optimiser_stops_in_the_chatter_and_a_wide_step_passes_it() -> None:
     trajectory = motion("sine", "part-passive", 0.0, None, 1000.0)
     scheme = {"integrator": "explicit-euler"}
