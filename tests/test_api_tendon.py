@@ -33,18 +33,6 @@ def state(inputs):
     return surae.simulate_tendon("muscle-tendon", SUBJECT.parameters, inputs)
 
 
-def test_forces_over_arms_are_the_torque(state, inputs):
-    torque = surae.simulate("muscle-tendon", SUBJECT.parameters, inputs)
-    parts = surae.simulate_parts("muscle-tendon", SUBJECT.parameters, inputs)
-    arms = np.stack([0.0480 - 0.0104 * inputs.angle, -(0.0393 + 0.0171 * inputs.angle)])
-    pulled = (arms * state.tendon_force).sum(axis=0)
-    limb = parts.inertial + parts.gravitational
-    np.testing.assert_allclose(pulled + limb, torque, atol=1e-10)
-    np.testing.assert_allclose(
-        state.tissue_force + state.active_force, state.tendon_force, atol=1e-10
-    )
-
-
 def test_lengths_add_up_and_force_follows_the_law(state, inputs):
     assert state.unsolved == (None, None)
     rigid = 0.118 - 1.67 * (0.0480 - 0.0104 * inputs.angle)
@@ -124,13 +112,6 @@ def test_a_fit_gives_parts_and_states_of_each_recording(fit):
         np.testing.assert_array_equal(fit.tendon(number).tendon_force, alone.tendon_force)
     np.testing.assert_array_equal(fit.parts().total, fit.parts(0).total)
     assert not fit.tendon().muscle_length.flags.writeable
-
-
-def test_a_loaded_fit_gives_the_same(fit, tmp_path):
-    fit.save(tmp_path / "fit.json")
-    loaded = surae.load(tmp_path / "fit.json")
-    np.testing.assert_array_equal(loaded.tendon(1).muscle_length, fit.tendon(1).muscle_length)
-    np.testing.assert_array_equal(loaded.parts(1).neural, fit.parts(1).neural)
 
 
 @pytest.mark.parametrize("number", [2, -1, "trial"])

@@ -49,14 +49,9 @@ def test_wrong_parameters(run, files, change, says) -> None:
         (b"\xff\xfe", ("not a text file",)),
     ],
 )
-@pytest.mark.parametrize("command", ["simulate", "validate"])
-def test_what_is_no_json_of_parameters(run, files, command, content, says) -> None:
+def test_what_is_no_json_of_parameters(run, files, content, says) -> None:
     (files / "p.json").write_bytes(content)
-    if command == "validate":
-        done = run("validate", "p.json", "trial.csv")
-        says = says if "no parameters" not in says else ("missing",)
-    else:
-        done = run("simulate", "trial.csv", "--parameters", "p.json", "--output", "out.csv")
+    done = run("simulate", "trial.csv", "--parameters", "p.json", "--output", "out.csv")
     refused(done, "p.json: ", *says)
 
 

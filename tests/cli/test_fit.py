@@ -7,7 +7,6 @@ import pytest
 
 import surae
 from surae.cli.progress import Work
-from surae.cli.screen import show_fit
 from surae.model import get_model
 
 from .conftest import refused
@@ -200,27 +199,6 @@ def test_a_raw_recording_of_a_dynamometer(run, shared) -> None:
     assert done.code in (0, 1)
     assert "isokinetic dorsiflexion, tibialis anterior EMG only: VAF 9" in done.out
     assert "fixed" in table(done.out)["g2"]
-
-
-def test_two_walking_speeds_jointly(run, shared) -> None:
-    paths = [shared / "gait" / f"{name}.toml" for name in ("walk36", "run81")]
-    done = run("fit", "--model", "muscle", *paths, "--starts", "1", "--output", "f.json")
-    assert done.code in (0, 1)
-    assert "treadmill walk36, right ankle: VAF" in done.out
-    assert "treadmill run81, right ankle: VAF" in done.out
-    assert table(done.out)["g1"].split()[-2:] != []
-    assert " N " in table(done.out)["g1"]  # the weight of a normalised envelope is a force
-
-
-def test_showing_a_fit_needs_no_terminal(files, capsys) -> None:
-    show_fit(surae.load(files / "fit.json"))
-    assert "muscle model [1.0]" in capsys.readouterr().out
-
-
-def test_a_fit_in_place_of_a_recording_is_named(run, files) -> None:
-    refused(
-        run("fit", "--model", "muscle", "fit.json"), "fit.json", "this is a fit", "surae validate"
-    )
 
 
 def test_a_figure_for_a_paper(run, files) -> None:

@@ -17,7 +17,7 @@ from surae.protocol import (
 from surae.protocol.planning.demand import requested_limits
 
 from .conftest import refused
-from .test_startup import COMPUTING, imported
+from .test_startup import imported
 
 #: As the thesis has it, though strong legs then ask for more than the device has.
 DESPITE = ("--despite", "as in the thesis")
@@ -235,15 +235,9 @@ def test_the_output_is_required(run) -> None:
     refused(run("protocol", "sine"), "--output")
 
 
-def test_help_imports_nothing_that_computes() -> None:
-    assert imported("protocol", "--help") & (COMPUTING | {"numpy", "rich"}) == set()
-    assert imported("protocol", "sine", "--output", "p.txt") & COMPUTING == set()
-
-
 @pytest.mark.slow
 def test_without_a_figure_no_figure_library_is_imported(tmp_path) -> None:
-    arguments = ("protocol", "sine", "--output", "p.csv")
-    assert "matplotlib" not in imported(*arguments, folder=tmp_path)
+    assert "matplotlib" not in imported(["protocol", "sine", "--output", "p.csv"], folder=tmp_path)
 
 
 def test_a_session_is_a_folder_of_protocols(run, tmp_path) -> None:

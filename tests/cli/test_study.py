@@ -207,7 +207,7 @@ def test_a_figure_is_drawn_beside_the_table(run, ran) -> None:
 
 
 def test_status_imports_no_library_that_computes(run, ran) -> None:
-    assert imported("study", "status", "s.db", folder=ran) & COMPUTING == set()
+    assert imported(["study", "status", "s.db"], folder=ran) & COMPUTING == set()
 
 
 def test_a_store_is_copied_and_checked(run, ran) -> None:

@@ -10,7 +10,7 @@ import pytest
 from scipy.signal import StateSpace, butter, lsim, sosfiltfilt
 
 from surae.errors import InputError
-from surae.model import ModelOptions, activation, adapted, check_value, contraction, get_model
+from surae.model import ModelOptions, adapted, check_value, get_model
 from surae.signals import ModelInputs
 from surae_thesis.muscle_2010 import Muscle2010Simulator, integrated
 
@@ -149,16 +149,6 @@ def test_jacobian_against_richardson(setup) -> None:
         assert np.abs(exact - numeric).max() < 1e-7 * np.abs(exact).max(), name
 
 
-def test_jacobian_rows_come_in_the_order_asked_for(make_inputs) -> None:
-    simulator = Muscle2010Simulator(make_inputs(1), THESIS)
-    torque, everything = simulator.torque_jacobian(vector(), ALL)
-    assert everything.shape == (10, 1536)
-    assert np.array_equal(torque, simulator.torque(vector()))
-    chosen = simulator.torque_jacobian(vector(), [7, 0, 9])[1]
-    assert np.array_equal(chosen, everything[[7, 0, 9]])
-    assert simulator.torque_jacobian(vector(), [])[1].shape == (0, 1536)
-
-
 @every_case
 def test_torque_is_linear_in_what_the_model_says(setup) -> None:
     inputs, options, p = setup
@@ -239,14 +229,6 @@ def test_integrated_emg_has_lost_three_decibels_at_three_hertz(frequency, least,
         assert passed.imag == pytest.approx(0.0, abs=1e-6)  # zero phase
 
 
-def test_it_is_done_anew_from_the_envelope_for_every_simulator(make_inputs) -> None:
-    inputs = make_inputs(0)
-    before = inputs.emg.copy()
-    torques = [Muscle2010Simulator(inputs, THESIS).torque(vector()) for _ in range(2)]
-    assert np.array_equal(*torques)
-    assert np.array_equal(inputs.emg, before)
-
-
 def test_a_burst_moves_force_after_it_only_by_the_activation(make_inputs) -> None:
     # zero phase: the centre of the force lags that of the EMG by the filter's 2/ω alone
     inputs = still(seconds=20.0)
@@ -255,19 +237,6 @@ def test_a_burst_moves_force_after_it_only_by_the_activation(make_inputs) -> Non
     neural = Muscle2010Simulator(replace(inputs, emg=emg), THESIS).parts(vector()).neural_tri
     centre = float(inputs.time @ neural / neural.sum())
     assert centre - 10 == pytest.approx(2 / (2 * np.pi * 2.0), abs=1e-4)
-
-
-def test_each_channel_drives_its_own_muscle_only(make_inputs) -> None:
-    inputs = make_inputs(2)
-    for channel in range(4):
-        emg = inputs.emg.copy()
-        emg[:, [c for c in range(4) if c != channel]] = 0.0
-        simulator = Muscle2010Simulator(replace(inputs, emg=emg), THESIS)
-        rows = simulator.torque_jacobian(vector(), [3, 4, 5, 6])[1]
-        assert [bool(row.any()) for row in rows] == [c == channel for c in range(4)]
-        parts = simulator.parts(vector())
-        assert parts.neural_tib.any() == (channel == 0)
-        assert parts.neural_tri.any() == (channel != 0)
 
 
 def test_without_shift_and_viscosity_passive_torque_is_that_of_model_1_0(make_inputs) -> None:
@@ -322,18 +291,6 @@ def test_overflow_shows_in_the_torque_and_in_the_jacobian(make_inputs) -> None:
     )
     assert not np.isfinite(torque).all()
     assert not np.isfinite(jacobian).all()
-
-
-def test_read_only_and_strided_arrays_do_not_compile_again(make_inputs) -> None:
-    inputs = make_inputs(0)
-    strided = replace(inputs, angle=np.repeat(inputs.angle, 2)[::2], emg=inputs.emg[:, ::-1])
-    strided.angle.flags.writeable = False
-    p = np.repeat(vector(), 2)[::2]
-    p.flags.writeable = False
-    for recording in (inputs, strided):
-        Muscle2010Simulator(recording, THESIS).torque(p)
-    for kernel in (contraction.contraction, activation._respond):
-        assert len(kernel.signatures) == 1
 
 
 def test_importing_it_needs_no_signal_processing() -> None:

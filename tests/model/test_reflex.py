@@ -129,31 +129,6 @@ def test_the_stretch_is_that_of_the_whole_unit(make_inputs) -> None:
         np.testing.assert_allclose(reflex.torque(p), torque, rtol=0, atol=1e-9)
 
 
-@every_model
-@pytest.mark.parametrize("options", [{}, {"geometry": "virtual-work"}])
-def test_sensitivities(name, options, make_inputs) -> None:
-    chosen = ModelOptions.of(**options)
-    inputs = make_inputs(4, rate_hz=128.0, seconds=3.0)
-    spec = with_optional(MODELS[name], ("emd", "reflex_tri"))
-    values = {"emd": 0.0312, **GAINS}
-    p = spec.vector({q.name: q.start for q in MODELS[name].parameters} | values, chosen)
-    simulator = spec.simulator(inputs, chosen)
-    free = [
-        j
-        for j, parameter in enumerate(spec.names)
-        if parameter in MODELS[name].free + spec.optional
-    ]
-    torque, rows = simulator.torque_jacobian(p, free)
-    np.testing.assert_allclose(torque, simulator.torque(p), rtol=0, atol=1e-11)
-    for row, j in zip(rows, free, strict=True):
-        step = 2e-6 * (abs(p[j]) or 1.0)
-        above, below = p.copy(), p.copy()
-        above[j] += step
-        below[j] -= step
-        slope = (simulator.torque(above) - simulator.torque(below)) / (2 * step)
-        assert np.abs(row - slope).max() <= 1e-4 * np.abs(slope).max(), spec.names[j]
-
-
 def test_a_gain_of_zero_has_a_slope_and_its_delay_none(make_inputs) -> None:
     inputs = make_inputs(4, rate_hz=128.0, seconds=3.0)
     simulator, p = tied("muscle-tendon", inputs, reflex_tri=0.0, reflex_tib=0.0)

@@ -2,8 +2,6 @@ import base64
 import hashlib
 import json
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from datetime import datetime
 from html.parser import HTMLParser
@@ -148,9 +146,3 @@ def test_the_same_fit_gives_the_same_file(plain, tmp_path):
         created = datetime(2027, 1, 5, 14, 3)
         later = fit_report(plain.result, plain.assessment, versions={}, created=created).page()
     assert "2027-01-05" in later
-
-
-def test_importing_the_report_imports_no_heavy_library():
-    code = "import sys, surae.report; print({'matplotlib', 'jinja2'} & set(sys.modules))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "set()"

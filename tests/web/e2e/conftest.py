@@ -28,6 +28,9 @@ FLAGS = [
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
+    # One process draws all pages: else every page of every test starts another, and a spare one.
+    "--renderer-process-limit=1",
+    "--disable-features=SpareRendererForSitePerProcess,Translate,MediaRouter,OptimizationHints",
 ]
 #: Has a page complain that reads a field which a thing of an answer has not.
 HELD = """(() => {

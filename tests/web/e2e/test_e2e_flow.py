@@ -129,6 +129,7 @@ def test_a_mat_file_is_mapped_by_hand(desk: Desk, mat: Path) -> None:
     assert max(emg["v"]) < 1e-2  # V
 
 
+@pytest.mark.slow  # in the fast suite test_web_recordings.py has one without a browser
 def test_the_clock_of_a_film_is_told_with_its_columns(
     desk: Desk, csv: Path, tmp_path: Path
 ) -> None:

@@ -82,6 +82,7 @@ def test_pages_fit_the_screen_and_ask_nobody_else(desk: Desk, done: dict[str, st
         assert page.locator("#main > .alert:visible").count() == (name == "/nowhere"), name
 
 
+@pytest.mark.slow
 def test_what_shuts_somebody_out_is_found(desk: Desk) -> None:
     page = desk.go("/glossary")
     page.evaluate("document.body.append(document.createElement('img'))")  # without a text
@@ -93,13 +94,6 @@ def test_what_shuts_somebody_out_is_found(desk: Desk) -> None:
 def test_pages_shut_nobody_out(desk: Desk, done: dict[str, str], scheme: str) -> None:
     told = [shut_out(page, name, scheme) for name, page in pages(desk, done)]
     assert not any(told), told
-
-
-def test_the_report_is_the_page_and_is_zoomed_into(desk: Desk, done: dict[str, str]) -> None:
-    page = desk.go(f"/fits/{done['fit']}")
-    page.locator(".report").get_by_role("heading", name="Summary").wait_for()
-    page.locator("article.report summary", has_text="Details").first.click()
-    page.locator(".report .uplot canvas").first.wait_for()
 
 
 def test_research_is_there_for_whoever_switches_it_on(desk: Desk, done: dict[str, str]) -> None:
@@ -116,6 +110,7 @@ def test_research_is_there_for_whoever_switches_it_on(desk: Desk, done: dict[str
     expect(hidden[1]).to_be_hidden()
 
 
+@pytest.mark.slow  # in the fast suite test_web_jobs.py asks for it without a browser
 def test_other_trials_are_predicted(desk: Desk, done: dict[str, str]) -> None:
     desk.research(True)
     page = desk.go(f"/fits/{done['fit']}")
@@ -157,6 +152,7 @@ def test_one_click_mends_what_the_check_is_sure_of(desk: Desk, csv: Path, tmp_pa
     page.get_by_role("button", name="Turn the torque").wait_for()
 
 
+@pytest.mark.slow
 def test_the_page_for_clinicians_comes_in_the_language_that_is_chosen(
     desk: Desk, done: dict[str, str]
 ) -> None:
@@ -224,6 +220,7 @@ def test_a_kept_reports_plots_are_zoomed_and_read_without_any_server(
     context.close()
 
 
+@pytest.mark.slow
 def test_the_report_is_downloaded_for_paper(desk: Desk, done: dict[str, str]) -> None:
     page = desk.go(f"/fits/{done['fit']}")
     with page.expect_download() as file:
