@@ -1,6 +1,6 @@
 """The names that help shows are those of what they name, and a type's name means one thing."""
 
-import ast
+import re
 from collections import Counter
 from pathlib import Path
 
@@ -42,12 +42,7 @@ def test_the_first_choice_is_the_default() -> None:
 
 def test_no_two_public_types_share_a_name() -> None:
     sources = Path(surae.__file__).parent.rglob("*.py")
-    trees = [ast.parse(source.read_text(encoding="utf-8")) for source in sources]
-    types = [
-        node.name
-        for tree in trees
-        for node in ast.walk(tree)
-        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
-    ]
+    texts = [source.read_text(encoding="utf-8") for source in sources]
+    types = [name for text in texts for name in re.findall(r"^ *class ([A-Za-z]\w*)", text, re.M)]
     assert len(types) > 200
     assert [name for name, count in Counter(types).items() if count > 1] == []

@@ -134,7 +134,7 @@ def test_the_knee_is_read_fitted_and_kept(tmp_path):
     loaded = surae.load(tmp_path / "fit.json")
     assert loaded.result.problem.inputs == fit.result.problem.inputs
     assert loaded.predict(raw).vaf == fit.predict(raw).vaf
-    assert loaded.measures(angles=[0.0]).keys() == fit.measures(angles=[0.0]).keys()
+    assert np.isfinite(loaded.measures(angles=[0.0])["passive_torque@0deg"].value)
     prepared = surae.prepare(raw)
     assert len(thinned(prepared, 2).second[0]) == prepared.n // 2
     assert np.ptp(smoothed(prepared).second[0]) < np.ptp(prepared.second[0])
@@ -168,7 +168,7 @@ def test_the_torque_over_a_table_has_exact_sensitivities(of, model, trial):
 
 @pytest.fixture(scope="module")
 def trial():
-    return surae.prepare(surae.example())
+    return thinned(surae.prepare(surae.example()), 4)
 
 
 @pytest.mark.parametrize("geometry", ["thesis", "virtual-work"])
@@ -183,6 +183,7 @@ def test_a_table_of_the_thesis_gives_its_torque(geometry, trial):
     np.testing.assert_allclose(two, one, atol=1e-8)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_file_is_read_and_kept_by_the_fit(tmp_path, trial):
     table = table_of(ModelOptions())
     notes = (

@@ -139,7 +139,7 @@ def test_a_fit_that_overflows_has_a_report(model, fixed, make_trial, make_fitted
     bounds = {name: (0.5 * value, 2.0 * value) for name, value in fixed.items()}
     problem = make_problem([make_trial()], model, fixed=fixed, bounds=bounds)
     result = fit_problem(problem, starts=1)
-    page = make_fitted(result).page
+    page = make_fitted(result).words
     if not np.isfinite(result.residuals[0]).all():
         assert "its torque is not finite, first at sample 1 (0 s)" in page
     else:
