@@ -203,10 +203,10 @@ def test_errors_of_a_call(child) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows counts by the clock alone")
 def test_work_is_limited_and_not_the_wait_for_a_busy_machine(child) -> None:
     assert child.call(f"{ME}:pause", {"seconds": 0.0}).how == "done"  # it has started
-    assert child.call(f"{ME}:pause", {"seconds": 1.2}, seconds=1.0).how == "done"
-    late = child.call(f"{ME}:work", {"seconds": 30.0}, seconds=1.0)
+    assert child.call(f"{ME}:pause", {"seconds": 0.5}, seconds=0.3).how == "done"
+    late = child.call(f"{ME}:work", {"seconds": 30.0}, seconds=0.3)
     assert (late.how, late.message[:16]) == ("killed", "it took too long")
-    assert child.call(f"{ME}:work", {"seconds": 1.5}).value == "done"  # no limit, none left
+    assert child.call(f"{ME}:work", {"seconds": 0.5}).value == "done"  # no limit, none left
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is limited by Linux only")

@@ -249,8 +249,9 @@ from surae_workbench.web.form import form
 from surae_workbench.web.glossary import symbols
 from surae_workbench.web.schemas import DraftChange
 
-sys.path.insert(0, sys.argv[1])
+sys.path[:0] = sys.argv[1:]
 import quality_table, tables
+from undrawn import blank_figures
 
 def refused(value):
     try:
@@ -267,7 +268,8 @@ fit = surae.fit(trial, model="muscle", free=("friction", "viscosity"), patience=
 spring = surae.fit(trial, model="spring", **plain)
 for name, each in (("fit", fit), ("spring", spring)):
     each.save(f"{name}.json")
-fit.report("report.html")
+with blank_figures():
+    fit.report("report.html")
 problem = spring.result.problem
 tied = problem.spec.simulator(problem.inputs[0], problem.options)
 at = np.array([p.start for p in problem.spec.parameters])
@@ -309,7 +311,7 @@ json.dump({
 @pytest.fixture(scope="module")
 def seen(run):
     """What the copy says of itself."""
-    return json.loads(run("-c", SEEN, str(ROOT / "docs" / "_ext")))
+    return json.loads(run("-c", SEEN, str(ROOT / "docs" / "_ext"), str(Path(__file__).parent)))
 
 
 @pytest.mark.parametrize("recipe", ADDED)

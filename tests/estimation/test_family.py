@@ -163,17 +163,17 @@ def test_emg_at_rest_is_as_unsure_as_an_electrode_is_quiet():
 
 
 @pytest.mark.parametrize("lifted", [0.004, pytest.param(0.01, marks=pytest.mark.slow)])
-def test_what_electrodes_show_at_rest_is_not_claimed_of_the_leg(leg, lifted):
-    emg = leg.inputs.emg + lifted * np.percentile(leg.inputs.emg, 99.0, axis=0)
-    fit = solve(make_problem([replace(leg.inputs, emg=read_only(emg))], "auto"))
-    worth, without = assess(fit), assess(solve(make_problem([leg.inputs], "auto")))
+def test_what_electrodes_show_at_rest_is_not_claimed_of_the_leg(whole, fitted, lifted):
+    emg = whole.inputs.emg + lifted * np.percentile(whole.inputs.emg, 99.0, axis=0)
+    fit = solve(make_problem([replace(whole.inputs, emg=read_only(emg))], "auto"))
+    worth, without = assess(fit), assess(fitted)
     claimed = [p for p in worth.parameters.values() if p.verdict is Verdict.IDENTIFIED]
     assert len(claimed) >= 9
     for p in claimed:  # the leg is the same, whatever its electrodes show
         half = (p.ci95[1] - p.ci95[0]) / 2.0
         assert abs(p.value - without.parameters[p.name].value) < 0.25 * half, p.name
     assert worth.parameters["k_tri"].budget["emg_rest"] > 0.0
-    rest = fit.values["emg_rest_sol"] / np.percentile(leg.inputs.emg[:, 2], 99.0)
+    rest = fit.values["emg_rest_sol"] / np.percentile(whole.inputs.emg[:, 2], 99.0)
     assert rest == pytest.approx(lifted, abs=0.006)
 
 
