@@ -278,7 +278,7 @@ def test_nothing_of_surae_needs_what_is_built_on_it() -> None:
         for name in ("surae_thesis", "surae_workbench")
         if name in path.read_text("utf-8")
     }
-    assert users == {("cli/doctor.py", "surae_workbench")}
+    assert users == set()
 
 
 def test_libraries_that_obey_files_of_the_current_folder_are_imported_where_it_is_ignored() -> None:

@@ -246,7 +246,6 @@ from surae.estimation.population import wide_priors
 from surae.model.laboratory import laboratory
 from surae.model import get_model, ModelOptions
 from surae_workbench.web.form import form
-from surae_workbench.web.glossary import symbols
 from surae_workbench.web.schemas import DraftChange
 
 sys.path[:0] = sys.argv[1:]
@@ -291,7 +290,6 @@ json.dump({
     "fit": json.loads(Path("fit.json").read_text(encoding="utf-8")),
     "spring": json.loads(Path("spring.json").read_text(encoding="utf-8")),
     "older": surae.FitSettings.from_dict(older).patience,
-    "symbols": {each.name: each.meaning for each in symbols()},
     "prior": laboratory()["friction"].sd,
     "wide": wide_priors()["viscosity"],
     "tables": {"source": tables.sources(), "measure": tables.measures(),
@@ -344,7 +342,6 @@ def test_what_the_laboratory_cannot_rule_out_has_a_prior_and_words(seen) -> None
         "| `friction` | Nm | friction of the device | 0 | 0 … 5 |"
         in (seen["tables"]["measurement"])
     )
-    assert seen["symbols"]["friction"] == "friction of the device"
     assert seen["fit"]["parameters"]["friction"]["verdict"] != "fixed"
 
 
@@ -357,7 +354,6 @@ def test_a_parameter_is_estimated_explained_and_in_the_report(seen) -> None:
         "| `viscosity` | Nm·s/rad | viscosity of the joint | 0 | 0 … 20 |"
         in (seen["tables"]["drives"])
     )
-    assert seen["symbols"]["viscosity"] == "viscosity of the joint"
     assert "viscosity" in seen["report"]
     assert "move the relaxed leg at several speeds" in seen["report"].lower()
 

@@ -1,4 +1,4 @@
-"""`surae cite`, `surae completion`, `surae doctor`."""
+"""`surae cite` and `surae completion`."""
 
 import os
 import subprocess
@@ -54,26 +54,3 @@ def completed(words: str, at: int) -> set[str]:
 def test_bash_completes_commands_and_options() -> None:
     assert completed("surae pro", 1) == {name for name in COMMANDS if name.startswith("pro")}
     assert "--bibtex" in completed("surae cite --", 2)
-
-
-def test_the_doctor_finds_this_installation_well(run: Run) -> None:
-    done = run("doctor")
-    assert done.code == 0
-    for said in ("versions: surae", "processors:", "workbench:", "self-test: passed"):
-        assert said in done.out
-
-
-def test_the_doctor_says_what_is_missing(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("surae.cli.doctor.find_spec", lambda _: None)
-    monkeypatch.setattr("surae.cli.doctor._self_test", lambda: 0)
-    assert 'pip install "surae-workbench[live]"' in run("doctor").out
-
-
-@pytest.mark.slow
-def test_the_doctor_fails_where_parameters_are_not_found_back(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("surae.cli.doctor._CLOSE", 0.0)
-    done = run("doctor")
-    assert done.code == 1
-    assert "FAILED" in done.out

@@ -180,32 +180,6 @@ def test_an_unfinished_study_is_exported_as_far_as_it_is(run, ran) -> None:
     assert done.err == "surae: 2 of 72 rows are left out: they are not done yet, or damaged\n"
 
 
-@pytest.mark.slow
-def test_a_figure_is_drawn_beside_the_table(run, ran) -> None:
-    done = run("study", "export", "s.db", "--output", "t.csv", "--figure", "f.png")
-    assert (done.code, done.err) == (0, "")
-    assert done.out.startswith("table: t.csv, 72 rows;")
-    assert done.out.endswith("\nfigure: f.png\n")
-    assert (ran / "f.png").read_bytes().startswith(b"\x89PNG")
-    export = ("study", "export", "s.db", "--output", "u.csv")
-    done = run(*export, "--figure", "f.svg", "--x", "chirp_rate")
-    assert done.code == 0
-    assert b"<svg" in (ran / "f.svg").read_bytes()
-    refused(run(*export, "--figure", "f.gif"), "f.gif must end in .svg, .pdf or .png")
-    refused(run(*export, "--x", "noise"), "--x has no effect without --figure")
-    refused(
-        run(*export, "--figure", "u.csv.png", "--x", "noise"), "'noise' is no factor that varies"
-    )
-    refused(run(*export, "--figure", "s.db"), "s.db must end in")
-    file = sqlite3.connect(ran / "s.db")
-    lost = "json_set(value, '$.status', 'failed', '$.vaf', NULL)"
-    file.execute(f"UPDATE result SET value = {lost}, failed = 'lost'")
-    file.commit()
-    file.close()
-    refused(run(*export, "--figure", "none.png"), "nothing to draw: 72 rows are done and none has")
-    assert not (ran / "none.png").exists()
-
-
 def test_status_imports_no_library_that_computes(run, ran) -> None:
     assert imported(["study", "status", "s.db"], folder=ran) & COMPUTING == set()
 

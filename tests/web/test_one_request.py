@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 import surae
 from surae.cli import group
@@ -145,6 +146,12 @@ def test_every_field_is_reached_from_everywhere(name, trial, monkeypatch) -> Non
         monkeypatch, "surae.api.fitting.fit_inputs", lambda: surae.fit(trial, **keywords)
     )
     assert of_command == of_python == of_draft(**change) == wanted
+
+
+def test_a_draft_of_another_joint_is_refused_with_the_way() -> None:
+    with pytest.raises(ValidationError, match="surae fit --joint"):
+        DraftChange(options={"joint": {"name": "wrist"}})
+    assert DraftChange(options={"joint": "ankle"}).plain() == {"options": {"joint": "ankle"}}
 
 
 def test_weights_of_a_draft_may_be_given_in_part() -> None:

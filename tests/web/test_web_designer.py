@@ -29,7 +29,6 @@ def test_a_preview_comes_in_seconds(browser) -> None:
     shown = answers[-1].json()
     assert len(shown["t"]) == len(shown["angle"]) == len(shown["effort"][3]) <= 2000
     assert any("achilles" in step for step in shown["adaptation"])
-    assert 0 < shown["coverage"]["share"] < 1
     told = shown["prediction"]["parameters"]
     assert "dlt_tri" not in told  # model 2.0 takes it for known
     assert told["l0_tri"]["verdict"] == "identified"
@@ -57,6 +56,18 @@ def test_a_preview_says_what_an_expectation_says(browser) -> None:
     motion = generate(Protocol(**SETTINGS, device=named_device("achilles")))
     told = surae.expect(motion, "muscle", population="healthy", noise=1.0, legs=6).to_json()
     assert {name: shown[name] for name in told} == told
+
+
+def test_a_film_narrows_what_a_plan_would_tell(browser) -> None:
+    start = browser.get("/api/protocols/choices").json()["start"]
+    plain, filmed = (
+        browser.post("/api/protocols/preview", json=start | {"film": film}).json()["prediction"]
+        for film in ("", "tib")
+    )
+    l0 = [each["parameters"]["l0_tib"]["relative_sem"] for each in (plain, filmed)]
+    assert l0[1] < l0[0]
+    refused = browser.post("/api/protocols/preview", json=start | {"film": "heart"})
+    assert refused.status_code == 400
 
 
 def test_nothing_is_exported_beyond_limits_or_without_a_device_but_for_a_reason(browser) -> None:
@@ -203,6 +214,4 @@ def test_a_study_runs_and_is_opened(browser) -> None:
     assert table["total"] == len(table["rows"]) == 4
     text = browser.get(f"/api/studies/{made['id']}/table.csv").text
     assert len(list(io.StringIO(text))) == 5
-    figure = browser.get(f"/api/studies/{made['id']}/figure.svg", params={"x": "protocol"})
-    assert figure.headers["content-type"].startswith("image/svg")
     assert browser.post(f"/api/studies/{made['id']}/start").status_code == 202

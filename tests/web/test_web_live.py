@@ -97,21 +97,8 @@ def test_a_draft_is_a_request() -> None:
     assert settings_of(draft, ["a", "b"]).weights == (Weighting(), alone)
 
 
-def test_drafts_of_before_are_understood() -> None:
-    old = {
-        "recordings": ["a"], "model": "muscle", "options": {"vmax_factor": 9.0}, "prepared": True,
-        "parameters": {"beta": {"free": False, "value": 1.0}, "m": {"value": 2.5}},
-        "population": "healthy", "loss": "huber", "peaks": 4.0, "activity": "emg",
-        "exclusions": {"a": [[3, 4]]}, "body_mass": None, "starts": 3, "seed": 7,
-        "sliders": {"k_tri": 100.0},
-    }  # fmt: skip
-    assert settings_of(upgraded(old), ["a"]) == FitSettings.of(
-        "muscle", fixed={"beta": 1.0}, start={"m": 2.5}, priors="healthy", loss="huber",
-        prepared=True, weights=Weighting(((3.0, 4.0, 0.0),), 4.0, "emg"), starts=3, seed=7,
-        vmax_factor=9.0,
-    )  # fmt: skip
-    assert upgraded(old)["sliders"] == {"k_tri": 100.0}
-    assert upgraded(upgraded(old)) == upgraded(old)
-    assert upgraded({**old, "options": {"vmax_factor": -1.0}})["recordings"] == ["a"]
+def test_of_a_draft_what_is_not_known_is_left_out() -> None:
+    kept = {"recordings": ["a"], "starts": 3, "peaks": 4.0}
+    assert upgraded(kept) == empty_draft() | {"recordings": ["a"], "starts": 3}
     for damaged in (None, [], {"parameters": 3}):
         assert upgraded(damaged) == empty_draft()

@@ -7,7 +7,6 @@ from surae.api.answers import fit_of as fit_of
 from surae.api.answers import predictions_part as predictions_part
 from surae.api.answers import write_clinical_page as write_clinical_page
 from surae.api.answers import write_cohort_page as write_cohort_page
-from surae.api.answers import write_curve_figure as write_curve_figure
 from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design
 from surae.api.designing import design_session as design_session
@@ -142,15 +141,12 @@ from surae.report import style as style
 from surae.report.budget import what_would_help as what_would_help
 from surae.report.document import TableBlock as TableBlock
 from surae.report.document import TextBlock as TextBlock
-from surae.report.figures import figure_bytes as figure_bytes
 from surae.report.figures import png as png
 from surae.report.figures import predictions_figure as predictions_figure
 from surae.report.figures import svg as svg
 from surae.report.figures import write_figure as write_figure
-from surae.report.figures.intervals import posterior_figure as posterior_figure
 from surae.report.figures.intervals import profile_figure as profile_figure
 from surae.report.figures.protocol import protocol_figure as protocol_figure
-from surae.report.figures.study import study_figure as study_figure
 from surae.report.figures.style import new_figure as new_figure
 from surae.report.laboratory import family_text as family_text
 from surae.report.laboratory import trials_section as trials_section
@@ -163,7 +159,6 @@ from surae.report.recordings import film_facts as film_facts
 from surae.report.references import always_cited as always_cited
 from surae.report.references import cited_by as cited_by
 from surae.report.session import trial_row as trial_row
-from surae.report.study import study_curves as study_curves
 from surae.report.traces import extremes as extremes
 from surae.report.traces import min_max as min_max
 from surae.report.wording import adequacy_words as adequacy_words

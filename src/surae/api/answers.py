@@ -216,41 +216,6 @@ def predictions_part(fit: Fit, predictions: "Sequence[Prediction]") -> str:
     return part_of(**predictions_report(fit.assessment, predictions).plain())
 
 
-def write_curve_figure(
-    path: PathLike,
-    fit: Fit,
-    *,
-    language: str = "en",
-    norms: PathLike | None = None,
-    width: float = 170.0,
-) -> None:
-    """Draw torque against angle, at rest and active, for a paper.
-
-    Parameters
-    ----------
-    path : path
-        An ``.svg``, ``.pdf`` or ``.png``.
-    fit : Fit
-        What it is of; one that is not adequate says so below the curve.
-    language : {"en", "nl", "de", "fr"}
-        Of the labels.
-    norms : path, optional
-        A laboratory's own norms, in place of those of cited papers.
-    width : float
-        Width of the figure [mm].
-
-    Raises
-    ------
-    InputError
-        The norms cannot be read, or the figure cannot be written.
-    """
-    from surae.report.clinical import curve_of  # matplotlib
-    from surae.report.figures import write_figure
-
-    drawn = curve_of(fit.result, fit.assessment, language=language, norms=norms, width=width / 25.4)
-    write_figure(path, drawn)
-
-
 def fit_of(given: Fit | PathLike) -> Fit:
     """A fit that is given as itself, as its file, or as the folder of a session.
 

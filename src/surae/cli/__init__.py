@@ -48,7 +48,6 @@ COMMANDS = {
     "project": ("surae-workbench", "Copy or check a project of the workbench."),
     "cite": ("surae.cli.cite", "Print the papers behind a fit's methods."),
     "completion": ("surae.cli.completion", "Print a shell's completion of surae."),
-    "doctor": ("surae.cli.doctor", "Say what is installed, and test that it works."),
     "validate": ("surae.cli.validate", "Predict other recordings with the parameters of a fit."),
 }
 

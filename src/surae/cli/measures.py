@@ -3,7 +3,7 @@
 import click
 
 from surae import api
-from surae.cli.options import LANGUAGE, Number, figure_options
+from surae.cli.options import LANGUAGE, Number
 from surae.cli.paths import check_outputs, spare_fits
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_answer, show_files, show_line
@@ -18,7 +18,6 @@ from surae.cli.screen import show_answer, show_files, show_line
 @click.option("--output", metavar="M.json|csv", help="Write the measures.")
 @click.option("--report", metavar="M.html", help="Write the page for clinicians.")
 @LANGUAGE
-@figure_options
 def command(
     fitted: str,
     angles: tuple[float, ...],
@@ -26,15 +25,13 @@ def command(
     output: str | None,
     report: str | None,
     language: str,
-    figure: str | None,
-    width: float,
 ) -> None:
     """Compute stiffness, torque and more of a fitted leg in Nm and degrees, with intervals.
 
     Torque and stiffness at rest, what relaxes, how strong and how fast the muscles are, and what
     the torque of the recordings is made of. Dorsiflexion is positive.
     """
-    outputs = {"--output": output, "--report": report, "--figure": figure}
+    outputs = {"--output": output, "--report": report}
     check_outputs(outputs, [fitted])
     spare_fits(outputs)
 
@@ -57,6 +54,4 @@ def command(
     if report is not None:
         angle = angles[0] if len(angles) == 1 else 10.0
         api.write_clinical_page(report, [fit], language=language, angle=angle, norms=norms)
-    if figure is not None:
-        api.write_curve_figure(figure, fit, language=language, norms=norms, width=width)
-    show_files({"measures": output, "report": report, "figure": figure})
+    show_files({"measures": output, "report": report})

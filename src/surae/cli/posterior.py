@@ -5,7 +5,7 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import Picture, settings_options
+from surae.cli.options import settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import Columns, ends_text, show_files, show_line, show_table
@@ -21,14 +21,13 @@ _AGREE = 0.25
 @click.argument("fitted", metavar="FIT.json")
 @settings_options(PosteriorSettings)
 @click.option("--output", metavar="POSTERIOR.json", help="Write the posterior with its draws.")
-@click.option("--figure", type=Picture(), metavar="POSTERIOR.svg|pdf|png", help="Draw it.")
-def command(fitted: str, output: str | None, figure: str | None, options: dict[str, Any]) -> None:
+def command(fitted: str, output: str | None, options: dict[str, Any]) -> None:
     """Draw from the posterior of a fit: its recordings and prior knowledge together.
 
     Priors take the place of the fit's bounds; POSTERIOR.json says which. Needs the extra bayes:
     pip install "surae[bayes]". Ctrl-C keeps what is drawn.
     """
-    check_outputs({"--output": output, "--figure": figure}, [fitted])
+    check_outputs({"--output": output}, [fitted])
 
     fit = api.load(fitted)
     with work() as progress, compilation_notice():
@@ -41,12 +40,10 @@ def command(fitted: str, output: str | None, figure: str | None, options: dict[s
 
     if output is not None:
         drawn.save(output)
-    if figure is not None:
-        api.write_figure(figure, api.posterior_figure(drawn))
     show_table(*_table(drawn))
     for line in _notes(drawn):
         show_line(line)
-    show_files({"posterior": output, "figure": figure})
+    show_files({"posterior": output})
     if not drawn.whole:
         raise StoppedError("stopped by the user; what was drawn is shown")
     if drawn.status != "converged":

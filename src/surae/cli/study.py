@@ -6,12 +6,12 @@ from functools import partial
 import click
 
 from surae import api
-from surae.cli.options import DASK, Picture, engine_of, workers_option
+from surae.cli.options import DASK, engine_of, workers_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_line
 from surae.errors import InputError
-from surae.files import shown, write_atomic
+from surae.files import shown
 
 #: Reasons of failures that `status` lists.
 _REASONS = 5
@@ -101,29 +101,14 @@ def status_command(store: str) -> None:
 @command.command("export", short_help="Write its table.")
 @click.argument("store", metavar="S.db")
 @click.option("--output", required=True, metavar="TABLE.csv", help="Or TABLE.parquet.")
-@click.option("--figure", type=Picture(), metavar="F.svg|pdf|png", help="Draw it.")
-@click.option(
-    "--x", metavar="FACTOR", help="Factor to draw it against.  [default: the one that varies most]"
-)
-def export_command(store: str, output: str, figure: str | None, x: str | None) -> None:
-    """Write the table of a study: a row for each combination, as far as they are there.
-
-    The figure shows standard errors, IPDE and VAF against one factor, means over the others.
-    """
-    if x is not None and figure is None:
-        raise InputError("--x has no effect without --figure; give one")
-    read = [store, f"{store}-wal", f"{store}-shm", f"{store}.lock"]
-    check_outputs({"--output": output, "--figure": figure}, read)
+def export_command(store: str, output: str) -> None:
+    """Write the table of a study: a row for each combination, as far as they are there."""
+    check_outputs({"--output": output}, [store, f"{store}-wal", f"{store}-shm", f"{store}.lock"])
 
     with api.Store(store) as opened:
-        drawn = _drawn(opened, figure, x) if figure is not None else b""
         rows, hash_ = api.export_study(opened, output)
         all_rows = opened.status().rows
-    if figure is not None:
-        write_atomic(figure, drawn)
     show_line(f"table: {shown(output)}, {rows:,} rows; without its seconds it has the hash {hash_}")
-    if figure is not None:
-        show_line(f"figure: {shown(figure)}")
     if rows < all_rows:
         click.echo(
             f"surae: {all_rows - rows:,} of {all_rows:,} rows are left out: they are not done yet, "
@@ -158,14 +143,6 @@ def check_command(store: str) -> int:
         else "nothing is wrong"
     )
     return 1 if damage else 0
-
-
-def _drawn(opened: "api.Store", figure: str, x: str | None) -> bytes:
-    """The figure of what is there."""
-    study = api.parse_study(opened.text())
-    curves = api.study_curves(api.study_table(opened), tuple(study.factors), x)
-
-    return api.figure_bytes(figure, api.study_figure(curves, f"{study.name}:"))
 
 
 def _counted(fits: int, rows: int) -> str:

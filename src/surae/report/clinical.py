@@ -40,7 +40,7 @@ from surae.report.document import (
     paragraphs,
     rows_of,
 )
-from surae.report.figures import Figure, footnote
+from surae.report.figures import Figure
 from surae.report.figures.clinical import curve_figure, shares_figure
 from surae.report.output import Report
 from surae.words import JUDGEMENTS
@@ -134,24 +134,6 @@ def fit_page(
     )
     made = _made(words, created, len(result.problem.inputs))
     return _page("", _answer(of_fit, angle, words), of_fit.adequacy, sections, made, words)
-
-
-def curve_of(
-    result: FitResult, assessment: Assessment, *, language: str = "en",
-    norms: PathLike | None = None, width: float = 7.2,
-) -> Figure:  # fmt: skip
-    """The torque-angle curve of a fit by itself, as the page has it.
-
-    `norms` are a laboratory's own, in place of those of cited papers; `width` is in inches. A fit
-    that is not adequate says so below the curve.
-    """
-    joint = result.problem.options.anatomy
-    words = Words(language, joint)
-    beside = placed(measures(result, assessment, [_AT]), read_norms(norms, joint))
-    figure = _curve([("", torque_curve(result, assessment))], beside, words, width)
-    if assessment.adequacy.grade is not Grade.ADEQUATE:
-        footnote(figure, words(str(assessment.adequacy.grade)))
-    return figure
 
 
 def change_page(

@@ -32,13 +32,13 @@ FLAGS = [
     "--renderer-process-limit=1",
     "--disable-features=SpareRendererForSitePerProcess,Translate,MediaRouter,OptimizationHints",
 ]
-#: Has a page complain that reads a field which a thing of an answer has not.
+#: Has a page complain that reads a field which an answer, or a thing in it, has not.
 HELD = """(() => {
   const plain = new Set(["then", "toJSON", "constructor", "length"]);
-  const held = (value, path) => {
+  const held = (value, path, whole = false) => {
     if (value === null || typeof value !== "object") return value;
     for (const key of Object.keys(value)) value[key] = held(value[key], path);
-    if (Array.isArray(value) || !("id" in value && "created" in value)) return value;
+    if (Array.isArray(value) || !(whole || ("id" in value && "created" in value))) return value;
     return new Proxy(value, { get(thing, key) {
       if (typeof key === "string" && !(key in thing) && !plain.has(key)) {
         console.error(`Refused to read ${key}: no field of a thing of ${path}`);
@@ -48,7 +48,7 @@ HELD = """(() => {
   };
   const json = Response.prototype.json;
   Response.prototype.json = async function () {
-    return held(await json.call(this), new URL(this.url).pathname);
+    return held(await json.call(this), new URL(this.url).pathname, this.ok);
   };
 })()"""
 #: Of a window.

@@ -19,8 +19,25 @@ LEVELS = {
     "light": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"],
     "dark": {"type": "rule", "values": ["color-contrast", "link-in-text-block"]},
 }
-#: A telephone, a tablet and a laptop.
-SCREENS = ((390, 844), (820, 1180), (1280, 800))
+#: A telephone, a tablet and a large screen.
+SCREENS = ((390, 844), (820, 1180), (1440, 900))
+#: An A4 within its margins, at 96 dots per inch.
+PAPER = {"width": 718, "height": 1047}
+#: What a keyboard must reach: what can be seen and used, but for a group's other choices.
+REACHED = """() => {
+  const all = "a[href], button, input, select, textarea, summary, [tabindex='0']";
+  const able = (one) => one.checkVisibility() && !one.disabled && one.tabIndex >= 0;
+  return [...document.querySelectorAll(all)]
+    .filter((one) => able(one) && one.type !== "radio")
+    .map((one, i) => (one.dataset.reach = i)).length;
+}"""
+#: Which of them has the focus, and whether that is seen.
+FOCUSED = """() => {
+  const one = document.activeElement;
+  const look = getComputedStyle(one);
+  const seen = look.outlineStyle !== "none" || look.boxShadow !== "none";
+  return [one.dataset.reach ?? null, seen];
+}"""
 #: What says that a page has been filled.
 FILLED = {
     "/": "#fits tbody tr",
@@ -34,21 +51,25 @@ FILLED = {
     "/cohort": "#table tbody tr",
     "/plan": "#prediction tbody tr",
     "/studies": "#list tbody tr",
-    "/glossary": "#k_tri",
     "/studies/{study}": "#toml:not(:empty)",
     "/nowhere": ".alert",
 }
 
 
-def pages(desk: Desk, done: dict[str, str]) -> Any:
-    """Every page, filled, with all that research needs lying open."""
-    desk.research(True)
-    for path, sign in FILLED.items():
-        page = desk.go(path.format(**done))
-        page.locator(sign).first.wait_for(state="attached")
-        page.evaluate("document.querySelectorAll('details').forEach(one => (one.open = true))")
-        yield path, page
-    desk.research(False)
+def filled(desk: Desk, done: dict[str, str], path: str) -> Any:
+    """A page, filled, with all that it has lying open."""
+    page = desk.go(path.format(**done))
+    page.locator(FILLED[path]).first.wait_for(state="attached")
+    page.evaluate("document.querySelectorAll('details').forEach(one => (one.open = true))")
+    return page
+
+
+def fits(page: Any, size: dict[str, int]) -> None:
+    """A page is no wider than what shows it."""
+    page.set_viewport_size(size)
+    page.wait_for_function(
+        "width => document.documentElement.scrollWidth <= width", arg=size["width"]
+    )
 
 
 def shut_out(page: Any, name: str, scheme: str) -> list[str]:
@@ -73,27 +94,47 @@ NONE = {"recordings": [], "also": [], "total": 0}
 
 
 def test_pages_fit_the_screen_and_ask_nobody_else(desk: Desk, done: dict[str, str]) -> None:
-    for name, page in pages(desk, done):
+    desk.research(True)
+    for path in FILLED:
+        page = filled(desk, done, path)
         for width, height in SCREENS:
-            page.set_viewport_size({"width": width, "height": height})
-            page.wait_for_function(
-                "width => document.documentElement.scrollWidth <= width", arg=width
-            )
-        assert page.locator("#main > .alert:visible").count() == (name == "/nowhere"), name
+            fits(page, {"width": width, "height": height})
+        assert page.locator("#main > .alert:visible").count() == (path == "/nowhere"), path
+    desk.research(False)
 
 
 @pytest.mark.slow
 def test_what_shuts_somebody_out_is_found(desk: Desk) -> None:
-    page = desk.go("/glossary")
+    page = desk.go("/live")
     page.evaluate("document.body.append(document.createElement('img'))")  # without a text
-    assert any("image-alt" in told for told in shut_out(page, "glossary", "light"))
+    assert any("image-alt" in told for told in shut_out(page, "live", "light"))
 
 
 @pytest.mark.slow  # axe looks at all of every page
-@pytest.mark.parametrize("scheme", LEVELS)
-def test_pages_shut_nobody_out(desk: Desk, done: dict[str, str], scheme: str) -> None:
-    told = [shut_out(page, name, scheme) for name, page in pages(desk, done)]
+@pytest.mark.parametrize("path", FILLED)
+def test_a_page_shuts_nobody_out(desk: Desk, done: dict[str, str], path: str) -> None:
+    """On a telephone and a large screen, in the dark, by keyboard alone, and on paper."""
+    desk.research(True)
+    page = filled(desk, done, path)
+    told = []
+    for width, height in (SCREENS[0], SCREENS[-1]):
+        page.set_viewport_size({"width": width, "height": height})
+        told += [shut_out(page, f"{path} at {width}", scheme) for scheme in LEVELS]
     assert not any(told), told
+    reached, wanted, unseen = set(), page.evaluate(REACHED), []
+    page.evaluate("document.activeElement.blur()")
+    for _ in range(2 * wanted + 20):
+        page.keyboard.press("Tab")
+        number, seen = page.evaluate(FOCUSED)
+        reached.add(number)
+        unseen += [number] * (not seen and number is not None)
+        if len(reached - {None}) == wanted:
+            break
+    assert len(reached - {None}) == wanted
+    assert unseen == []
+    page.emulate_media(media="print", color_scheme="light")
+    fits(page, PAPER)
+    desk.research(False)
 
 
 def test_research_is_there_for_whoever_switches_it_on(desk: Desk, done: dict[str, str]) -> None:

@@ -166,21 +166,16 @@ def pdf(figure: Figure) -> bytes:
     return buffer.getvalue()
 
 
-def figure_bytes(path: PathLike, figure: Figure) -> bytes:
-    """The figure as its file is named: ``.svg`` and ``.pdf`` are lines, all else is a PNG."""
-    kinds: dict[str, Callable[[Figure], bytes]] = {".svg": svg, ".pdf": pdf}
-    return kinds.get(Path(path).suffix.lower(), png)(figure)
-
-
 def write_figure(path: PathLike, figure: Figure) -> None:
-    """Write the figure to a file; see `figure_bytes`.
+    """Write the figure as its file is named: ``.svg`` and ``.pdf`` are lines, all else is a PNG.
 
     Raises
     ------
     InputError
         The file cannot be written.
     """
-    write_atomic(path, figure_bytes(path, figure))
+    kinds: dict[str, Callable[[Figure], bytes]] = {".svg": svg, ".pdf": pdf}
+    write_atomic(path, kinds.get(Path(path).suffix.lower(), png)(figure))
 
 
 #: Letters of a line of a legend's title.

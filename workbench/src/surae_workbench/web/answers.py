@@ -153,6 +153,154 @@ class Job(Answer):
     mine: bool
 
 
+class DraftState(BaseModel):
+    """What a browser is working on, and what undo and redo would do."""
+
+    revision: int
+    undo: str | None
+    redo: str | None
+    draft: dict[str, Any]
+
+
+class ParameterRows(BaseModel):
+    """The parameters of a draft's model, and why it cannot be fitted."""
+
+    model: str
+    problem: str | None
+    parameters: list[dict[str, Any]]
+
+
+class LiveTorque(BaseModel):
+    """Measured torque, and that of the sliders."""
+
+    recording: str
+    t: list[float]
+    measured: list[float | None] | None
+    modelled: list[float | None]
+    r2: float | None
+    rmse: float | None
+
+
+class CohortRow(BaseModel):
+    """The fit of a visit, or any fit."""
+
+    fit: str
+    subject: str
+    group: str
+    side: str | None
+    trial: str
+    condition: str
+    name: str
+    model: str
+    model_title: str
+    status: str
+    grade: str | None
+    r2: float | None
+    vaf: float | None
+    ipde: float | None
+    parameters: dict[str, dict[str, Any]]
+    created: str | None
+
+
+class Cohort(BaseModel):
+    """Estimates of every leg."""
+
+    columns: list[dict[str, str]]  #: Name, unit and meaning of parameters.
+    rows: list[CohortRow]
+
+
+class Inspection(BaseModel):
+    """What is in a file, and a guess of what each column is."""
+
+    id: str
+    name: str
+    format: str
+    columns: list[dict[str, Any]]
+    mapping: dict[str, Any]
+    notes: list[str]
+    ready: bool
+
+
+class Units(BaseModel):
+    """The roles of channels, and the units of each."""
+
+    roles: list[str]
+    units: dict[str, list[str]]
+
+
+class Preview(BaseModel):
+    """What a mapping makes of files."""
+
+    name: str
+    emg: str | None
+    side: str | None
+    duration_s: float
+    fixed: dict[str, float]
+    files: list[File]
+    channels: list[dict[str, Any]]
+    findings: list[dict[str, Any]]
+    twin: dict[str, str] | None = None  #: The recording that was made of the same before.
+
+
+class Findings(BaseModel):
+    """What is questionable about a recording."""
+
+    findings: list[dict[str, Any]]
+
+
+class Signal(BaseModel):
+    """A signal, by few enough points."""
+
+    role: str
+    unit: str
+    n: int
+    reduced: bool
+    t: list[float]
+    v: list[float | None]
+
+
+class Window(BaseModel):
+    """A part of a recording's signals [s]."""
+
+    start: float
+    end: float
+    signals: list[Signal]
+
+
+class SortedTrial(BaseModel):
+    """What a trial is, and what it is used for."""
+
+    recording: str
+    name: str
+    effort: str
+    stated: bool
+    fitted: bool
+    what: str
+    why: str
+    use: str
+    problem: str
+
+
+class SortedTrials(BaseModel):
+    """The trials of a leg."""
+
+    trials: list[SortedTrial]
+
+
+class StudyTable(BaseModel):
+    """The first rows of a study's table."""
+
+    columns: list[str]
+    rows: list[list[Any]]
+    total: int
+
+
+class Part(BaseModel):
+    """A part of a report."""
+
+    html: str
+
+
 def _list(name: str, kind: type[Answer], **more: Any) -> Any:
     """A list of entries under its name."""
     fields: dict[str, Any] = {name: (GenericAlias(list, (kind,)), ...)} | more

@@ -5,7 +5,6 @@ from dataclasses import fields, replace
 from typing import Any
 
 from surae import api
-from surae.errors import InputError
 
 #: Keys whose entries a change adds to or, with None, takes away; it replaces all others.
 _MERGED = ("exclusions", "sliders")
@@ -79,24 +78,12 @@ def shown(draft: Draft) -> Draft:
 
 
 def upgraded(data: object) -> Draft:
-    """A draft as it was kept, by this version or by one before the settings had a form of theirs.
-
-    What makes no sense, and what an older one says and this one cannot take, is left at its
-    default.
-    """
+    """A draft as it was kept; what this version does not know is left out."""
     empty = empty_draft()
     if not isinstance(data, Mapping):
         return empty
     known = {key: value for key, value in data.items() if key in empty}
-    if "parameters" not in data:
-        return {**empty, **known}
-    try:
-        known["options"] = {**empty["options"], **data["options"]}
-        if data["peaks"]:
-            known["weights"] = {"windows": [], "peaks": data["peaks"], "activity": data["activity"]}
-        return changed({**empty, **known}, {"parameters": data["parameters"]})
-    except (InputError, KeyError, TypeError, ValueError, AttributeError):
-        return {**empty, "recordings": data.get("recordings", [])}
+    return {**empty, **known}
 
 
 def settings_of(draft: Draft, recordings: Sequence[str]) -> api.FitSettings:

@@ -7,11 +7,18 @@ from operator import or_
 from types import GenericAlias, UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, create_model
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    create_model,
+    field_validator,
+)
 
 from surae import api, names
 from surae.records import to_plain
-from surae.requests import DesignSettings, LegSettings
+from surae.requests import DesignSettings, ExpectSettings
 from surae.setting import Setting, default_of, settings_of
 
 #: No control characters, nor those that break lines or turn the direction of writing.
@@ -171,6 +178,16 @@ class DraftChange(request_of(api.FitSettings, weights=WeightingTable)):  # type:
     exclusions: Annotated[dict[Id, Spans | None], Field(max_length=50)] | None = None
     sliders: Annotated[dict[Name, Number | None], Field(max_length=60)] | None = None
     parameters: Annotated[dict[Name, ParameterRow | None], Field(max_length=60)] | None = None
+
+    @field_validator("options", mode="before")
+    @classmethod
+    def _of_an_ankle(cls, options: Any) -> Any:
+        if isinstance(options, dict) and options.get("joint") not in (
+            None,
+            *names.CHOICES["joint"],
+        ):
+            raise ValueError("the workbench fits ankles; fit another joint by `surae fit --joint`")
+        return options
 
     def plain(self) -> dict[str, Any]:
         """The keys that were given, without what was left out within them."""
@@ -354,7 +371,7 @@ class ProtocolDesign(request_of(DesignSettings, "duration", defaults=True)):  # 
     evaluations: Annotated[int, Field(ge=1, le=50_000)] = 4000
 
 
-class ProtocolPreview(request_of(LegSettings, defaults=True)):  # type: ignore[misc]
+class ProtocolPreview(request_of(ExpectSettings, "legs", defaults=True)):  # type: ignore[misc]
     """A protocol, and whose legs it is for."""
 
     settings: ProtocolSettings

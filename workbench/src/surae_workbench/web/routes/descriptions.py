@@ -6,6 +6,7 @@ from fastapi import APIRouter
 
 from surae.errors import InputError
 from surae.files import sha256_of
+from surae_workbench.web import answers
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.imports import file_name, row_of
 from surae_workbench.web.places import recording_suffix, uploads_of
@@ -60,7 +61,7 @@ def get_description(id: PathId, bench: Bench) -> dict[str, Any]:
     }
 
 
-@router.post("/descriptions/preview")
+@router.post("/descriptions/preview", response_model=answers.Preview)
 def preview_description(body: DescriptionRequest, bench: Bench) -> dict[str, Any]:
     """What a description makes of the first recording: its ranges, and what the check finds."""
     row = bench.project.need("recording", body.recordings[0])

@@ -8,7 +8,8 @@ from surae import api
 from surae.errors import InputError
 from surae.names import DRIVES
 from surae.processes import one_line
-from surae_workbench.web.draft import described, empty_draft, parameter_table, settings_of
+from surae_workbench.web import answers
+from surae_workbench.web.draft import parameter_table, settings_of
 from surae_workbench.web.fits import check_draft, prepared_draft
 from surae_workbench.web.form import form
 from surae_workbench.web.http_errors import RefusedError
@@ -36,13 +37,13 @@ def get_session(request: Request, bench: Bench, browser: Browser) -> dict[str, A
     }
 
 
-@router.get("/draft")
+@router.get("/draft", response_model=answers.DraftState)
 def get_draft(bench: Bench, browser: Browser) -> dict[str, Any]:
     """What this browser is working on."""
     return bench.sessions.state(browser)
 
 
-@router.patch("/draft")
+@router.patch("/draft", response_model=answers.DraftState)
 def patch_draft(body: DraftPatch, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Change some of it, as one step that can be undone."""
     change = body.change.plain()
@@ -59,21 +60,21 @@ def patch_draft(body: DraftPatch, bench: Bench, browser: Browser) -> dict[str, A
     return bench.sessions.state(browser)
 
 
-@router.post("/draft/undo")
+@router.post("/draft/undo", response_model=answers.DraftState)
 def undo(bench: Bench, browser: Browser) -> dict[str, Any]:
     """Take the last step back."""
     bench.sessions.undo(browser)
     return bench.sessions.state(browser)
 
 
-@router.post("/draft/redo")
+@router.post("/draft/redo", response_model=answers.DraftState)
 def redo(bench: Bench, browser: Browser) -> dict[str, Any]:
     """Do it again."""
     bench.sessions.redo(browser)
     return bench.sessions.state(browser)
 
 
-@router.get("/draft/parameters")
+@router.get("/draft/parameters", response_model=answers.ParameterRows)
 def get_parameters(bench: Bench, browser: Browser) -> dict[str, Any]:
     """The parameters of the draft's model, and why it cannot be fitted, where it cannot."""
     draft = bench.sessions.draft(browser)
@@ -97,27 +98,17 @@ def get_parameters(bench: Bench, browser: Browser) -> dict[str, Any]:
 
 @router.get("/models")
 def get_models() -> dict[str, Any]:
-    """The models with their parameters, and the settings of a fit."""
+    """What may drive the muscles, and the settings of a fit."""
     return {
-        "models": [
-            {
-                "name": spec.name,
-                "title": spec.title,
-                "tendons": any(p.group == "tendon" for p in spec.parameters),
-                "parameters": [described(p, p.name in spec.free) for p in spec.parameters],
-            }
-            for spec in api.MODELS.values()
-        ],
         "drives": [
             {"name": name, "label": f"Estimate {words}", "parameters": list(api.OPTIONAL[name])}
             for name, words in DRIVES.items()
         ],
         "settings": form(),
-        "draft": empty_draft(),
     }  # fmt: skip
 
 
-@router.post("/live")
+@router.post("/live", response_model=answers.LiveTorque)
 def post_live(body: LiveRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """The torque that the draft's model gives with these values."""
     draft = bench.sessions.draft(browser)

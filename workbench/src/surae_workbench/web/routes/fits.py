@@ -103,7 +103,7 @@ def post_profile(
     return bench.jobs.submit("profile", label, browser, task, id)
 
 
-@router.post("/fits/{id}/validate")
+@router.post("/fits/{id}/validate", response_model=answers.Part)
 def post_validate(id: PathId, body: ValidateRequest, bench: Bench) -> dict[str, str]:
     """How its parameters predict other recordings, as the report shows it."""
     bench.project.need("fit", id)

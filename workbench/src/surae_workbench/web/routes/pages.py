@@ -12,7 +12,6 @@ from surae import api
 from surae._version import __version__
 from surae.errors import InputError
 from surae.files import template
-from surae_workbench.web.glossary import symbols, terms
 from surae_workbench.web.routes.common import Bench, Browser, PathId
 from surae_workbench.web.sessions import BrowserSession
 
@@ -96,9 +95,3 @@ def fit_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Re
 def report_style() -> Response:
     """The style of reports that stand within a page."""
     return Response(api.style(), media_type="text/css")
-
-
-@router.get("/glossary")
-def glossary_page(request: Request, browser: Browser) -> Response:
-    """What terms and symbols mean."""
-    return page(request, "glossary", browser, terms=terms(), symbols=symbols())

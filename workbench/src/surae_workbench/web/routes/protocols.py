@@ -90,27 +90,17 @@ def post_preview(body: ProtocolPreview) -> dict[str, Any]:
             f"{len(trajectory.time)} samples at {settings.rate_hz:g} Hz are too many to predict "
             "from; use a rate of 125 Hz: it tells as much"
         )
-    path, adaptation = api.triceps_path(trajectory), trajectory.adaptation
+    adaptation = trajectory.adaptation
     expectation = api.expect(trajectory, legs=_LEGS, **body.model_dump(exclude={"settings"}))
     shown = api.extremes([trajectory.angle, trajectory.velocity], _POINTS)
-    step = max(-(-len(trajectory.time) // _POINTS), 1)
     return {
         "t": plain(trajectory.time[shown]),
         "angle": plain(trajectory.angle[shown]),
         "velocity": plain(trajectory.velocity[shown]),
         "effort": [plain(trajectory.effort[shown, i]) for i in range(4)],
         "seconds": float(trajectory.time[-1]),
-        "samples": len(trajectory.time),
         "limits": limits(settings, trajectory),
         "adaptation": None if adaptation is None else list(adaptation.steps),
-        "coverage": {
-            "share": path.coverage.share,
-            "outside": path.coverage.outside,
-            "length_edges": plain(path.coverage.length_edges),
-            "velocity_edges": plain(path.coverage.velocity_edges),
-            "time_share": [plain(row) for row in path.coverage.time_share],
-        },
-        "path": {"length": plain(path.length[::step]), "velocity": plain(path.velocity[::step])},
         "prediction": expectation.to_json() | {"identified": expectation.identified},
         "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
     }

@@ -164,7 +164,7 @@ def _recording(recording: Entry, fits: int) -> dict[str, Any]:
     return dated(recording, fits=fits, version=version, revision=revision(recording))
 
 
-@router.get("/recordings/{id}/quality")
+@router.get("/recordings/{id}/quality", response_model=answers.Findings)
 def get_quality(id: PathId, bench: Bench) -> dict[str, Any]:
     """What is questionable about it, where in time, and what to do."""
     recording = bench.project.need("recording", id)
@@ -176,7 +176,7 @@ def get_quality(id: PathId, bench: Bench) -> dict[str, Any]:
     return {"findings": proposals(recording["findings"], channels)}
 
 
-@router.get("/recordings/{id}/window")
+@router.get("/recordings/{id}/window", response_model=answers.Window)
 def get_window(
     id: PathId,
     bench: Bench,

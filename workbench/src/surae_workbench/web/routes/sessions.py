@@ -32,7 +32,7 @@ from surae_workbench.web.workbench import Workbench
 router = APIRouter(prefix="/api/sessions", responses=ERRORS, tags=["sessions"])
 
 
-@router.post("/trials")
+@router.post("/trials", response_model=answers.SortedTrials)
 def post_trials(body: TrialsRequest, bench: Bench) -> dict[str, Any]:
     """What each trial is and is used for, as its signals and the others tell."""
     return {"trials": sorted_as(bench, body.recordings, body.efforts)}
@@ -66,7 +66,7 @@ def get_session(id: PathId, bench: Bench) -> dict[str, Any]:
     return session_detail(bench, bench.project.need("session", id))
 
 
-@router.get("/{id}/change")
+@router.get("/{id}/change", response_model=answers.Part)
 def get_change(
     id: PathId, before: Annotated[str, Query(max_length=16)], bench: Bench
 ) -> dict[str, str]:

@@ -16,7 +16,6 @@ from surae_workbench.web.routes.common import (
     Bench,
     Browser,
     PathId,
-    Responses,
     attachment,
     made_file,
     offer_deletion,
@@ -28,7 +27,6 @@ from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api/studies", responses=ERRORS, tags=["studies"])
 
-_SVG: Responses = {200: {"content": {"image/svg+xml": {}}}}
 #: A study of more fits belongs on a cluster, with `surae study run`.
 _MOST_FITS = 100_000
 
@@ -71,7 +69,7 @@ def start_study(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
 offer_deletion(router, "/{id}", "study")
 
 
-@router.get("/{id}/table")
+@router.get("/{id}/table", response_model=answers.StudyTable)
 def get_table(
     id: PathId, bench: Bench, limit: Annotated[int, Query(ge=1, le=5000)] = 500
 ) -> dict[str, Any]:
@@ -94,21 +92,6 @@ def get_csv(id: PathId, bench: Bench) -> Response:
     with _store(bench, id) as store:
         data = made_file("table.csv", lambda path: api.export_study(store, path))
     return Response(data, media_type="text/csv", headers=attachment(row["name"], ".csv"))
-
-
-@router.get("/{id}/figure.svg", response_class=Response, responses=_SVG)
-def get_figure(
-    id: PathId, bench: Bench, x: Annotated[str | None, Query(max_length=40)] = None
-) -> Response:
-    """Standard errors, IPDE and VAF against one factor."""
-    row = bench.project.need("study", id)
-    with _store(bench, id) as store:
-        curves = api.study_curves(
-            api.study_table(store), tuple(api.parse_study(row["toml"]).factors), x
-        )
-    return Response(
-        api.svg(api.study_figure(curves, f"{row['name']}:")), media_type="image/svg+xml"
-    )
 
 
 def _store(bench: Workbench, id_: str) -> api.Store:

@@ -115,7 +115,7 @@ def delete_upload(id: PathId, bench: Bench, browser: Browser) -> Response:
     return Response(status_code=204)
 
 
-@router.get("/uploads/{id}/inspect")
+@router.get("/uploads/{id}/inspect", response_model=answers.Inspection)
 def inspect_upload(
     id: PathId,
     bench: Bench,
@@ -136,7 +136,7 @@ def inspect_upload(
     return {"id": upload["id"], "name": upload["name"], **result}
 
 
-@router.get("/units")
+@router.get("/units", response_model=answers.Units)
 def get_units() -> dict[str, Any]:
     """The roles that a channel can have, and the units of each."""
     return {
@@ -145,7 +145,7 @@ def get_units() -> dict[str, Any]:
     }
 
 
-@router.post("/imports/preview")
+@router.post("/imports/preview", response_model=answers.Preview)
 def preview_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """What a mapping makes of the files."""
     result, mapping = _imported(body, bench, browser, None), body.mapping.model_dump(mode="json")

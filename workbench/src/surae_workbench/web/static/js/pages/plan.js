@@ -7,7 +7,6 @@ import { EMG_SHORT, number, percent, quantity, seconds, when } from "../core/for
 import { attempt, calm, complain } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
 import { onTheme } from "../core/theme.js";
-import { density } from "../plot/heat.js";
 import { lines } from "../plot/lines.js";
 import { ask } from "../ui/dialog.js";
 import { active, jobControls, progressText } from "../ui/jobs.js";
@@ -39,10 +38,10 @@ function entered() {
     adapt: byId("adapt").checked,
   };
   for (const { path: [key] } of numbers()) settings[key] = byId(key).value === "" ? null : Number(byId(key).value);
-  return { settings, model: byId("model").value, population: byId("population").value, noise: Number(byId("noise").value) };
+  return { settings, model: byId("model").value, population: byId("population").value, noise: Number(byId("noise").value), film: byId("film").value };
 }
 
-function fill({ settings, model, population, noise }) {
+function fill({ settings, model, population, noise, film }) {
   kept = settings.plan ? { plan: settings.plan, limits: settings.limits } : null;
   showKept();
   for (const key of ["profile", "task", ...numbers().map(({ path }) => path[0])]) byId(key).value = settings[key] ?? "";
@@ -52,6 +51,7 @@ function fill({ settings, model, population, noise }) {
   if (model) byId("model").value = model;
   if (population) byId("population").value = population;
   if (noise) byId("noise").value = noise;
+  byId("film").value = film ?? "";
   slide();
 }
 
@@ -90,7 +90,7 @@ function show(seen) {
   plots[0].show([seen.t, scaled(seen.angle, degrees)], null);
   plots[1].show([seen.t, scaled(seen.velocity, degrees)], null);
   plots[2].show([seen.t, ...seen.effort.map((one) => scaled(one, 100))], null);
-  const { prediction, coverage, adaptation } = seen;
+  const { prediction, adaptation } = seen;
   replace(
     byId("adaptation"),
     h("ul", {}, (adaptation ?? []).map((line) => h("li", {}, line)), seen.limits.filter((one) => !one.exceeded).map((one) => h("li", {}, one.text))),
@@ -104,15 +104,9 @@ function show(seen) {
     ["Largest error", `${part(prediction.worst)} (${prediction.weakest})`],
     ["Geometric mean", part(prediction.geometric_mean)],
     ["Torque", `${number(prediction.torque_Nm[0], 3)} … ${number(prediction.torque_Nm[1], 3)} Nm`],
-    ["Area covered", percent(100 * coverage.share, 2)],
   ];
   replace(byId("figures"), figures(entries));
   replace(byId("prediction"), predicted(Object.entries(prediction.parameters)));
-  replace(
-    byId("coverage"),
-    density({ label: "Length of the triceps [optimal lengths]", edges: coverage.length_edges }, { label: "Velocity [optimal lengths/s]", edges: coverage.velocity_edges }, coverage.time_share, `Share of time over length and velocity; ${percent(100 * coverage.share, 2)} of the area is covered`),
-    h("p", { class: "muted small" }, `Darker: more time. ${percent(100 * coverage.share, 2)} of the cells are visited${coverage.outside > 0 ? `; ${percent(100 * coverage.outside, 2)} of the time lies outside` : ""}.`),
-  );
   byId("said").textContent = `Worked out in ${number(seen.milliseconds / 1000, 2)} s, over ${prediction.legs}.`;
 }
 
@@ -206,9 +200,9 @@ const watch = jobControls({ start: byId("search"), stop: byId("stop"), said: byI
 byId("search").addEventListener("click", () => {
   if (!byId("settings").reportValidity()) return;
   attempt(box, async () => {
-    const { settings, model, population, noise } = entered();
+    const { settings, model, population, noise, film } = entered();
     const durations = byId("durations").value.split(",").map(Number).filter((value) => value > 0);
-    watch(await post("/api/protocols/design", { device: settings.device, range: settings.range_of_motion, rate_hz: settings.rate_hz, model, population, noise, durations, aim: byId("aim").value.trim(), effort: byId("effort").value, evaluations: Number(byId("evaluations").value) }));
+    watch(await post("/api/protocols/design", { device: settings.device, range: settings.range_of_motion, rate_hz: settings.rate_hz, model, population, noise, film, durations, aim: byId("aim").value.trim(), effort: byId("effort").value, evaluations: Number(byId("evaluations").value) }));
   });
 });
 

@@ -1,10 +1,10 @@
 // One study: how far it is, and what has come out so far.
 
-import { download, get, post, query, remove } from "../core/api.js";
+import { download, get, post, remove } from "../core/api.js";
 import { byId, h, replace } from "../core/dom.js";
 import { onChanged, onJob } from "../core/events.js";
 import { when } from "../core/format.js";
-import { attempt, complain, headline, onClick } from "../core/notice.js";
+import { attempt, headline, onClick } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
 import { ask } from "../ui/dialog.js";
 import { cancel } from "../ui/jobs.js";
@@ -53,37 +53,8 @@ async function showResults() {
   );
   table.update(rows);
   replace(byId("table"), table.element);
-  showFactors(columns, rows);
-  await showFigure();
 }
 
-/** Numeric factors with more than one value can be the x axis. */
-function showFactors(columns, rows) {
-  const known = ["chirp_amplitude", "chirp_rate", "noise", "duration", "scale"];
-  const varied = columns.filter((name, i) => known.includes(name) && new Set(rows.map((row) => row[i])).size > 1);
-  const before = byId("factor").value;
-  replace(byId("factor"), (varied.length ? varied : ["chirp_amplitude"]).map((name) => h("option", { value: name }, name.replaceAll("_", " "))));
-  if (varied.includes(before)) byId("factor").value = before;
-}
-
-async function showFigure() {
-  const url = `/api/studies/${id}/figure.svg${query({ x: byId("factor").value })}`;
-  if (!byId("figure").querySelector("img")) replace(byId("figure"), h("p", { class: "muted" }, "Drawing the figure …"));
-  const response = await fetch(url);
-  byId("figure-error").hidden = true;
-  if (!response.ok) {
-    replace(byId("figure"));
-    complain(byId("figure-error"), (await response.json().catch(() => ({}))).error ?? "no figure");
-    return;
-  }
-  const image = h("img", { class: "study-figure", alt: `Results of the study over ${byId("factor").value.replaceAll("_", " ")}; the table below has the numbers` });
-  const address = URL.createObjectURL(await response.blob());
-  image.addEventListener("load", () => URL.revokeObjectURL(address));
-  image.src = address;
-  replace(byId("figure"), image);
-}
-
-byId("factor").addEventListener("change", () => attempt(byId("figure-error"), showFigure));
 onClick("start", box, async () => { await post(`/api/studies/${id}/start`); await refresh(); });
 onClick("stop", box, () => study.job && cancel(study.job));
 onClick("export", box, () => download(`/api/studies/${id}/table.csv`, "study.csv"));
