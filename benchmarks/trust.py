@@ -65,13 +65,9 @@ def main() -> None:
     parser.add_argument("--changes", action="store_true", help="count changes too")
     parser.add_argument("--model", default="auto")
     parser.add_argument("--raw", action="store_true", help="raw EMG at 1024 Hz")
-    parser.add_argument(
-        "--joint",
-        type=int,
-        default=0,
-        metavar="N",
-        help="visits of N trials, at most 3, fitted jointly",
-    )
+    visits = "visits of N trials, at most 3, fitted jointly"
+    parser.add_argument("--joint", type=int, default=0, metavar="N", help=visits)
+    parser.add_argument("--geometry", action="store_true", help="give each leg's own geometry")
     parser.add_argument("--output", type=Path, metavar="DIR", help="keep answers.csv, changes.csv")
     given = parser.parse_args()
     warnings.simplefilter("ignore")
@@ -88,9 +84,12 @@ def main() -> None:
                 fits = {}
                 for trial in trials:
                     visit = tuple(range(trial, trial + max(1, given.joint)))
-                    paths = make(family, seed, Path(temporary), visit, raw=given.raw)
+                    known = {"raw": given.raw, "geometry": given.geometry}
+                    paths = make(family, seed, Path(temporary), visit, **known)
+                    own = {"geometry": paths[0].parent / "geometry" / "geometry.csv",
+                           "geometry_of": "person"} if given.geometry else {}  # fmt: skip
                     begin = time.process_time()
-                    fits[trial] = surae.fit(paths, model=given.model, quality=())
+                    fits[trial] = surae.fit(paths, model=given.model, quality=(), **own)
                     seconds = time.process_time() - begin
                     print(f"{family}-{seed}, trial {trial}: {seconds:.1f} s of processor, "
                           f"{fits[trial].result.message}", file=sys.stderr, flush=True)  # fmt: skip

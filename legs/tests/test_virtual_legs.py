@@ -95,7 +95,8 @@ def test_raw_emg_has_the_envelope_as_its_mean_size() -> None:
 def test_make_writes_recordings_and_keeps_the_truth_apart(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["make", "a", "5", "--output", str(tmp_path), "--trials", "2", "--film"]) == 0
+    what = ["--trials", "2", "--film", "--geometry"]
+    assert main(["make", "f", "5", "--output", str(tmp_path), *what]) == 0
     files = [Path(line) for line in capsys.readouterr().out.split()]
     assert [file.name for file in files] == ["trial-1.toml", "trial-2.toml"]
     channels = tomllib.loads(files[0].read_text())["channels"]
@@ -106,9 +107,16 @@ def test_make_writes_recordings_and_keeps_the_truth_apart(
     lines = files[0].with_suffix(".csv").read_text().splitlines()
     assert lines[0] == "# emg: envelope"
     assert lines[1] == "time_s,angle_rad,torque_Nm,emg_ta_V,emg_gl_V,emg_sol_V,emg_gm_V"
-    assert not list((tmp_path / "a-5").glob("*.json"))
-    truth = json.loads((tmp_path / "truth" / "a-5.json").read_text())
-    assert truth["trials"][1]["parameters"] == truth_of("a", 5, 2)["parameters"]
+    assert not list((tmp_path / "f-5").glob("*.json"))
+    truth = json.loads((tmp_path / "truth" / "f-5.json").read_text())
+    assert truth["trials"][1]["parameters"] == truth_of("f", 5, 2)["parameters"]
+    table = np.genfromtxt(
+        tmp_path / "f-5/geometry/geometry.csv", delimiter=",", names=True, skip_header=3
+    )
+    one = leg("f", 5)
+    own = one.lasting(one.subject).geometry.arm(np.radians(table["angle_deg"]))
+    np.testing.assert_allclose(table["arm_tri_mm"], 1000 * own[0], rtol=1e-6)
+    assert np.ptp(own[0] / one.subject.geometry.arm(np.radians(table["angle_deg"]))[0]) > 0.001
 
 
 def answers(path: Path, rows: list[tuple[object, ...]]) -> Path:

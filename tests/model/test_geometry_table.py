@@ -261,9 +261,12 @@ def test_opensims_tables_are_one_geometry(tmp_path):
     [
         ({"angle": BENT.angle[::-1]}, "must rise"),
         ({"length": BENT.length[::-1]}, "everywhere: turn the sign of the angle"),
-        ({"tolerance": 1e-6}, "off the slope of its length"),
+        ({"tolerance": 1e-6}, "off the slope of length_tri"),
         ({"angle": BENT.angle[:3]}, "at least 4"),
-        ({"arm": (tuple(-a for a in BENT.arm[0]), BENT.arm[1])}, "the triceps turns round everywh"),
+        (
+            {"arm": (tuple(-a for a in BENT.arm[0]), BENT.arm[1])},
+            "arm_tri has the wrong direction everywh",
+        ),
         ({"length": ((math.nan, *BENT.length[0][1:]), BENT.length[1])}, "not finite"),
     ],
 )
@@ -300,7 +303,7 @@ def test_a_path_may_turn_where_the_movement_does_not_go(tmp_path, trial):
     spec, options = get_model("muscle"), ModelOptions(geometry=beyond)
     vector = np.array([p.start for p in adapted(spec.parameters, options).values()])
     assert np.isfinite(spec.simulator(trial, options).torque(vector)).all()
-    with pytest.raises(InputError, match=r"length of the triceps .* within the movement; leave"):
+    with pytest.raises(InputError, match=r"arm_tri turns round .* within the movement; leave"):
         surae.fit(trial, model="muscle", geometry=within)
     kept = trial.angle > np.radians(moved.min() + 8.0)
     part = replace(trial, weight=kept.astype(float))

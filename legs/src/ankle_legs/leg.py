@@ -180,6 +180,12 @@ class Leg:
             changed |= {g: v[g] * float(rng.uniform(0.6, 0.75)) for g in ("g2", "g3", "g4")}
         return self.subject.with_values(**changed)
 
+    def lasting(self, subject: Subject) -> Subject:
+        """Return the leg with what departs in it for good."""
+        for departure in self.departures:
+            subject = departure.leg(subject)
+        return subject
+
     def truth(self, subject: Subject, mounting: Mounting) -> dict[str, Any]:
         """Return parameters and measures of a trial, and why some have no true value."""
         unscored = {k: why for d in self.departures for k, why in d.unscored.items()}
@@ -188,10 +194,7 @@ class Leg:
         values: dict[str, float | None] = dict(subject.values)
         for i, name in enumerate(("g1", "g2", "g3", "g4")):
             values[name] = subject.values[name] / float(mounting.electrodes[i])
-        lasting = subject
-        for departure in self.departures:
-            lasting = departure.leg(lasting)
-        measures: dict[str, float | None] = dict(lasting.measures())
+        measures: dict[str, float | None] = dict(self.lasting(subject).measures())
         for name in unscored:
             (measures if "@" in name else values)[name] = None
         return {
@@ -203,8 +206,7 @@ class Leg:
     def record(self, trial: int, seconds: float = 35.0, kind: str = "active") -> Run:
         """Return a trial, simulated; the leg's departures are at work in it."""
         subject, mounting = self.condition(trial)
-        for departure in self.departures:
-            subject = departure.leg(subject)
+        subject = self.lasting(subject)
         run = _start(fine_times(seconds), subject, mounting, self.rng(3, trial), kind)
         for departure in self.departures:
             departure.excite(run)

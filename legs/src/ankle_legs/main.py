@@ -41,6 +41,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     make.add_argument("--raw", action="store_true", help="raw EMG at 1024 Hz")
     make.add_argument("--film", action="store_true", help="filmed fascicles too, and a mapping")
+    make.add_argument("--geometry", action="store_true", help="the leg's own arms and lengths too")
     score = commands.add_parser("score", help="count answers against the truth, worst family first")
     score.add_argument("answers", type=Path, metavar="ANSWERS.csv")
     score.add_argument("--changes", type=Path, metavar="CHANGES.csv", help="pairs of trials")
@@ -57,7 +58,10 @@ def main(arguments: list[str] | None = None) -> int:
             for seed in given.seed:
                 paths = make(
                     *(given.family, seed, given.output, given.trials),
-                    **{key: getattr(given, key) for key in ("seconds", "kind", "raw", "film")},
+                    **{
+                        key: getattr(given, key)
+                        for key in ("seconds", "kind", "raw", "film", "geometry")
+                    },
                 )
                 print(*paths, sep="\n")
         else:

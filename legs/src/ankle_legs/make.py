@@ -13,7 +13,7 @@ import numpy as np
 from ankle_legs import __version__, last, look
 from ankle_legs.leg import FILM_RATE, FILM_START, Leg, generator
 from ankle_legs.muscle import Array
-from ankle_legs.subject import draw
+from ankle_legs.subject import GROUPS, Geometry, draw
 
 FAMILIES = {**look.FAMILIES, **last.FAMILIES}
 
@@ -61,6 +61,18 @@ def _mapping(name: str, columns: Sequence[str], film: Sequence[str], emg: str) -
     return "\n".join(lines) + "\n"
 
 
+def _write_geometry(path: Path, geometry: Geometry) -> None:
+    """Write moment arms, and lengths less the tendons' slack, whose slopes they are not."""
+    degrees = np.arange(-60.0, 46.0, 5.0)
+    angle = np.radians(degrees)
+    lengths, arms = 1000 * geometry.path(angle), 1000 * geometry.arm(angle)
+    columns = {"angle_deg": degrees}
+    for i, group in enumerate(GROUPS):
+        columns |= {f"length_{group}_mm": lengths[i], f"arm_{group}_mm": arms[i]}
+    notes = ("tolerance_mm = 80", *(f"slack_{group}_mm = 0" for group in GROUPS))
+    _write_csv(path, columns, "".join(f"# {note}\n" for note in notes))
+
+
 def make(
     family: str,
     seed: int,
@@ -71,6 +83,7 @@ def make(
     kind: str = "active",
     raw: bool = False,
     film: bool = False,
+    geometry: bool = False,
 ) -> list[Path]:
     """Write a leg's trials to ``output/FAMILY-SEED`` and its truth to ``output/truth``."""
     if not trials:
@@ -79,6 +92,9 @@ def make(
         raise ValueError(f"{seconds:g} s are too short a trial; give 20 or more")
     one, folder, emg = leg(family, seed), f"{family}-{seed}", "raw" if raw else "envelope"
     truths, paths = [], []
+    if geometry:
+        own = one.lasting(one.subject).geometry
+        _write_geometry(output / folder / "geometry" / "geometry.csv", own)
     for trial in trials:
         truths.append({"trial": trial, **truth_of(family, seed, trial)})
         run, name = one.record(trial, seconds, kind), f"trial-{trial}"

@@ -25,6 +25,9 @@ _CHECKED = 400
 #: Between the travel of the triceps by equation (9), 0.017, and by virtual work, 0.048 [m/rad].
 _FAR = 0.029
 
+#: Groups as files call them, and whether they lengthen or shorten as the angle rises.
+_GROUPS = (("tri", 1.0), ("tib", -1.0))
+
 Row = tuple[float, ...]
 
 
@@ -149,37 +152,22 @@ class GeometryTable:
         angle = np.linspace(*self.range, _CHECKED)
         for second in self.second or (None,):
             at = None if second is None else np.full(_CHECKED, second)
-            self._check_turns(angle, at, everywhere=True)
-            for group, muscle in enumerate(("triceps", "tibialis")):
+            for group, (name, sign) in enumerate(_GROUPS):
                 _, slopes, _, arms, *_ = self.at(group, angle, at)
+                for values, what in ((slopes, "length"), (arms, "arm")):
+                    if not (sign * values > 0.0).any():
+                        raise InputError(
+                            f"{self.name}: {what}_{name} has the wrong direction everywhere: turn "
+                            "the sign of the angle"
+                        )
                 apart = np.abs(arms - slopes)
                 worst = int(np.argmax(apart))
                 if apart[worst] > self.tolerance:
                     raise InputError(
-                        f"{self.name}: the moment arm of the {muscle} is {1e3 * apart[worst]:.3g} "
-                        f"mm off the slope of its length at {math.degrees(angle[worst]):.3g}°, "
-                        f"more than {1e3 * self.tolerance:.3g} mm; correct it, or state "
-                        "'# tolerance_mm = …'"
+                        f"{self.name}: arm_{name} is {1e3 * apart[worst]:.3g} mm off the slope of "
+                        f"length_{name} at {math.degrees(angle[worst]):.3g}°, more than "
+                        f"{1e3 * self.tolerance:.3g} mm; correct it, or state '# tolerance_mm = …'"
                     )
-
-    def _check_turns(
-        self, angle: "FloatArray", second: "FloatArray | None", *, everywhere: bool = False
-    ) -> None:
-        """Lengths rise or fall at these angles, and arms do not turn; or not everywhere."""
-        import numpy as np
-
-        for group, (sign, muscle) in enumerate(((1.0, "triceps"), (-1.0, "tibialis"))):
-            _, slopes, _, arms, *_ = self.at(group, angle, second)
-            for values, what in ((slopes, "length"), (arms, "moment arm")):
-                wrong = np.flatnonzero(sign * values <= 0.0)
-                if wrong.size == len(angle) or (wrong.size and not everywhere):
-                    at = f"at {math.degrees(angle[wrong[0]]):.3g}°"
-                    does = "rise" if sign > 0 else "fall"
-                    rule = f"does not {does} with the angle" if what == "length" else "turns round"
-                    where = f"{at}, within the movement; leave these angles out of the fit"
-                    if everywhere:
-                        where = "everywhere: turn the sign of the angle"
-                    raise InputError(f"{self.name}: the {what} of the {muscle} {rule} {where}")
 
     def check_covers(self, inputs: "ModelInputs") -> None:
         """Refuse a recording that moves where the table has no angles, or a path turns round.
@@ -189,8 +177,6 @@ class GeometryTable:
         InputError
             It moves farther, or has no second angle where the table has one.
         """
-        import numpy as np
-
         moves = [("joint", inputs.angle, self.range)]
         if self.second:
             if not inputs.second:
@@ -212,11 +198,15 @@ class GeometryTable:
                     f"{inputs.where}: the {joint} moves from {moved}, the geometry of {self.name} "
                     f"is known from {has}; give a table that covers the movement"
                 )
-        if self.second:
-            self._check_turns(counted[0].clip(*self.range), counted[1])
-        else:
-            low, high = np.clip((counted[0].min(), counted[0].max()), *self.range)
-            self._check_turns(np.linspace(low, high, _CHECKED), None)
+        angle, *second = counted
+        for group, (name, sign) in enumerate(_GROUPS):
+            turned = sign * self.at(group, angle.clip(*self.range), *second)[3] <= 0.0
+            if turned.any():
+                raise InputError(
+                    f"{self.name}: arm_{name} turns round at "
+                    f"{math.degrees(angle[turned].max()):.3g}°, within the movement; leave these "
+                    "angles out of the fit"
+                )
 
 
 @lru_cache(maxsize=16)
