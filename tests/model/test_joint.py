@@ -31,7 +31,9 @@ TRUTH = {
 #: What nobody may read of a wrist.
 OF_THE_ANKLE = re.compile(
     r"\b(ankles?|foot|feet|footplate|legs?|calf|calves|shank|heel|sole|triceps|tibialis|soleus"
-    r"|gastrocnemi\w+|Achilles|dorsiflex\w+|plantarflex\w+)\b",
+    r"|gastrocnemi\w+|Achilles|dorsiflex\w+|plantarflex\w+"
+    r"|enkels?|kuit\w*|dorsaal\w*|plantair\w*|been|benen|Sprunggelenk\w*|Wade\w*|Dorsal\w*"
+    r"|Beine?|chevilles?|mollet|tibial|dorsale|plantaire|jambes?)\b",
     re.IGNORECASE,
 )
 
@@ -87,6 +89,9 @@ def test_nothing_that_is_read_speaks_of_an_ankle(fit, tmp_path, capsys) -> None:
     told += [measure.meaning for measure in fit.measures(angles=[0.0]).values()]
     surae.api.write_clinical_page(tmp_path / "page.html", [fit])
     told += read_of(tmp_path / "page.html").split(".")
+    for language in ("nl", "de", "fr"):
+        surae.api.write_clinical_page(tmp_path / "page.html", [fit], language=language)
+        told += read_of(tmp_path / "page.html").split(".")
     show_fit(fit)
     told += capsys.readouterr().out.splitlines()
     assert [line for line in told if OF_THE_ANKLE.search(line)] == []

@@ -24,6 +24,7 @@ from surae.api.fitting import load as load
 from surae.api.intervals import posterior as posterior
 from surae.api.intervals import profile as profile
 from surae.api.quality import check as check
+from surae.api.quality import check_for as check_for
 from surae.api.recordings import AnyRecording as AnyRecording
 from surae.api.recordings import example as example
 from surae.api.recordings import normalise as normalise

@@ -1,11 +1,10 @@
 """Fits: made from recordings, read from a file."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 from surae.api.fitted import Fit
-from surae.api.quality import check, explained
+from surae.api.quality import check_for, explained
 from surae.api.recordings import AnyRecording, read_in, several
 from surae.assessment.assess import assess
 from surae.assessment.saved.fit_json import load_saved
@@ -18,7 +17,7 @@ from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
 from surae.progress import SearchProgress
 from surae.quality import Quality
-from surae.recording import MUSCLES, Recording
+from surae.recording import Recording
 from surae.setting import takes
 from surae.signals import ModelInputs
 
@@ -76,7 +75,7 @@ def fit(
     measured = [read_in(recording) for recording in several(recordings)]
     inputs = inputs_for(settings, measured, [read_in(recording) for recording in several(mvc)])
     if quality is None:
-        quality = [check(each, prepared=settings.prepared) for each in measured]
+        quality = [check_for(settings, each) for each in measured]
     return fit_inputs(inputs, settings, tuple(quality), baseline, progress, follow)
 
 
@@ -121,12 +120,7 @@ def fit_inputs(
     if baseline is not None:
         check_baseline(baseline, problem)
     result = solve(problem, progress=progress, follow=follow)
-    absent = {f"emg_{MUSCLES[channel]}" for channel in settings.options.anatomy.silent}
-    found = tuple(
-        replace(each, findings=tuple(f for f in each.findings if f.channel not in absent))
-        for each in quality
-    )
-    return Fit(result, assess(result, baseline, alternatives=True), found)
+    return Fit(result, assess(result, baseline, alternatives=True), tuple(quality))
 
 
 def load(path: PathLike) -> Fit:

@@ -7,15 +7,19 @@ from surae.api.recordings import AnyRecording
 from surae.diagnosis import examined, wrong_units
 from surae.errors import InputError
 from surae.files import PathLike
+from surae.model.joint import ANKLE, Joint, read_joint
 from surae.quality import (
     Commanded,
     Quality,
+    check_recording,
     commanded_file,
+    of_joint,
     recording_of,
     recording_or_findings,
 )
 from surae.recording import Recording
 from surae.recording.dataframe import DataFrame, of_frame
+from surae.settings import FitSettings
 from surae.signals import ModelInputs
 
 
@@ -36,6 +40,7 @@ def check(
     *,
     commanded: Commanded | PathLike | None = None,
     prepared: bool = False,
+    joint: Joint | PathLike | None = None,
 ) -> Quality:
     """Look for faults in a recording before it is fitted.
 
@@ -50,6 +55,8 @@ def check(
     prepared : bool
         Whether the signals are to be used as they are, without filters: envelopes are then right
         whatever the file says of its EMG.
+    joint : Joint or path, optional
+        Another joint than the ankle: its words, and no check by limits of ankles.
 
     Returns
     -------
@@ -62,14 +69,20 @@ def check(
         A file cannot be read.
     """
     protocol = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
-    quality = _checked(recording, protocol)
+    own = joint if isinstance(joint, Joint | None) else read_joint(joint)
+    quality = _checked(recording, protocol, ANKLE if own is None else own)
     if not prepared:
         return quality
     right = tuple(f for f in quality.findings if (f.code, f.severity) != ("emg-kind", "warning"))
     return replace(quality, findings=right)
 
 
-def _checked(recording: AnyRecording, protocol: Commanded | None) -> Quality:
+def check_for(settings: FitSettings, recording: AnyRecording) -> Quality:
+    """Findings of a recording that is fitted with these settings; see `check`."""
+    return check(recording, prepared=settings.prepared, joint=settings.options.anatomy)
+
+
+def _checked(recording: AnyRecording, protocol: Commanded | None, joint: Joint) -> Quality:
     if isinstance(recording, ModelInputs):
         recording = recording_of(recording)
     if isinstance(recording, DataFrame):
@@ -79,4 +92,6 @@ def _checked(recording: AnyRecording, protocol: Commanded | None) -> Quality:
         if isinstance(found, Quality):
             return found
         recording, protocol = found, protocol or commanded
-    return examined(recording, protocol)
+    if joint == ANKLE:
+        return examined(recording, protocol)
+    return of_joint(check_recording(recording, protocol), joint)

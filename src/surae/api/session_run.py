@@ -16,7 +16,7 @@ import numpy as np
 from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import fit_inputs, load
-from surae.api.quality import check, explained
+from surae.api.quality import check_for, explained
 from surae.api.session_result import SessionResult, finite, write_index, write_summary
 from surae.assessment.residual import centred_r2
 from surae.assessment.validation import predict_others
@@ -126,7 +126,7 @@ class _Run:
             except InputError as error:
                 self.failed[trial.name] = str(explained(error, [trial.recording]))
                 continue
-            self.quality[trial.name] = check(trial.recording, prepared=self.settings.prepared)
+            self.quality[trial.name] = check_for(self.settings, trial.recording)
         for name in self.session.fitted:
             if name in self.inputs:
                 self._cost[name] = float(self.inputs[name].n)

@@ -7,7 +7,7 @@ from typing import Any
 
 from surae.api.fitted import Fit
 from surae.api.fitting import asks_as_fit, fit_inputs
-from surae.api.quality import check
+from surae.api.quality import check_for
 from surae.api.session_result import SessionResult
 from surae.api.session_run import StepProgress, run
 from surae.errors import InputError
@@ -87,7 +87,7 @@ class Session(TrialSet):
         recordings = [self.to_fit(name) for name in chosen]
         reference = self.emg_reference(settings)
         inputs = [prepared_for(settings, recording, reference) for recording in recordings]
-        quality = tuple(check(each, prepared=settings.prepared) for each in recordings)
+        quality = tuple(check_for(settings, each) for each in recordings)
         return fit_inputs(inputs, settings, quality, **callbacks)
 
     @asks_as_fit

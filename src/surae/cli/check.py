@@ -21,6 +21,7 @@ from surae.files import shown
 @click.option("--strict", is_flag=True, help="Exit with 1 if there is a warning or an error.")
 @click.option("--prepared", is_flag=True, help="The signals are used as they are: see `fit`.")
 @click.option("--commanded", metavar="P.csv", help="What the device was to follow.")
+@click.option("--joint", metavar="JOINT.toml", help="Another joint than the ankle: see `fit`.")
 def command(
     recordings: tuple[str, ...],
     mapping: str | None,
@@ -28,6 +29,7 @@ def command(
     strict: bool,
     prepared: bool,
     commanded: str | None,
+    joint: str | None,
 ) -> int:
     """Look for faults in recordings before they are fitted.
 
@@ -43,7 +45,8 @@ def command(
         for path in recordings:
             progress.describe(f"reading and checking {path}")
             recording = path if mapping is None else api.read(path, mapping=mapping)
-            qualities.append(api.check(recording, commanded=protocol, prepared=prepared))
+            quality = api.check(recording, commanded=protocol, prepared=prepared, joint=joint)
+            qualities.append(quality)
     if as_json:
         click.echo(json.dumps(_plain(recordings, qualities), ensure_ascii=False, indent=2))
     else:

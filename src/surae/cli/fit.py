@@ -57,7 +57,7 @@ def command(
         quality = []
         for path, recording in zip(recordings, measured, strict=True):
             progress.describe(f"checking {path}")
-            quality.append(api.check(recording, prepared=settings.prepared))
+            quality.append(api.check_for(settings, recording))
             if strict:
                 refuse_errors(path, quality[-1])
         contractions = read_all(mvc, progress, mapping)

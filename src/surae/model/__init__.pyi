@@ -2,6 +2,8 @@
 
 from surae.model.geometry_file import read_geometry as read_geometry
 from surae.model.geometry_table import GeometryTable as GeometryTable
+from surae.model.joint import Joint as Joint
+from surae.model.joint import read_joint as read_joint
 from surae.model.options import ModelOptions as ModelOptions
 from surae.model.parameters import Parameter as Parameter
 from surae.model.parameters import adapted as adapted

@@ -8,6 +8,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 
 from surae.errors import InputError
 from surae.filed import filed
@@ -61,6 +62,8 @@ class Joint:
         What is otherwise than at the ankle, all of `STATED` included.
     nuisances : mapping of str to (float, float)
         Priors of what the laboratory cannot rule out, mean and sd, where they are otherwise.
+    words : mapping of str to mapping of str to str
+        By language, what stands in place of the ankle's words on the page for clinicians.
 
     Raises
     ------
@@ -80,6 +83,7 @@ class Joint:
     source: str
     parameters: Mapping[str, Value] = field(default_factory=FrozenDict)
     nuisances: Mapping[str, tuple[float, float]] = field(default_factory=FrozenDict)
+    words: Mapping[str, Mapping[str, str]] = field(default_factory=FrozenDict)
 
     def __post_init__(self) -> None:
         """Refuse what is no joint."""
@@ -99,12 +103,13 @@ class Joint:
         """The channels, of TA, GL, SOL, GM, that stand for no muscle."""
         return tuple(i for i, muscle in enumerate(self.muscles) if not muscle)
 
-    def worded(self, text: str) -> str:
+    def worded(self, text: str, language: str = "en") -> str:
         """A text about the ankle in the words of this joint."""
         if self.name == ANKLE.name:
             return text
-        own = _words(self)
-        return _ANKLE.sub(lambda match: _as(match[0], own[match[0].lower()]), text)
+        own = _words(self) if language == "en" else self.words[language]
+        own = {word.lower(): instead for word, instead in own.items()}
+        return _pattern(language).sub(lambda match: _as(match[0], own[match[0].lower()]), text)
 
 
 def _words(joint: Joint) -> dict[str, str]:
@@ -135,12 +140,25 @@ ANKLE = Joint(
     ),
     directions=("dorsiflexion", "plantarflexion"),
     distance=0.15, slack=(0.415, 0.216), source="van de Poll (2015)",
+    words=FrozenDict({
+        language: FrozenDict({word: word for word in words.split("|")})
+        for language, words in (
+            ("nl", "enkel|enkels|kuit|kuitkracht|tibialis|dorsaalflexie|plantairflexie|been|benen"),
+            ("de", "Sprunggelenk|Sprunggelenks|Sprunggelenke|Wade|Wadenkraft|Tibialis|"
+                   "Dorsalextension|Plantarflexion|erstes Bein|zweites Bein|Beine"),
+            ("fr", "la cheville|cette cheville|les chevilles|chevilles|mollet|du mollet|tibial|"
+                   "du tibial|flexion dorsale|flexion plantaire|première jambe|deuxième jambe|"
+                   "les jambes"),
+        )
+    }),
 )  # fmt: skip
-#: The title of the thesis stays.
-_ANKLE = re.compile(
-    rf"(?<!Estimating )\b({'|'.join(sorted(_words(ANKLE), key=len, reverse=True))})\b",
-    re.IGNORECASE,
-)
+
+
+@cache
+def _pattern(language: str) -> re.Pattern[str]:
+    """The ankle's words in a language; the title of the thesis stays."""
+    words = sorted(_words(ANKLE) if language == "en" else ANKLE.words[language], key=len)
+    return re.compile(rf"(?<!Estimating )\b({'|'.join(reversed(words))})\b", re.IGNORECASE)
 
 
 def read_joint(path: PathLike) -> Joint:
@@ -173,4 +191,7 @@ def read_joint(path: PathLike) -> Joint:
         raise InputError(f"{shown(path)}: {error}") from None
     if missing := [name for name in STATED if name not in joint.parameters]:
         raise InputError(f"{shown(path)}: parameters: {', '.join(missing)} missing; state them")
+    for language, words in joint.words.items():
+        if missing := [word for word in ANKLE.words.get(language, ()) if word not in words]:
+            raise InputError(f"{shown(path)}: words.{language}: {', '.join(missing)} missing")
     return joint

@@ -2,6 +2,7 @@
 
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped
+from surae.quality.joint import of_joint
 from surae.quality.kinds import CODES, KINDS, FindingKind
 from surae.quality.reading import commanded_file, recording_of, recording_or_findings
 from surae.quality.registry import CHECKS, Check, check_recording
@@ -19,6 +20,7 @@ __all__ = [
     "Skipped",
     "check_recording",
     "commanded_file",
+    "of_joint",
     "recording_of",
     "recording_or_findings",
 ]

@@ -53,13 +53,15 @@ class Words:
         if language not in LANGUAGES:
             known = ", ".join(LANGUAGES)
             raise InputError(f"no page in language {language!r}; use one of: {known}")
-        if language != "en" and joint != ANKLE:
-            raise InputError(f"the page of a joint {joint.name!r} is in English alone; use en")
+        if language != "en" and language not in joint.words:
+            raise InputError(
+                f"joint {joint.name!r} has no words in {language!r}; give [words.{language}]"
+            )
         self.language, self.joint = language, joint
 
     def __call__(self, key: str, **given: str) -> str:
         """A sentence, filled in."""
-        text = self.joint.worded(sentences()[key][self.language])
+        text = self.joint.worded(sentences()[key][self.language], self.language)
         return text.format(**given) if given else text
 
     def judgement(self, verdict: str) -> str:

@@ -58,7 +58,7 @@ def fit(task: Task) -> dict[str, Any]:
     settings, recordings, inputs = _request_of(task)
     from surae_workbench.web.fit_progress import FitProgress
 
-    quality = [api.check(recording, prepared=settings.prepared) for recording in recordings]
+    quality = [api.check_for(settings, recording) for recording in recordings]
     news = FitProgress(inputs, task["recordings"], settings)
     with _compiling():
         fitted = api.fit_inputs(inputs, settings, quality, progress=news.start, follow=news.point)
