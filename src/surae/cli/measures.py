@@ -36,9 +36,8 @@ def command(
     spare_fits(outputs)
 
     api.check_report(report)
-    beside = api.read_norms(norms)
-
     fit = api.fit_of(fitted)
+    beside = api.read_norms(norms, fit.result.problem.options.anatomy)
     with compilation_notice():
         measures = fit.measures(angles) if angles else fit.measures()
 

@@ -247,16 +247,11 @@ def _measure(
     unit, value = definition.unit, evaluated.value
     if unit == "Nm/mV" and result.problem.inputs[0].emg_unit == "1":
         unit = "Nm"
-    bare = Measure(
-        name,
-        unit,
-        result.problem.options.anatomy.worded(definition.meaning),
-        value,
-        None,
-        None,
-        Verdict.UNDETERMINED,
-        evaluated.missing,
+    meaning, missing = (
+        result.problem.options.anatomy.worded(text)
+        for text in (definition.meaning, evaluated.missing)
     )
+    bare = Measure(name, unit, meaning, value, None, None, Verdict.UNDETERMINED, missing)
     if value is None or evaluated.missing:
         return bare
     touched = [n for n, g in zip(spread.names, evaluated.gradient, strict=True) if g != 0.0]

@@ -116,12 +116,15 @@ def _words(joint: Joint) -> dict[str, str]:
     """What the ankle's words are for a joint."""
     group, (first, second) = joint.groups[0], joint.short
     muscles = zip(ANKLE.muscles[1:], joint.muscles[1:], strict=True)
+    heads = [muscle for muscle in joint.muscles[1:] if muscle]
     return {
         "ankle": joint.name, "ankles": f"{joint.name}s", "leg": joint.body,
         "legs": f"{joint.body}s", "foot": joint.limb, "footplate": f"{joint.limb} plate",
         "triceps surae": group, "calf": group, "calf muscles": group, "triceps": first,
         "achilles tendon": f"tendon of the {group}", "tibialis anterior": joint.groups[1],
-        "tibialis": second, **{of: own or "no muscle" for of, own in muscles},
+        "perpendicular to the shank": "at 0°", "tibialis": second,
+        "soleus and both gastrocnemii": " and ".join(heads), "gastrocnemius": heads[-1],
+        **{of: own or "no muscle" for of, own in muscles},
         **dict(zip(ANKLE.directions, joint.directions, strict=True)),
     }  # fmt: skip
 

@@ -16,6 +16,7 @@ from surae.measures.leg import measured_range
 from surae.measures.measured import HeldPoint, MeasuredSlope, Stretch, measured_slope, stretch
 from surae.measures.norms import Norm, placed, read_norms
 from surae.measures.quantity import quantities
+from surae.model.joint import ANKLE
 from surae.model.movement import gravity_torque
 from surae.model.sources import SOURCES
 from surae.report.document import (
@@ -102,9 +103,9 @@ def leg_answers(
         Blocks of a report.
     """
     holds, stretches = _measured(trials, fits)
-    of_fit, at, known = None, _angle(joint, holds, stretches), read_norms()
+    of_fit, at = None, _angle(joint, holds, stretches)
+    known = read_norms(joint=ANKLE if joint is None else joint[0].problem.options.anatomy)
     if joint is not None:
-        known = read_norms(joint=joint[0].problem.options.anatomy)
         angles = {at, *ANGLES, *(_point(norm) for norm in known)}
         of_fit = measures(*joint, sorted(angles))
     believed = of_fit is not None and not _PASSIVE & set(contradicted)
@@ -124,7 +125,7 @@ def leg_answers(
         figures["stiffness"] = stiffness_figure(holds, stretches, model, healthy)
     slope = measured_slope(holds, stretches, at)
     cards = (
-        SectionBlock("How stiff is it?", _stiff(of_stiffness, at, slope, zero,
+        SectionBlock("How stiff is it?", _stiff(of_stiffness, known, at, slope, zero,
                                                 len(holds), len(stretches)), "stiff", "card"),
         SectionBlock("Tissue, muscle or tendon?", _made_of(joint, of_fit, figures), "made", "card"),
         SectionBlock("Did it change?", change_blocks(before, joint), "change", "card"),
@@ -202,8 +203,8 @@ def _point(norm: Norm) -> float:
 
 
 def _stiff(
-    of_fit: Measures | None, at: float, slope: MeasuredSlope | None, zero: float,
-    holds: int, stretches: int,
+    of_fit: Measures | None, known: Sequence[Norm], at: float, slope: MeasuredSlope | None,
+    zero: float, holds: int, stretches: int,
 ) -> tuple[Block, ...]:  # fmt: skip
     """One number: the model's where the recordings show it, else the measured slope."""
     m = None if of_fit is None else of_fit[f"passive_stiffness@{at:g}deg"]
@@ -214,7 +215,7 @@ def _stiff(
         lines.append(TextBlock(where, "say", f"{text.value} Nm/°"))
         lines += paragraphs(
             f"{p.text} of {p.norm.group} lie below ({p.norm.reference})."
-            for p in placed(of_fit, read_norms())
+            for p in placed(of_fit, known)
         )
         if slope is not None:
             lines.append(TextBlock(f"Measured slope: {_slope(slope)}."))
