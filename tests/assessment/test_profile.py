@@ -185,7 +185,7 @@ def test_one_without_influence_at_its_bound_does_not_lead_astray():
     a, c = np.polyfit(TIME, data, 1)
     near = np.array([a, 600.0, c])
     R = compress(Residuals(problem).rows(near).copy())[0]
-    minima = Conditional(problem, "a")
+    minima = Conditional(problem, 0.0, "a")
     for step in (1e-6, 1e-3, 0.1, -1e-6, -1e-3, -0.1):
         found = minima.at(a + step, near, R)
         assert found.x == pytest.approx([a + step, 600.0, np.mean(data - (a + step) * TIME)])

@@ -10,13 +10,13 @@ import surae
 from richer_legs import richer_leg
 from surae.assessment import Verdict, assess
 from surae.assessment.adequacy import judge_adequacy
-from surae.assessment.posterior.density import beliefs
 from surae.assessment.saved.fit_json import load_saved, save_fit
 from surae.errors import InputError
-from surae.estimation import fit_problem, make_problem, solve
+from surae.estimation import make_problem, solve
+from surae.estimation.coordinates import is_straight
 from surae.estimation.each import trial_spread
+from surae.estimation.family import resumed
 from surae.estimation.latent import emg_noise
-from surae.estimation.result import with_laboratory
 from surae.frozen import read_only
 from surae.model.laboratory import ALL, laboratory
 from surae.model.parameters import OPTIONAL
@@ -254,20 +254,31 @@ def test_a_slack_length_is_as_unsure_as_its_stiffness(fitted):
     assert p.value - p.ci95[0] > 1.2 * (p.ci95[1] - p.value)
 
 
-def test_what_fits_again_believes_what_the_search_did(fitted):
-    """Profile and posterior: a nuisance without its prior takes what it likes."""
-    told = with_laboratory(fitted)
-    assert set(fitted.family.beliefs) <= set(told.problem.priors)
-    assert told.problem.inputs == fitted.problem.inputs
-    own = replace(fitted, family=replace(fitted.family, zeros=(2.0,)))
-    shifted = with_laboratory(own)
-    np.testing.assert_allclose(shifted.problem.inputs[0].torque, fitted.problem.inputs[0].torque)
-    assert with_laboratory(shifted) == shifted
-    known = beliefs(told.problem)
-    assert all(known[name].origin == "fit" for name in fitted.family.beliefs)
-    assert not known["torque_zero"].log
-    plain = fit_problem(make_problem([fitted.problem.inputs[0]], "muscle"), starts=1)
-    assert with_laboratory(plain) is plain
+def test_a_search_goes_on_where_it_ended(fitted, tmp_path):
+    """Profile and posterior are of the posterior that was fitted, also from a file."""
+    save_fit(tmp_path / "fit.json", fitted, assess(fitted))
+    again = load_saved(tmp_path / "fit.json").result
+    posterior, mode = resumed(again)
+    assert posterior.problem.free == fitted.problem.free
+    away = mode.z - posterior.start(fitted.values)
+    assert away @ np.linalg.solve(posterior.covariance(mode), away) < 1.0
+    assert posterior.noise == fitted.family.noise
+
+
+def test_a_value_that_no_leg_has_is_not_claimed(fitted):
+    """A prior that does not fit pulls at an estimate, and its interval does not know."""
+    worth = assess(fitted).parameters.values()
+    name = next(p.name for p in worth if p.verdict is Verdict.IDENTIFIED and p.name[0] in "kxl")
+    known, told = fitted.family.population[name], []
+    for away in (2.0, 3.5):
+        value = fitted.values[name] if is_straight(name) else np.log(fitted.values[name])
+        prior = replace(known, mean=value + away * known.sd)
+        family = replace(fitted.family, population={name: prior})
+        told.append(assess(replace(fitted, family=family)).parameters[name])
+    assert told[0].ci95 == told[1].ci95
+    assert told[0].verdict is Verdict.IDENTIFIED
+    assert told[1].verdict is Verdict.WEAK
+    assert "a prior that does not fit" in told[1].note
 
 
 @pytest.mark.parametrize(

@@ -192,6 +192,22 @@ def test_a_joint_fit_has_one_zero_of_each_film(filmed) -> None:
         assert seen == {"fascicle_gm": False, "fascicle_tib": True}
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [3, 5])
+def test_a_relaxed_leg_whose_gains_are_free_shows_no_optimal_length(seed) -> None:
+    """Its EMG is noise: the muscle is not taken for active, whose length would make up for it."""
+    subject = virtual_subject(seed, tendons=True)
+    protocol = Protocol(profile="multiple-holds", task="passive", duration=15.0, rate_hz=64.0)
+    plain = virtual_trial(subject, generate(protocol), model="muscle-tendon")
+    filmed = replace(plain, films=_films_of(plain, subject)[1:])
+    fit = surae.fit(filmed, prepared=True, quality=())
+    for name in ("l0_tib", "l0_tri"):
+        estimate, truth = fit.parameters[name], subject.parameters[name]
+        assert estimate.verdict not in {"identified", "at-bound"}
+        assert estimate.ci95[0] < truth < estimate.ci95[1]
+    assert fit.measures()["optimal_fascicle_tib"].verdict != "identified"
+
+
 @pytest.mark.parametrize("still", [True, False])
 def test_a_hold_and_a_relaxed_leg_show_no_optimal_length(still) -> None:
     """Their film is followed; what it can't show is not identified, and no interval is false."""

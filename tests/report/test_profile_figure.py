@@ -1,12 +1,9 @@
 """The figure of profiles, from profiles made by hand."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from surae.assessment.likelihood.profile import ParameterProfile
-from surae.assessment.likelihood.profiles import Profiles
 from surae.report.figures.intervals import profile_figure
 
 
@@ -63,10 +60,3 @@ def test_the_caption_says_what_the_noise_was_taken_for():
     figure = profile_figure([made()], noise)
     assert figure.get_supxlabel().replace("\n", " ") == noise
     assert profile_figure([made()]).get_supxlabel() == ""
-
-
-def test_profiles_say_that_a_film_is_left_out():
-    filmed = replace(made(), others=("m", "film_scale_tib", "film_zero_tib"))
-    told = [Profiles("auto", {"f0": p}, (), "", 0.0, {}).noise for p in (made(), filmed)]
-    assert told[0] == "variance of the noise ×1"
-    assert told[1] == f"{told[0]}; of the torque alone: without the film of tib"

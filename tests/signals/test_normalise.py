@@ -8,7 +8,7 @@ import pytest
 import surae
 from surae.api.recordings import as_in_fit
 from surae.errors import InputError
-from surae.signals import emg_reference, normalise, normalised, quiet_levels
+from surae.signals import emg_reference, normalise, normalised, quiet_levels, steady_emg
 
 
 @pytest.fixture(scope="module")
@@ -134,5 +134,16 @@ def test_an_electrode_at_rest_is_what_its_quietest_second_shows(clean):
     assert levels[0] == pytest.approx(min(0.004, own[0]))
     assert all(level >= 0.0 for level in levels)
     # a muscle that is never quiet does not tell: 2 % of its effort
-    assert quiet_levels([replace(clean, emg=np.full((n, 4), 0.5))]) == pytest.approx([0.01] * 4)
+    busy = np.tile(np.linspace(0.1, 0.5, n)[:, None], 4)
+    assert quiet_levels([replace(clean, emg=busy)]) == pytest.approx([0.01] * 4, rel=0.02)
     assert quiet_levels([replace(clean, emg=np.zeros((n, 4)))]) == (0.0,) * 4
+
+
+def test_steady_emg_may_be_all_rest(clean):
+    """Of a leg whose EMG hardly changes nothing tells rest from effort."""
+    steady = np.array(clean.emg)
+    steady[:, 0] = 2e-6
+    inputs = [replace(clean, emg=steady)]
+    assert steady_emg(inputs) == (True, False, False, False)
+    assert quiet_levels(inputs)[0] == pytest.approx(2e-6)
+    assert quiet_levels(inputs)[1:] == quiet_levels([clean])[1:]

@@ -6,6 +6,7 @@ from typing import Any
 
 from surae.api.fitted import Fit
 from surae.assessment.assess import variance_inflation
+from surae.assessment.likelihood.profile import profiled
 from surae.assessment.likelihood.profiles import Profiles, profiles
 from surae.assessment.posterior.sample import Posterior, sample
 from surae.files import PathLike
@@ -48,7 +49,7 @@ def profile(
         A parameter is unknown, fixed or given twice, or the fit has nothing to profile.
     """
     request = ProfileSettings(**settings)
-    wanted = fitted.result.problem.free if names is None else names
+    wanted = profiled(fitted.result) if names is None else names
     wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
     reason = "given"
     if request.variance_inflation is None:

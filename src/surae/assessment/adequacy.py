@@ -28,15 +28,13 @@ from surae.assessment.uncertainty.covariance import covariance
 from surae.estimation import FitResult
 from surae.model.laboratory import group_of
 from surae.recording import MUSCLES
-from surae.signals import ModelInputs
+from surae.signals import ModelInputs, steady_emg
 from surae.units import FloatArray
 
 #: Centred R² [%] below which a model does not describe the torque, and from which on it does well.
 _NOT_FOLLOWED, _FOLLOWED = 80.0, 95.0
 #: Movement [rad] between the 1st and 99th percentile: below the first an ankle holds still.
 _STILL, _LITTLE = np.radians(4.0), np.radians(10.0)
-#: EMG counts as effort where its strongest moments are so many times its weakest.
-_EFFORT = 2.0
 #: Part of the torque's variance [%] that a structured residual may have, and from which on it is
 #: too much; and from which part of the residual on it is called structured.
 _LEFT_OUT, _TOO_MUCH, _STRUCTURED = 0.5, 5.0, 0.3
@@ -134,16 +132,10 @@ def _movement(inputs: Sequence[ModelInputs]) -> list[_Reason]:
 def _effort(result: FitResult) -> list[_Reason]:
     """Weights that are free need an EMG that changes."""
     problem = result.problem
-    silent = []
-    for channel, (muscle, weight) in enumerate(zip(MUSCLES, problem.spec.weights, strict=True)):
-        if weight not in problem.free:
-            continue
-        emg = np.concatenate(
-            [recording.emg[recording.counts, channel] for recording in problem.inputs]
-        )
-        weak, strong = np.percentile(emg, [25.0, 99.0])
-        if not strong > max(_EFFORT * weak, 0.0):
-            silent.append(muscle.upper())
+    steady = zip(MUSCLES, problem.spec.weights, steady_emg(problem.inputs), strict=True)
+    silent = [
+        muscle.upper() for muscle, weight, is_so in steady if is_so and weight in problem.free
+    ]
     if not silent:
         return []
     return [(False, f"the EMG of {', '.join(silent)} hardly changes: its weight is a guess")]

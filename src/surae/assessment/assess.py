@@ -26,7 +26,6 @@ from surae.estimation.contradiction import Contradiction, contradiction
 from surae.filed import filed
 from surae.frozen import Comparable
 from surae.model import adapted
-from surae.model.laboratory import group_of
 from surae.signals import ModelInputs
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
@@ -326,13 +325,8 @@ def variance_inflation(assessment: Assessment) -> Inflation:
     return Inflation({p.name: known.get(p.name, common) for p in free}, assessment.interval_note)
 
 
-def described(factors: Mapping[str, float], reason: str, free: Sequence[str] = ()) -> str:
-    """What was done to the noise and why, and films that were left out, as a line.
-
-    ``variance of the noise ×4: …``; `free` are the parameters of what is of the torque alone.
-    """
+def described(factors: Mapping[str, float], reason: str) -> str:
+    """What was done to the noise and why, as a line: ``variance of the noise ×4: …``."""
     least, most = f"{min(factors.values()):.3g}", f"{max(factors.values()):.3g}"
     text = f"×{least}" if least == most else f"×{least} … ×{most}, by parameter"
-    line = f"variance of the noise {text}" + (f": {reason}" if reason else "")
-    films = dict.fromkeys(name.rpartition("_")[2] for name in free if group_of(name) == "film")
-    return f"{line}; of the torque alone: without the film of {', '.join(films)}" if films else line
+    return f"variance of the noise {text}" + (f": {reason}" if reason else "")

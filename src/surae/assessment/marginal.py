@@ -9,7 +9,7 @@ from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.parameter import IDENTIFIED, Interval, ParameterEstimate, Verdict, percent
 from surae.assessment.uncertainty.budget import Budget, budgets
 from surae.estimation import FitProblem
-from surae.estimation.coordinates import straight
+from surae.estimation.coordinates import is_straight
 from surae.estimation.residuals import stiffness_valleys
 from surae.estimation.result import Family
 from surae.model.laboratory import group_of
@@ -20,6 +20,8 @@ _NORMAL = 1.959964
 _WORTH = 0.25
 #: Part of the population's standard deviation below which an estimate is news.
 _NARROWER = 0.5
+#: Standard deviations of the prior from which on it pulls at an estimate that it does not fit.
+_FAR = 2.9
 
 
 def marginal(
@@ -43,8 +45,19 @@ def marginal(
         repeatable = (again[1] - again[0]) / 2.0 <= IDENTIFIED * abs(p.value) and not withheld
         verdict, note = _judge(p, half, budget, repeatable=repeatable, withheld=withheld)
         known = family.population.get(name)
-        if verdict is Verdict.IDENTIFIED and known and budget.sd > _NARROWER * known:
-            verdict, note = Verdict.WEAK, f"{note}, but hardly better than before any measurement"
+        if verdict is Verdict.IDENTIFIED and known:
+            value, scale = (
+                (p.value, 1.0) if is_straight(name) else (np.log(max(p.value, 1e-300)), p.value)
+            )
+            if budget.sd > _NARROWER * known.sd * scale:
+                verdict, note = (
+                    Verdict.WEAK, f"{note}, but hardly better than before any measurement",
+                )  # fmt: skip
+            elif abs(value - known.mean) > _FAR * known.sd and name not in problem.spec.weights:
+                verdict, note = (
+                    Verdict.WEAK, f"{note}, but farther from other legs' than legs are: a prior "
+                    "that does not fit holds it back",
+                )  # fmt: skip
         judged[name] = replace(
             p,
             sem=budget.sd,
@@ -69,7 +82,7 @@ def _interval(p: ParameterEstimate, sd: float, longest: float | None) -> tuple[f
     if longest is not None and p.value < longest:
         factor = float(np.exp(min(_NORMAL * sd / (longest - p.value), 50.0)))
         low, high = (longest - (longest - p.value) * f for f in (factor, 1.0 / factor))
-    elif straight([p.name])[0]:
+    elif is_straight(p.name):
         low, high = p.value - _NORMAL * sd, p.value + _NORMAL * sd
     else:
         factor = float(np.exp(min(_NORMAL * sd / p.value, 50.0)))

@@ -16,6 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from surae.errors import InputError
 from surae.estimation.coordinates import is_straight
 from surae.estimation.evidence import subsets
 from surae.estimation.film import TRAVEL, group_of_film, names_of_film
@@ -37,7 +38,7 @@ from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of,
 from surae.model.sources import Gaussian
 from surae.progress import SearchProgress
 from surae.recording import MUSCLES
-from surae.signals import emg_levels, quiet_levels
+from surae.signals import emg_levels, quiet_levels, steady_emg
 from surae.signals.prepare import sharpened
 from surae.signals.resample import thinned, thinning_factor
 from surae.threads import one_blas_thread
@@ -79,6 +80,12 @@ def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -
             return search.result(begin)
         except KeyboardInterrupt:
             return search.stopped(begin)
+
+
+def resumed(result: FitResult) -> tuple[LogPosterior, Point]:
+    """The posterior that a fit of `fit_family` chose, and its mode."""
+    with one_blas_thread():
+        return _Search(result.problem, None).resumed(result)
 
 
 class _Search:
@@ -124,6 +131,24 @@ class _Search:
         choice = self._choose(values, noise)
         self._say(2)
         return summed(choice, self._inputs, self._original, begin, self._starts)
+
+    def resumed(self, result: FitResult) -> tuple[LogPosterior, Point]:
+        """The posterior at the end of a search, and its mode."""
+        family = result.family
+        assert family is not None
+        post = self._posterior(family.candidates[0].groups, _RATES[1], family.noise, family.sizes)
+        if len(family.films) != sum(len(own.films) for own in post.latents):
+            raise InputError("this fit kept no noise of its films: fit again")
+        noise = iter(family.films)
+        latents = tuple(
+            replace(own, films=tuple([replace(film, noise=next(noise)) for film in own.films]))
+            for own in post.latents
+        )
+        fast = None if self._perfect else family.sizes["drive"]
+        post = post.having(latents=latents, fast=fast)
+        z = post.start(result.values)
+        z[len(post.names) :] = family.zeros
+        return post, post.descend(z, evaluations=20, tolerance=1e-3)
 
     def stopped(self, begin: float) -> FitResult:
         """What is kept where the user stopped: the rigid model, nothing weighed."""
@@ -340,14 +365,18 @@ def _needless(name: str, silent: frozenset[str], filmed: Collection[str]) -> boo
 
 
 def _weights(problem: FitProblem) -> dict[str, float]:
-    """EMG weights that make of this EMG a torque of this size: amplifiers differ a thousandfold."""
+    """EMG weights that make of this EMG a torque of this size: amplifiers differ a thousandfold.
+
+    Not of steady EMG, which may have made none of the torque.
+    """
     weights = {}
     torque = np.concatenate([t.torque for t in problem.inputs if t.torque is not None])
     emg = np.concatenate([trial.emg for trial in problem.inputs])
     low, high = np.percentile(torque - np.median(torque), [1.0, 99.0])
+    steady = steady_emg(problem.inputs)
     for channel, name in enumerate(problem.spec.weights):
         level = float(np.percentile(emg[:, channel], 99.0))
-        if name in problem.free and level > 0.0:
+        if name in problem.free and level > 0.0 and not steady[channel]:
             pull = max(-low, 1.0) / 0.04 if channel == 0 else max(high, 1.0) / 0.05 / 3.0
             weights[name] = pull / level
     return weights

@@ -75,6 +75,7 @@ class Observed:
         self._inputs, self._spec = at.problem.inputs, at.problem.spec
         self._simulators = simulators(at.problem)
         self._gains = [_short(each.gain) for each in latents]
+        self.simulated = 0  #: Recordings that were simulated with derivatives.
         self._kept: list[deque[tuple[bytes, list[SensorRows]]]] = [
             deque(maxlen=_KEPT) for _ in self._inputs
         ]
@@ -133,6 +134,7 @@ class Observed:
 
     def _rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
         checkpoint()
+        self.simulated += 1
         at = self._at
         simulator, recording, latents, values = self._set(z, c, w, number)
         with np.errstate(over="ignore", invalid="ignore"):

@@ -20,7 +20,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.errors import InputError
-from surae.filed import filed
 from surae.model import ModelOptions
 from surae.model.parameters import adapted
 from surae.model.registry import PARAMETERS
@@ -30,7 +29,6 @@ from surae.names import POPULATIONS
 _SMALLEST = 1e-6
 
 
-@filed(sparse=("straight",))
 @dataclass(frozen=True, slots=True)
 class Prior:
     """What is known of a parameter beforehand: a Gaussian on its logarithm."""
@@ -38,13 +36,9 @@ class Prior:
     median: float  #: Expected value, in the parameter's unit.
     #: Standard deviation of the logarithm; for small ones, the relative standard deviation.
     spread: float
-    #: The Gaussian is on the parameter itself, `spread` in its unit: a nuisance of the laboratory.
-    straight: bool = False
 
     def row(self, value: float) -> tuple[float, float]:
         """Standard deviations that a value is away from the median, its derivative first."""
-        if self.straight:
-            return 1.0 / self.spread, (value - self.median) / self.spread
         value = max(value, _SMALLEST * self.median)
         return 1.0 / (self.spread * value), float(np.log(value / self.median)) / self.spread
 

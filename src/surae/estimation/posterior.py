@@ -60,6 +60,18 @@ class Point:
     cost: float  #: −2 ln p there, but for a constant.
     blocks: tuple[Block, ...] = field(repr=False)  #: The normal equations there.
 
+    def latents_at(self, z: FloatArray) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
+        """Latents, then fast gains, as the normal equations have them where parameters are z."""
+        moved = z - self.z
+        c = tuple(
+            own - b.step_c - b.solved @ moved for own, b in zip(self.c, self.blocks, strict=True)
+        )
+        w = tuple(
+            b.moved(own, np.concatenate([moved, after - before]))
+            for own, b, after, before in zip(self.w, self.blocks, c, self.c, strict=True)
+        )
+        return c, w
+
 
 class LogPosterior(Coordinates):
     """The posterior of a problem."""
@@ -88,7 +100,7 @@ class LogPosterior(Coordinates):
         self._precisions = [each.precision(self.sizes) for each in self.latents]
 
     def having(self, **changes: Any) -> "LogPosterior":
-        """The posterior with other `noise`, `sizes`, `fast`, or other noise of films in latents."""
+        """The posterior with other values of attributes, films' noise being in `latents`."""
         other = copy(self)
         vars(other).update(changes)
         other._prepare()
@@ -231,14 +243,7 @@ class LogPosterior(Coordinates):
             if gain + latent_gain < tolerance:
                 break
             new = self.curved(z, d / scale)
-            moved = new - z
-            trial_c = tuple(
-                own - x.step_c - x.solved @ moved for own, x in zip(c, blocks, strict=True)
-            )
-            trial_w = tuple(
-                x.moved(own, np.concatenate([moved, after_c - before_c]))
-                for own, x, after_c, before_c in zip(w, blocks, trial_c, c, strict=True)
-            )
+            trial_c, trial_w = Point(z, c, w, cost, blocks).latents_at(new)
             try:
                 trial = self.blocks(new, trial_c, trial_w)
                 after = sum(x.cost for x in trial) + self.prior_cost(new)
@@ -254,6 +259,21 @@ class LogPosterior(Coordinates):
                 if damping > 1e8:
                     break
         return Point(z, c, w, cost, blocks)
+
+    def held(self, j: int, at: float, near: Point, *, evaluations: int, tolerance: float) -> Point:
+        """The mode with a coordinate held, from a point nearby that predicts the others."""
+        along = self.covariance(near)[:, j]
+        z = np.clip(near.z + along / along[j] * (at - near.z[j]), self.lower, self.upper)
+        lower, upper = self.lower.copy(), self.upper.copy()
+        z[j] = lower[j] = upper[j] = at
+        narrowed = self.having(lower=lower, upper=upper)
+        return narrowed.descend(
+            z, *near.latents_at(z), evaluations=evaluations, tolerance=tolerance
+        )
+
+    def apart(self) -> "LogPosterior":
+        """The same posterior for another thread: what it keeps of points is its own."""
+        return self.having(observed=Observed(self, self.latents))
 
     def again(self, point: Point) -> Point:
         """The point of another posterior with the normal equations of this one."""

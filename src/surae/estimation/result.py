@@ -1,15 +1,14 @@
 """What a fit found, as plain data: no optimiser, no function, nothing that refers back."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from surae.estimation.noise import NoiseModel
-from surae.estimation.population import Prior
 from surae.estimation.problem import FitProblem
 from surae.filed import filed
-from surae.frozen import Comparable, FrozenDict, read_only
+from surae.frozen import Comparable, FrozenDict
 from surae.model.laboratory import Gaussian
 from surae.records import OrInfinite
 from surae.units import FloatArray
@@ -92,10 +91,11 @@ class Family(Comparable):
     #: Standard deviations of what differs from moment to moment, as they were learnt: of gains
     #: [-], the torque's drift [Nm], what no model has [-] and the drive's error [-].
     sizes: Mapping[str, float] = field(default_factory=FrozenDict)
-    #: Standard deviations of the leg's free parameters before anything is measured.
-    population: Mapping[str, float] = field(default_factory=FrozenDict)
+    #: Priors of the leg's free parameters, on a logarithm where they are searched on one.
+    population: Mapping[str, Gaussian] = field(default_factory=FrozenDict)
     #: Of each recording, in the order of the problem's; empty for a single one.
     recordings: tuple[OfRecording, ...] = ()
+    films: tuple[NoiseModel, ...] = ()  #: Noise of the films, recording after recording.
 
 
 @filed("problem", "values", "residuals")
@@ -134,33 +134,6 @@ class FitResult(Comparable):
         p = self.problem
         widths = dict(zip(p.free, (p.upper - p.lower).tolist(), strict=True))
         return {name: float(widths[name] / np.sqrt(12.0)) for name in self.at_bound}
-
-
-def with_laboratory(result: FitResult) -> FitResult:
-    """A fit of a family as one of its model alone, with what was believed of the laboratory.
-
-    What fits the model again needs the priors of its nuisances, without which crosstalk or a zero
-    would take whatever the data leave open, and recordings without what is their own zero's. A fit
-    of a named model is what it is.
-    """
-    family, problem = result.family, result.problem
-    if family is None:
-        return result
-    priors = {n: Prior(b.mean, b.sd, straight=True) for n, b in family.beliefs.items()}
-    inputs = problem.inputs
-    if family.zeros:
-        mean = float(np.mean(family.zeros))
-        inputs = tuple(
-            recording
-            if recording.torque is None
-            else replace(recording, torque=read_only(recording.torque - zero + mean))
-            for recording, zero in zip(inputs, family.zeros, strict=True)
-        )
-    return replace(
-        result,
-        problem=replace(problem, inputs=inputs, priors=FrozenDict({**problem.priors, **priors})),
-        family=replace(family, zeros=()),
-    )
 
 
 def at_bounds(

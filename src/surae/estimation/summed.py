@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.estimation.coordinates import is_straight
 from surae.estimation.evidence import Subset
 from surae.estimation.posterior import LogPosterior, Point
 from surae.estimation.problem import FitProblem
@@ -103,16 +102,13 @@ def summed(
             ),
             beliefs=FrozenDict(post.beliefs),
             noise=post.noise,
+            films=tuple(film.noise for each in post.latents for film in each.films),
             zeros=tuple(point.z[len(post.names) :].tolist()),
             covariance=read_only(covariance),
             spread=FrozenDict(spread),
             sizes=FrozenDict({**post.sizes, "drive": post.fast or 0.0}),
             population=FrozenDict(
-                {
-                    n: float(post.priors[n].sd * (1.0 if is_straight(n) else values[n]))
-                    for n in post.names
-                    if group_of(n) is None
-                }
+                {n: post.priors[n] for n in post.names if group_of(n) is None}
             ),
             recordings=_each(post, point, change) if len(inputs) > 1 else (),
         ),

@@ -8,6 +8,7 @@ from surae.signals.normalise import (
     normalised,
     quiet_levels,
     smooth_effort,
+    steady_emg,
 )
 from surae.signals.prepare import prepare
 from surae.signals.resample import thinned, thinning_factor
@@ -29,6 +30,7 @@ __all__ = [
     "prepare",
     "quiet_levels",
     "smooth_effort",
+    "steady_emg",
     "thinned",
     "thinning_factor",
     "weighted",

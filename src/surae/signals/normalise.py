@@ -23,6 +23,8 @@ AVERAGED_S = 0.25
 
 #: How long a muscle rests at least [s], and largest part of an effort that is taken for its rest.
 _QUIET_S, _QUIET_PART = 1.0, 0.02
+#: EMG shows an effort where its strongest moments are so many times its weakest.
+_EFFORT = 2.0
 #: Cut-off [Hz] of what effort is smoothed by (-3 dB).
 _EFFORT_HZ = 6.0
 _OF = {"session": "the session's largest envelope", "mvc": "maximum voluntary contractions"}
@@ -163,8 +165,9 @@ def _largest(envelope: FloatArray, rate_hz: float) -> float:
 def quiet_levels(inputs: Sequence[ModelInputs]) -> tuple[float, float, float, float]:
     """EMG levels of a leg at rest, of TA, GL, SOL, GM, in the EMG's unit; 0 without EMG.
 
-    Root mean square of the quietest second of all recordings, at most 2 % of what the electrode
-    shows of an effort: a muscle that is busy throughout does not tell what is there at rest.
+    Root mean square of the quietest second of all recordings. Where the EMG changes it is at most
+    2 % of what the electrode shows of an effort: a muscle that is busy throughout does not tell
+    what is there at rest. Steady EMG may be all of it.
     """
     from scipy.ndimage import uniform_filter1d
 
@@ -174,8 +177,16 @@ def quiet_levels(inputs: Sequence[ModelInputs]) -> tuple[float, float, float, fl
         power = uniform_filter1d(recording.emg**2, size, axis=0)
         inside = power[size // 2 : recording.n - (size - 1) // 2]
         lowest = np.minimum(lowest, np.sqrt(np.maximum(inside.min(axis=0), 0.0)))
-    ta, gl, sol, gm = np.minimum(lowest, _QUIET_PART * np.array(emg_levels(inputs)))
+    most = np.where(steady_emg(inputs), np.inf, _QUIET_PART * np.array(emg_levels(inputs)))
+    ta, gl, sol, gm = np.minimum(lowest, most)
     return float(ta), float(gl), float(sol), float(gm)
+
+
+def steady_emg(inputs: Sequence[ModelInputs]) -> tuple[bool, ...]:
+    """Whether the EMG of TA, GL, SOL, GM hardly changes, so that it may be rest or an effort."""
+    emg = np.concatenate([recording.emg[recording.counts] for recording in inputs])
+    weak, strong = np.percentile(emg, [25.0, 99.0], axis=0)
+    return tuple((strong <= np.maximum(_EFFORT * weak, 0.0)).tolist())
 
 
 def emg_levels(inputs: Sequence[ModelInputs]) -> tuple[float, float, float, float]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from surae.estimation.least_squares import (
     minimise,
     sum_of_squares,
 )
+from surae.estimation.posterior import LogPosterior, Point
 from surae.estimation.residuals import Residuals, curved_move
 from surae.units import FloatArray
 
@@ -23,6 +25,8 @@ _STALL = 0.01
 _RIDGE = 1e-8
 #: Evaluations of one minimum at most.
 _MOST = 100
+#: The same of a posterior, with what is to be gained by the last one.
+_UNTIL: dict[str, Any] = {"evaluations": 15, "tolerance": 0.01}
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +35,11 @@ class ConditionalMinimum:
 
     value: float  #: Of the held parameter.
     x: FloatArray  #: All free parameters, the held one included, shape (p,).
-    sse: float  #: Sum of squared residuals, weighted and with priors [Nm²].
-    R: FloatArray  #: Triangular factor of the Jacobian by all of them, shape (p, p).
-    converged: bool  #: False where the iteration limit came first.
+    sse: float  #: Sum of squared residuals, weighted and with priors [Nm²], or −2 ln p.
+    #: What predicts the others: triangular factor of the Jacobian by all, (p, p); a posterior's
+    #: point.
+    local: "FloatArray | Point | None"
+    converged: bool = True  #: False where the iteration limit came first.
 
 
 class Conditional:
@@ -49,20 +55,19 @@ class Conditional:
     def __init__(
         self,
         problem: FitProblem,
+        noise: float,
         name: str,
-        noise: float = 0.0,
         stopped: Callable[[], bool] | None = None,
     ) -> None:
         self._problem, self._stopped = problem, stopped
         self._j = problem.free.index(name)
         self._residuals = Residuals(problem, noise)
         self._move = curved_move(problem)
+        self.limits = float(problem.lower[self._j]), float(problem.upper[self._j])
         self._stall = _STALL / problem.n
         self.evaluations = 0
 
-    def at(
-        self, value: float, near: FloatArray, R: FloatArray | None = None
-    ) -> ConditionalMinimum | None:
+    def at(self, value: float, near: FloatArray, R: Any = None) -> ConditionalMinimum | None:
         """The minimum with the parameter at `value`, from a point nearby.
 
         With the triangular factor R of the Jacobian there the others' change is predicted. None
@@ -95,9 +100,9 @@ class Conditional:
         sse = sum_of_squares(self._rows(x)[-1])
         return sse if np.isfinite(sse) else np.inf
 
-    def free(self, near: FloatArray) -> ConditionalMinimum | None:
+    def free(self, near: ConditionalMinimum) -> ConditionalMinimum | None:
         """The minimum over all parameters, the held one too, from a point nearby."""
-        minimum = self._minimise(near, self._problem.lower, self._problem.upper)
+        minimum = self._minimise(near.x, self._problem.lower, self._problem.upper)
         if minimum is None:
             return None
         return ConditionalMinimum(
@@ -138,3 +143,50 @@ class Conditional:
 
 def _settled(minimum: Minimum) -> bool:
     return minimum.outcome is Outcome.CONVERGED
+
+
+class ConditionalPosterior:
+    """Modes of a family's posterior with one of its parameters held; as `Conditional`."""
+
+    def __init__(
+        self, posterior: LogPosterior, mode: Point, name: str,
+        stopped: Callable[[], bool] | None = None,
+    ) -> None:  # fmt: skip
+        self._posterior, self._mode, self._stopped = posterior.apart(), mode, stopped
+        self._j, self._name = posterior.names.index(name), name
+        self.evaluations = 0
+        self.limits = self._value(posterior.lower), self._value(posterior.upper)
+
+    def at(self, value: float, near: FloatArray, point: Any = None) -> ConditionalMinimum | None:
+        """The mode with the parameter at `value`, from a point of the posterior nearby."""
+        del near
+        at = self._posterior.start({self._name: value})[self._j]
+        return self._told(lambda: self._posterior.held(self._j, at, point or self._mode, **_UNTIL))
+
+    def sse(self, x: FloatArray) -> float:
+        """−2 ln p of the mode."""
+        del x
+        return self._mode.cost
+
+    def free(self, near: ConditionalMinimum) -> ConditionalMinimum | None:
+        """The mode over all parameters, from a point nearby."""
+        local = near.local
+        assert isinstance(local, Point)
+        return self._told(lambda: self._posterior.descend(local.z, local.c, local.w, **_UNTIL))
+
+    def _told(self, find: Callable[[], Point]) -> ConditionalMinimum | None:
+        if self._stopped is not None and self._stopped():
+            raise KeyboardInterrupt
+        observed = self._posterior.observed
+        before = observed.simulated
+        try:
+            found = find()
+        except FloatingPointError:
+            return None
+        finally:
+            self.evaluations += observed.simulated - before
+        x = self._posterior.values(found.z)[self._posterior.problem.columns]
+        return ConditionalMinimum(self._value(found.z), x, found.cost, found)
+
+    def _value(self, z: FloatArray) -> float:
+        return self._posterior.by_name(z)[self._name]

@@ -9,15 +9,17 @@ set no limit.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Any, Literal, Self
 
 import numpy as np
 
+from surae.assessment.likelihood.conditional import Conditional, ConditionalPosterior
 from surae.assessment.likelihood.search import ProfileSearch
 from surae.errors import InputError
 from surae.estimation import FitResult, fit_problem
+from surae.estimation.family import resumed
 from surae.estimation.least_squares import Outcome
-from surae.estimation.result import with_laboratory
 from surae.filed import filed
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
@@ -25,6 +27,9 @@ from surae.records import Listed
 from surae.units import FloatArray
 
 Status = Literal["closed", "open", "lower-minimum"]
+Stopped = Callable[[], bool] | None
+#: Makes what finds the minima with one parameter held, of its name.
+Surface = Callable[[str, Stopped], Conditional | ConditionalPosterior]
 _ARRAYS = ("values", "sse", "chi2", "path")
 
 
@@ -50,8 +55,9 @@ class ParameterProfile(Comparable):
     #: Standard error from the covariance, widened as Δχ² is; None where there is none.
     sem: float | None
     values: Listed  #: Where the parameter was held, ascending, shape (k,).
-    sse: Listed  #: Least sum of squares there, weighted and with priors [Nm²], shape (k,).
-    chi2: Listed  #: Δχ²: (sse − lowest)/(σ²·variance_inflation), shape (k,).
+    #: Least sum of squares there, weighted and with priors [Nm²], or −2 ln p of a posterior, (k,).
+    sse: Listed
+    chi2: Listed  #: Δχ²: (sse − lowest)/(σ²·variance_inflation), of −2 ln p without σ², (k,).
     others: tuple[str, ...]  #: The other free parameters.
     path: FloatArray  #: Their values along the profile, shape (k, len(others).
     variance_inflation: float  #: What the variance of the noise was multiplied by.
@@ -97,10 +103,13 @@ def profile(
     name: str,
     *,
     variance_inflation: float = 1.0,
-    noise: float | None = None,
-    stopped: Callable[[], bool] | None = None,
+    over: Surface | None = None,
+    stopped: Stopped = None,
 ) -> ParameterProfile:
     """Profile one parameter of a fit, from the minimum outwards to both sides.
+
+    Of a fit with `model="auto"` it is the posterior's: with its films, priors, and all that differs
+    from moment to moment. Δχ² is then that of −2 ln p.
 
     Every point starts from its neighbour, first on the way out, then again on the way in, and
     keeps the lower minimum, so that a valley which only shows from afar is not missed.
@@ -109,23 +118,16 @@ def profile(
     variance of the noise counts more than that of white noise would; it divides Δχ². A residual
     that is correlated over time holds fewer independent samples than it has: n/n_effective is a
     rough value, the ratio of the squared standard errors with and without the correlation one for
-    this parameter. `noise` is the standard deviation [Nm] that priors are weighed against, as
-    `prior_noise` gives it; `stopped` ends the work with KeyboardInterrupt where it is True. The
-    threshold is t²(0.975; n − p), which is F₁ and, for many samples, χ²₁(0.95) = 3.84: σ² is
-    estimated from the residual, and where the model is linear the interval is that of the
-    covariance.
+    this parameter. `over` is what `surface_of` makes of the fit; `stopped` ends the work with
+    KeyboardInterrupt where it is True. The threshold is t²(0.975; n − p), which is F₁ and, for many
+    samples, χ²₁(0.95) = 3.84: σ² is estimated from the residual, and where the model is linear the
+    interval is that of the covariance.
     """
     check_profiled(result, name, variance_inflation)
-    result = with_laboratory(result)
     problem = result.problem
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
-    search = ProfileSearch(
-        result,
-        name,
-        variance_inflation=variance_inflation,
-        noise=prior_noise(result) if noise is None else noise,
-        stopped=stopped,
-    )
+    minima = (surface_of(result) if over is None else over)(name, stopped)
+    search = ProfileSearch(result, name, minima, variance_inflation)
     sse = np.array([point.sse for point in search.points])
     others = [i for i, free in enumerate(problem.free) if free != name]
     (low, why_low), (high, why_high) = search.ends
@@ -169,10 +171,12 @@ def check_profiled(result: FitResult, name: str, variance_inflation: float = 1.0
             f"model {problem.spec.name!r} has no parameter {name!r}; this fit estimated: "
             f"{', '.join(problem.free)}"
         )
-    if name not in problem.free:
+    known = profiled(result)
+    if name not in known:
+        why = "is fixed in this fit" if name not in problem.free else "is another in each recording"
         raise InputError(
-            f"{name} is fixed in this fit and has no profile; fit again with it free, or choose "
-            f"from: {', '.join(problem.free)}"
+            f"{name} {why} and has no profile; fit again with it free, or choose from: "
+            f"{', '.join(known)}"
         )
     if not 0 < variance_inflation < np.inf:
         raise InputError(f"variance inflation is {variance_inflation!r}; give a number above zero")
@@ -182,13 +186,24 @@ def check_profiled(result: FitResult, name: str, variance_inflation: float = 1.0
         raise InputError("the fit leaves no residual: without noise there is no interval")
 
 
-def prior_noise(result: FitResult) -> float:
+def profiled(result: FitResult) -> tuple[str, ...]:
+    """Parameters of a fit that have a profile: those that all its recordings share."""
+    several = result.family is not None and result.family.zeros
+    return tuple(n for n in result.problem.free if not (several and n == "torque_zero"))
+
+
+def surface_of(result: FitResult) -> Surface:
+    """What profiles of a fit go over: its sum of squares, or the posterior of its family."""
+    if result.family is not None:
+        return partial(ConditionalPosterior, *resumed(result))
+    return partial(Conditional, result.problem, _prior_noise(result))
+
+
+def _prior_noise(result: FitResult) -> float:
     """Standard deviation of the residual [Nm] that priors are weighed against, as in the fit."""
     problem = result.problem
     if not problem.priors:
         return 0.0
-    if result.family is not None:
-        return float(np.sqrt(result.sse / max(problem.n - len(problem.free), 1)))
     plain = fit_problem(replace(problem, priors={}), starts=1)
     if plain.starts[-1].outcome == Outcome.INTERRUPTED:
         raise KeyboardInterrupt

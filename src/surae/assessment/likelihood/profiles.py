@@ -11,12 +11,12 @@ from surae.assessment.fit_ledger import ledger_of
 from surae.assessment.likelihood.profile import (
     ParameterProfile,
     check_profiled,
-    prior_noise,
     profile,
+    profiled,
+    surface_of,
 )
 from surae.errors import InputError
 from surae.estimation import FitResult
-from surae.estimation.result import with_laboratory
 from surae.filed import filed
 from surae.files import PathLike
 from surae.processes import Plain
@@ -63,10 +63,9 @@ class Profiles(Saved):
 
     @property
     def noise(self) -> str:
-        """What the noise was taken for, and films left out, in a line; empty without a profile."""
+        """What the noise was taken for, in a line; empty without a profile."""
         factors = {name: own.variance_inflation for name, own in self.profiles.items()}
-        free = {n: None for own in self.profiles.values() for n in (own.name, *own.others)}
-        return described(factors, self.inflation_reason, tuple(free)) if factors else ""
+        return described(factors, self.inflation_reason) if factors else ""
 
 
 def profiles(
@@ -86,7 +85,7 @@ def profiles(
     they come; those of the same fit that it already holds are not made again. All else is as of
     `surae.profile`.
     """
-    wanted = tuple(result.problem.free if names is None else names)
+    wanted = profiled(result) if names is None else tuple(names)
     inflation = dict.fromkeys(wanted, 1.0)
     if isinstance(variance_inflation, Mapping):
         inflation |= variance_inflation
@@ -98,14 +97,14 @@ def profiles(
         if wanted.count(name) > 1:
             raise InputError(f"{name} is given twice; give it once")
     if not wanted:
-        raise InputError(f"nothing to profile; choose from: {', '.join(result.problem.free)}")
+        raise InputError(f"nothing to profile; choose from: {', '.join(profiled(result))}")
     begin, stop = time.perf_counter(), threading.Event()
     with one_blas_thread():
-        noise = prior_noise(with_laboratory(result))
+        over = surface_of(result)
 
-    def profiled(name: str) -> Plain:
+    def made(name: str) -> Plain:
         return profile(
-            result, name, variance_inflation=inflation[name], noise=noise, stopped=stop.is_set
+            result, name, variance_inflation=inflation[name], over=over, stopped=stop.is_set
         ).plain()
 
     def followed(batches: Generator[Batch]) -> Generator[Batch]:
@@ -124,7 +123,7 @@ def profiles(
         there = ledger.begin(_KIND, _KIND, about, plan) & set(names_by_key)
         calls = {key: {"name": name} for key, name in plan if key not in there}
         with suppress(KeyboardInterrupt):
-            ledger.keep(followed(results(profiled, calls, threads, stop)))
+            ledger.keep(followed(results(made, calls, threads, stop)))
         done = {name: ParameterProfile.of(plain) for name, plain in ledger.results()}
     return Profiles(
         model=result.problem.spec.name,

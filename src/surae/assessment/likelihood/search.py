@@ -1,12 +1,15 @@
 """The work on one profile: out from the minimum, back again, and to the ends of the interval."""
 
-from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
 
 from surae.assessment.identifiability.directions import unexplained
-from surae.assessment.likelihood.conditional import Conditional, ConditionalMinimum
+from surae.assessment.likelihood.conditional import (
+    Conditional,
+    ConditionalMinimum,
+    ConditionalPosterior,
+)
 from surae.errors import ComputationError
 from surae.estimation import FitResult
 from surae.units import FloatArray
@@ -46,7 +49,7 @@ class ProfileSearch:
     threshold : float
         Δχ² at the ends of the interval.
     unit : float
-        Variance of the noise that makes Δχ² of sums of squares [Nm²].
+        Variance of the noise that makes Δχ² of sums of squares [Nm²]; of −2 ln p, its inflation.
     sem : float or None
         Standard error from the covariance.
     evaluations : int
@@ -57,24 +60,23 @@ class ProfileSearch:
         self,
         result: FitResult,
         name: str,
-        *,
+        minima: Conditional | ConditionalPosterior,
         variance_inflation: float,
-        noise: float,
-        stopped: Callable[[], bool] | None,
     ) -> None:
         from scipy.special import stdtrit
 
         problem = result.problem
         self._result, self._name = result, name
         self._j = j = problem.free.index(name)
-        self._low, self._high = float(problem.lower[j]), float(problem.upper[j])
-        self._minima = Conditional(problem, name, noise, stopped)
+        self._minima = minima
+        self._low, self._high = minima.limits
         inside = [i for i, parameter in enumerate(problem.free) if parameter not in result.at_bound]
         dof = problem.n - len(inside)
-        self._sigma2 = result.sse / dof
+        variance = result.sse / dof
+        self._sigma2 = variance if result.family is None else 1.0
         self.unit = self._sigma2 * variance_inflation
         self.threshold = float(stdtrit(dof, 0.975)) ** 2
-        self.sem = _sem(result.R, j, inside, self.unit)
+        self.sem = _sem(result.R, j, inside, variance * variance_inflation)
         self.lower: ConditionalMinimum | None = None
         self.lower_by = 0.0
         self._aim = float(np.sqrt(self.threshold))
@@ -95,7 +97,7 @@ class ProfileSearch:
         return float(np.sqrt(max(point.sse - self._lowest, 0.0) / self.unit))
 
     def _at(self, value: float, near: ConditionalMinimum) -> ConditionalMinimum | None:
-        minimum = self._minima.at(value, near.x, near.R)
+        minimum = self._minima.at(value, near.x, near.local)
         if minimum is not None:
             self._lowest = min(self._lowest, minimum.sse)
         return minimum
@@ -163,7 +165,7 @@ class ProfileSearch:
         best = min(self.points, key=lambda point: point.sse)
         if best.sse >= self._fit_sse - _LOWER * self._sigma2:
             return
-        minimum = self._minima.free(best.x)
+        minimum = self._minima.free(best)
         if minimum is not None and minimum.sse < best.sse:
             self._insert(minimum)
             best = minimum

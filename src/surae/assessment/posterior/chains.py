@@ -22,7 +22,7 @@ from surae.units import FloatArray
 #: How often the chains are looked after [s].
 _PERIOD = 0.1
 #: Part of the steps that are to be accepted: the torque has kinks, which long steps jump over.
-_ACCEPTED = 0.9
+EXACT = 0.9
 #: Fewer draws or chains than these are no posterior.
 _FEWEST_DRAWS, _FEWEST_CHAINS = 10, 2
 #: What the posterior needs beside what surae needs.
@@ -65,6 +65,7 @@ def run_chains(
     seed: int,
     cores: int | None = None,
     progress: Progress | None = None,
+    accepted: float = EXACT,
 ) -> Chains:
     """Draw from a density that is nearly a standard Gaussian.
 
@@ -99,7 +100,7 @@ def run_chains(
             chains=chains,
             cores=cores,
             seed=seed,
-            target_accept=_ACCEPTED,
+            target_accept=accepted,
             save_warmup=False,
             progress_bar=False,
             blocking=False,

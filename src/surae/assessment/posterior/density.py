@@ -16,11 +16,11 @@ import numpy.typing as npt
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult
 from surae.estimation.least_squares import minimise, sum_of_squares
-from surae.estimation.population import Prior, checked_prior, wide_priors
+from surae.estimation.population import checked_prior, wide_priors
 from surae.estimation.residuals import Residuals
 from surae.frozen import read_only
 from surae.model import adapted
-from surae.model.laboratory import laboratory
+from surae.model.laboratory import Gaussian, laboratory
 from surae.units import FloatArray
 
 
@@ -58,9 +58,9 @@ def beliefs(
             beliefs[name] = SamplingPrior(*wide[name], True, "population")
         else:
             known = laboratory(joint=problem.options.anatomy)[name]
-            beliefs[name] = _sampled_under(Prior(known.mean, known.sd, straight=True), "population")
+            beliefs[name] = _of_nuisance(known)
     for name, prior in problem.priors.items():
-        beliefs[name] = _sampled_under(prior, "fit", signed=table[name].signed)
+        beliefs[name] = SamplingPrior(prior.median, prior.spread, True, "fit")
     for name, pair in (priors or {}).items():
         prior = checked_prior(name, pair, problem.free)
         if table[name].signed:
@@ -69,12 +69,13 @@ def beliefs(
     return beliefs
 
 
-def _sampled_under(prior: Prior, origin: str, *, signed: bool = False) -> SamplingPrior:
-    """A prior to sample under; on a logarithm where the value may not be negative."""
-    if not prior.straight or signed or not prior.median > 0.0:
-        return SamplingPrior(prior.median, prior.spread, not prior.straight, origin)
-    variance = float(np.log1p((prior.spread / prior.median) ** 2))  # of the same mean and deviation
-    return SamplingPrior(prior.median * float(np.exp(-0.5 * variance)), variance**0.5, True, origin)
+def _of_nuisance(prior: Gaussian) -> SamplingPrior:
+    """A nuisance's prior; on a logarithm where its mean is above zero."""
+    if not prior.mean > 0.0:
+        return SamplingPrior(prior.mean, prior.sd, False, "population")
+    variance = float(np.log1p((prior.sd / prior.mean) ** 2))  # of the same mean and deviation
+    median = prior.mean * float(np.exp(-0.5 * variance))
+    return SamplingPrior(median, variance**0.5, True, "population")
 
 
 #: Logarithm of a density, and its gradient; minus infinity where the model has no finite torque,
@@ -83,7 +84,7 @@ Density = Callable[[FloatArray], tuple[float, FloatArray]]
 
 #: Nothing lies further than so many spreads from its prior; the mode is looked for from within
 #: `_NEAR` of them.
-_FAR, _NEAR = 12.0, 3.0
+FAR, _NEAR = 12.0, 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +113,7 @@ class SampledTarget:
         def log_posterior(z: FloatArray) -> tuple[float, FloatArray]:
             scaled = self.mode + self.root @ z
             away = (scaled - self.centre) / self.spread
-            if not np.abs(away).max() <= _FAR:
+            if not np.abs(away).max() <= FAR:
                 return -np.inf, np.zeros_like(z)
             x = _natural(scaled, self.log)
             with np.errstate(all="ignore"):  # what is not finite is refused below
@@ -161,7 +162,7 @@ def make_target(
         start = np.where(log, np.log(np.where(log, x, 1.0)), x)
     start = np.clip(start, centre - _NEAR * spread, centre + _NEAR * spread)
     minimum = minimise(
-        rows, start, centre - _FAR * spread, centre + _FAR * spread, stall=0.1 / samples
+        rows, start, centre - FAR * spread, centre + FAR * spread, stall=0.1 / samples
     )
     sse = sum_of_squares(minimum.residual[:-p]) / weight**2
     if not (np.isfinite(minimum.R).all() and 0 < sse < np.inf):

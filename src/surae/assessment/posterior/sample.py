@@ -14,17 +14,18 @@ import numpy as np
 
 from surae.assessment.assess import described
 from surae.assessment.posterior.chains import (
+    EXACT,
     Convergence,
     convergence,
     require_sampler,
     run_chains,
     verdict,
 )
-from surae.assessment.posterior.density import SamplingPrior, beliefs, make_target
+from surae.assessment.posterior.density import SampledTarget, SamplingPrior, beliefs, make_target
+from surae.assessment.posterior.of_family import FamilyTarget, family_target
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width
 from surae.errors import InputError
 from surae.estimation import FitResult
-from surae.estimation.result import with_laboratory
 from surae.filed import filed
 from surae.files import PathLike, write_atomic
 from surae.frozen import Comparable, read_only
@@ -37,6 +38,9 @@ from surae.versions import versions
 Status = Literal["converged", "not converged"]
 #: Width of a posterior, as a part of its prior's, from which the data are said to add little.
 _LITTLE = 0.7
+#: Part of the steps to be accepted where gradients are only good to a percent: shorter steps would
+#: not help.
+_ROUGH = 0.6
 
 
 @filed("name", "convergence")
@@ -147,8 +151,8 @@ class Posterior(Comparable):
 
     @property
     def noise(self) -> str:
-        """What the noise was taken for, and films left out, in a line."""
-        return described({"all": self.variance_inflation}, self.inflation_reason, self.names)
+        """What the noise was taken for, in a line."""
+        return described({"all": self.variance_inflation}, self.inflation_reason)
 
     def of(self, name: str) -> FloatArray:
         """All draws of one parameter, chain after chain."""
@@ -197,8 +201,9 @@ def sample(
     """Draw from the posterior of a fit's free parameters.
 
     Fixed parameters stay fixed and weights hold; priors take the place of bounds: those of
-    `priors`, else the fit's own, else the wide defaults of `beliefs`. The likelihood takes the
-    noise for white; a residual that is correlated over time holds fewer independent samples than it
+    `priors`, else the fit's own, else the wide defaults of `beliefs`. Of a fit with `model="auto"`
+    it is the posterior that was fitted, films included. Else the likelihood takes the noise for
+    white; a residual that is correlated over time holds fewer independent samples than it
     has, so the variance of the noise counts `variance_inflation` times: n/n_effective is a rough
     value, the ratio of the squared standard errors with and without the correlation one for a
     parameter. All else is as of `surae.posterior`.
@@ -210,19 +215,24 @@ def sample(
         raise InputError("the fit failed without a finite torque: it has no posterior")
     if result.sse == 0:
         raise InputError("the fit leaves no residual: without noise there is no posterior")
-    result = with_laboratory(result)
     problem = result.problem
-    known = beliefs(problem, priors)
-    target = make_target(result, known, variance_inflation)
+    target: SampledTarget | FamilyTarget
+    if result.family is not None:
+        target = family_target(result, priors or {}, variance_inflation)
+        known = target.priors
+    else:
+        known = beliefs(problem, priors)
+        target = make_target(result, known, variance_inflation)
     sampled = run_chains(
         target.density,
-        len(problem.free),
+        len(target.root),
         draws=draws,
         tune=tune,
         chains=chains,
         seed=seed,
         cores=cores,
         progress=progress,
+        accepted=_ROUGH if result.family is not None else EXACT,
     )
     values = read_only(target.parameters(sampled.draws))
     white = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)

@@ -196,9 +196,14 @@ def _settings(file: _File, free: Sequence[str], data: Mapping[str, Any]) -> FitS
 
 
 def family_of(data: Any, free: Sequence[str]) -> Any:
-    """A family's spread, formerly standard deviations by name, each for itself, as shifts."""
+    """A family's spread, formerly standard deviations by name, each for itself, as shifts.
+
+    Formerly its population was without means, which can't be said afterwards.
+    """
     if not isinstance(data, dict) or not isinstance(data.get("spread"), dict):
         return data
+    if not all(isinstance(prior, dict) for prior in data.get("population", {}).values()):
+        data = {**data, "population": {}}
     shifts = {
         source: encode(np.diag([float(by.get(name, 0.0)) for name in free]))
         if isinstance(by, dict) and "shape" not in by

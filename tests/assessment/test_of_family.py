@@ -1,0 +1,83 @@
+"""Profile and posterior of a filmed leg: those of the posterior that was fitted, film included."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surae
+from surae.assessment.posterior.of_family import family_target
+from surae.frozen import read_only
+from surae.model import ModelOptions, get_model
+from surae.protocol import Protocol, generate
+from surae.signals import Film
+from surae.studies import virtual_subject, virtual_trial
+
+SCALE, ZERO = 0.02, 3e-3
+
+
+@pytest.fixture(scope="module")
+def fits():
+    """Fits of a virtual leg with a film of its tibialis and without."""
+    subject = virtual_subject(3, tendons=True)
+    protocol = generate(Protocol(profile="multiple-holds", duration=20.0, rate_hz=64.0))
+    plain = virtual_trial(subject, protocol, noise=0.02, model="muscle-tendon")
+    spec = get_model("muscle-tendon")
+    state = spec.simulator(plain, ModelOptions()).tendon(
+        spec.vector(subject.truth(spec.name), ModelOptions())
+    )
+    time = np.arange(0.5, plain.time[-1], 1 / 30.0)
+    seen = (1.0 + SCALE) * np.interp(time, plain.time, state.muscle_length[1]) + ZERO
+    seen = seen + 2e-4 * np.random.default_rng(1).standard_normal(len(time))
+    film = Film("fascicle_tib", read_only(time), read_only(seen))
+    both = replace(plain, films=(film,)), plain
+    return [surae.fit(recording, prepared=True, quality=()) for recording in both]
+
+
+def test_the_profile_of_a_filmed_length_is_as_narrow_as_its_interval(fits) -> None:
+    ends = [surae.profile(fit, "dlt_tib")["dlt_tib"].interval for fit in fits]
+    for fit, profiled in zip(fits, ends, strict=True):
+        own = fit.parameters["dlt_tib"].ci95
+        assert profiled == pytest.approx(own, abs=0.35 * (own[1] - own[0]) / 2)
+    filmed, blind = (high - low for low, high in ends)
+    assert filmed < 0.6 * blind
+    own = fits[0].parameters["l0_tib"].ci95
+    of_length = surae.profile(fits[0], "l0_tib")["l0_tib"].interval
+    assert of_length == pytest.approx(own, abs=0.35 * (own[1] - own[0]) / 2)
+
+
+def test_the_density_is_that_of_the_posterior(fits) -> None:
+    target = family_target(fits[0].result, {})
+    density, zero = target.density(), np.zeros(len(target.root))
+    names = target.posterior.problem.free
+    for own, value in zip(names, target.parameters(zero), strict=True):
+        sd = fits[0].result.family.covariance[names.index(own), names.index(own)] ** 0.5
+        assert abs(value - fits[0].result.values[own]) < 0.3 * sd, own
+    top, _ = density(zero)
+    rng = np.random.default_rng(2)
+    for _ in range(3):
+        u, along = 0.5 * rng.standard_normal((2, len(zero)))
+        height, slope = density(u)
+        assert height < top
+        numeric = (density(u + 1e-4 * along)[0] - density(u - 1e-4 * along)[0]) / 2e-4
+        assert slope @ along == pytest.approx(numeric, abs=0.25)
+
+
+def test_a_prior_that_is_given_moves_the_posterior(fits) -> None:
+    value = fits[0].result.values["l0_tib"]
+    target = family_target(fits[0].result, {"l0_tib": (1.1 * value, 0.005)})
+    at = target.posterior.problem.free.index("l0_tib")
+    moved = target.parameters(np.zeros(len(target.root)))[at]
+    assert moved == pytest.approx(1.1 * value, rel=0.02)
+    assert target.priors["l0_tib"].median == pytest.approx(1.1 * value)
+
+
+def test_a_point_beyond_a_bound_is_its_mirror(fits) -> None:
+    target = family_target(fits[0].result, {})
+    inside = target.parameters(
+        5.0 * np.random.default_rng(3).standard_normal((4, 5, len(target.root)))
+    )
+    problem = target.posterior.problem
+    assert inside.shape == (4, 5, len(problem.free))
+    assert (inside >= problem.lower).all()
+    assert (inside <= problem.upper).all()
