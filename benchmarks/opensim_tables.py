@@ -4,8 +4,8 @@ OpenSim's MuscleAnalysis and Kinematics of a motion through every pair of both a
 
     .venv/bin/python benchmarks/opensim_tables.py MODEL.osim FOLDER MUSCLE…
 
-with the model's names of the four muscles (soleus_r gasmed_r gaslat_r tibant_r), and give FOLDER/leg_MuscleAnalysis_Length.sto to a fit.
-It needs the package opensim (extra `simulators`).
+with the model's names of the four muscles (soleus_r gasmed_r gaslat_r tibant_r), and give
+FOLDER/leg_MuscleAnalysis_Length.sto to a fit. It needs the package opensim (extra `simulators`).
 """
 
 import sys

@@ -150,8 +150,8 @@ ANKLE = Joint(
             ("de", "Sprunggelenk|Sprunggelenks|Sprunggelenke|Wade|Wadenkraft|Tibialis|"
                    "Dorsalextension|Plantarflexion|erstes Bein|zweites Bein|Beine"),
             ("fr", "la cheville|cette cheville|les chevilles|chevilles|mollet|du mollet|tibial|"
-                   "du tibial|flexion dorsale|flexion plantaire|première jambe|deuxième jambe|"
-                   "les jambes"),
+                   "du tibial|flexion dorsale|de flexion dorsale|flexion plantaire|"
+                   "première jambe|deuxième jambe|les jambes"),
         )
     }),
 )  # fmt: skip
