@@ -263,6 +263,7 @@ def test_opensims_tables_are_one_geometry(tmp_path):
         ({"length": BENT.length[::-1]}, "everywhere: turn the sign of the angle"),
         ({"tolerance": 1e-6}, "off the slope of length_tri"),
         ({"angle": BENT.angle[:3]}, "at least 4"),
+        ({"second": (0.0, 1.0)}, "21 angles and 2 second ones"),
         (
             {"arm": (tuple(-a for a in BENT.arm[0]), BENT.arm[1])},
             "arm_tri has the wrong direction everywh",

@@ -21,7 +21,7 @@ from surae.settings import FitSettings
 from surae.signals import Weighting
 from surae.studies import virtual_subject, virtual_trial
 from surae_workbench.web.draft import changed, empty_draft, settings_of
-from surae_workbench.web.schemas import DraftChange
+from surae_workbench.web.schemas import DraftChange, Geometry
 
 TABLE = Path(__file__).parents[1] / "data" / "geometry.csv"
 WEIGHTS = Weighting(((-math.inf, 1.0, 0.0), (3.0, 4.0, 2.0)), 4.0, "emg")
@@ -228,3 +228,13 @@ def test_help_and_completion_name_every_field() -> None:
         assert every <= known.keys(), function
     said = pydoc.render_doc(surae.fit, renderer=pydoc.plaintext)
     assert all(re.search(rf"^ +[\w, ]*\b{name}[\w, ]* : ", said, re.MULTILINE) for name in every)
+
+
+def test_a_draft_keeps_a_table_over_a_second_angle() -> None:
+    rows = [
+        f"{a},{k},{400 + a - k / 10},{300 - a}" for a in (-30, -10, 10, 30) for k in (0, 30, 60)
+    ]
+    head = "angle_deg,second_angle_deg,length_tri_mm,length_tib_mm"
+    table = Geometry(name="knee.csv", text="\n".join([head, *rows])).plain()
+    assert table["second"][2] == pytest.approx(1.0472, abs=1e-4)
+    assert Geometry(**table).plain() == table

@@ -75,10 +75,10 @@ class GeometryTable:
     def __post_init__(self) -> None:
         """Refuse what is no geometry."""
         n, seconds = len(self.angle), len(self.second)
-        if n < 4 or seconds == 1:
+        if n < 4 or 0 < seconds < 3:
+            few = f" and {seconds} second ones" if seconds else ""
             raise InputError(
-                f"{self.name}: {n} angles{f' and {seconds} second angle' * (seconds == 1)}; a "
-                "spline needs at least 4, and 2 of a second one"
+                f"{self.name}: {n} angles{few}; a spline needs at least 4, and 3 of a second joint"
             )
         if any(
             later <= before for of in (self.angle, self.second) for before, later in pairwise(of)

@@ -174,7 +174,7 @@ def _of_their_joint(
         guess, other = channel.guess, other_joint(channel.column)
         own = f"of the {other}, not the ankle" if other else ""
         if other == "knee" and unit_kind(channel.unit) in (None, "angle"):
-            own += "; second_angle for a geometry over both"
+            own += " (second_angle of a geometry over both)"
         if not own and is_plate_moment(channel.column, channel.unit):
             own = "a moment about an axis of a force plate or load cell, not the ankle's"
         if guess is None and own:

@@ -118,6 +118,7 @@ class Geometry(Strict):
     tolerance: Part | None = None
     slack: bool | None = None
     source: Notes | None = None
+    second: Row | None = None
 
     def plain(self) -> dict[str, Any]:
         """The table; a text is read."""
