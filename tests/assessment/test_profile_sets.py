@@ -92,7 +92,11 @@ def test_stopped_profiles_go_on(fitted, tmp_path):
     wider = profiles(fitted, NAMES[:1], store=store, variance_inflation=2.0)
     assert wider[NAMES[0]].variance_inflation == 2.0
     with pytest.raises(InputError, match="holds profiles of another fit"):
-        profiles(replace(fitted, sse=0.0, values={**fitted.values, "m": 1.0}), NAMES, store=store)
+        profiles(
+            replace(fitted, sse=2.0 * fitted.sse, values={**fitted.values, "m": 1.0}),
+            NAMES,
+            store=store,
+        )
 
 
 def test_all_by_default(decided):

@@ -10,6 +10,7 @@ from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.residuals import Residuals
 from surae.estimation.result import is_at_bound
+from surae.protocol import Protocol, generate, named_device
 from surae.signals.resample import thinning_factor
 from surae.studies import virtual_subject, virtual_trial
 
@@ -142,8 +143,6 @@ def test_the_order_of_recordings_does_not_matter(subject, trajectory):
 
 
 def test_recordings_of_different_rates_and_lengths(subject, trajectory):
-    from surae.protocol import Protocol, generate
-
     slow = generate(Protocol(profile="sine", chirp_amplitude=0.1, rate_hz=64.0))
     trials = [
         virtual_trial(subject, trajectory, noise=0.0),
@@ -199,6 +198,28 @@ def test_most_starts_agree_and_the_count_is_right(noisy):
     assert result.agreeing == sum(s.sse <= result.sse + sigma2 for s in result.starts)
     assert result.agreeing >= 4
     assert f"{result.agreeing} of 6 starts reach the best minimum" in result.message
+
+
+def test_a_valley_on_the_way_is_not_where_a_start_ends():
+    """The default start loses the passive tibialis: others passed by there and were ended."""
+    motion = generate(
+        Protocol(
+            profile="multi-sine-holds",
+            chirp_amplitude=0.1,
+            duration=35.0,
+            rate_hz=64.0,
+            device=named_device("achilles"),
+        )
+    )
+    trial = virtual_trial(virtual_subject(118), motion, noise=0.0)
+    noise = 0.5 * np.random.default_rng(118).standard_normal(trial.n)
+    noisy = replace(trial, torque=trial.torque + noise)
+    truth = virtual_subject(118).parameters
+    best = fit_problem(make_problem([noisy], start=dict(truth)), starts=1)
+    found = fit_problem(make_problem([noisy]), starts=10)
+    assert found.sse == pytest.approx(best.sse, rel=1e-4)
+    assert found.starts[0].sse > 1.01 * best.sse
+    assert found.agreeing >= 5
 
 
 @pytest.mark.parametrize("starts", [0, -1])

@@ -80,8 +80,6 @@ _RIDGE = 1e-12
 Move = Callable[[FloatArray, FloatArray], FloatArray]
 #: Told of every better point: its parameters and its sum of squares.
 Better = Callable[[FloatArray, float], None]
-#: Whether a point, by its parameters and its sum of squares, is good enough.
-Until = Callable[[FloatArray, float], bool]
 #: A function of the parameters that returns the (p + 1, n) rows of the Jacobian and, last, the
 #: residual. It may be overwritten.
 Rows = Callable[[FloatArray], FloatArray]
@@ -144,7 +142,6 @@ def minimise(
     gtol: float = 1e-10,
     stall: float | None = None,
     better: Better | None = None,
-    until: Until | None = None,
 ) -> Minimum:
     """Minimise the sum of squared residuals within bounds.
 
@@ -177,8 +174,6 @@ def minimise(
         noise the quadratic prediction does not hold: more steps would only chase kinks.
     better : callable, optional
         Called with every point that is better than all before it.
-    until : callable, optional
-        Ends the iteration at the first such point for which it is true.
 
     Returns
     -------
@@ -237,9 +232,6 @@ def minimise(
                     best = here
                     if better is not None:
                         better(best.x, best.sse)
-                    if until is not None and until(best.x, best.sse):
-                        outcome = Outcome.CONVERGED
-                        break
                 recent.append(here.sse)
                 damping = max(damping * np.clip(1 - (2 * monotone - 1) ** 3, 0.1, 10.0), 1e-15)
                 growth = 2.0

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from surae.estimation.drive_starts import delay_valleys, drives_off, held_off, own_columns
-from surae.estimation.least_squares import Better, Minimum, Outcome, Rows, Until, minimise
+from surae.estimation.least_squares import Better, Minimum, Outcome, Rows, minimise
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import Residuals, curved_move
 from surae.estimation.separable import scan_lengths, solve_linear
@@ -71,8 +71,7 @@ def _direct(problem: FitProblem, residuals: Residuals, follow: Follow | None) ->
     few = Residuals(thin, residuals.noise * np.sqrt(thin.n / problem.n))
     valleys = Valleys()
     again = _descent(thin, few, glance=True)
-    until = _descent(thin, few, glance=True, until=valleys.leads_to_one)
-    look = _solved_first(thin, few, until)
+    look = _solved_first(thin, few, again)
     others = _by_looks(problem, residuals, look, valleys, descend)
     first: list[Minimum] = []
 
@@ -111,7 +110,6 @@ def _descent(
     residuals: Residuals,
     *,
     better: Better | None = None,
-    until: Until | None = None,
     glance: bool = False,
 ) -> Descent:
     """How a point descends to its minimum; on thinned data, near it."""
@@ -122,7 +120,7 @@ def _descent(
     def descend(x: FloatArray) -> Minimum:
         return minimise(
             residuals.rows, x, problem.lower, problem.upper,
-            move=move, ftol=ftol, stall=stall, better=better, until=until,
+            move=move, ftol=ftol, stall=stall, better=better,
         )  # fmt: skip
 
     return descend
@@ -278,10 +276,8 @@ def _parent(problem: FitProblem) -> FitProblem | None:
 
 
 #: A point is at a minimum when its sum differs by less than so many noise variances, and its
-#: parameters by less than so many as the minimum's Jacobian measures it...
+#: parameters by less than so many as the minimum's Jacobian measures it.
 _SAME_SUM, _SAME = 2.0, 9.0
-#: ...and leads there from a sum this much higher, if the Jacobian says the same to this factor.
-_NEAR, _ALIKE = 100.0, 3.0
 
 
 class Valleys:
@@ -304,17 +300,11 @@ class Valleys:
         ends = (end for thin_end, end in self._ends if _leads_to(thinned.x, thinned.sse, thin_end))
         return next(ends, None)
 
-    def leads_to_one(self, x: FloatArray, sse: float) -> bool:
-        """Whether a point with this sum of squares leads to a known minimum."""
-        return any(_leads_to(x, sse, thin_end) for thin_end, _ in self._ends)
-
 
 def _leads_to(x: FloatArray, sse: float, end: Minimum) -> bool:
-    """Whether a point is at a minimum, or so near that the Jacobian there predicts its sum."""
+    """Whether a point is at a minimum."""
     variance = max(end.sse, 1e-300) / len(end.residual)
     with np.errstate(over="ignore", invalid="ignore"):  # an end may be where the model overflows
         apart = end.R @ (x - end.x)
         predicted, excess = float(apart @ apart) / variance, (sse - end.sse) / variance
-    if abs(excess) <= _SAME_SUM and predicted <= _SAME:
-        return True
-    return excess <= _NEAR and predicted / _ALIKE <= excess <= predicted * _ALIKE
+    return abs(excess) <= _SAME_SUM and predicted <= _SAME
