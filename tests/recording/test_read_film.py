@@ -87,7 +87,7 @@ def test_a_film_has_a_clock_of_its_own(tmp_path: Path, header: str, clock: str) 
         ('time = "t"\nrate_hz = 30.0', "both say when"),
         ('time = "stamps"', "has no column 'stamps'"),
         ("rate_hz = 0.0", "rate_hz is 0; it must be above 0"),
-        ("start_s = 1.0", "missing column time_s"),
+        ("start_s = 1.0", "give start_s, .* and rate_hz"),
     ],
 )
 def test_a_clock_that_says_nothing_is_refused(tmp_path: Path, clock: str, message: str) -> None:
@@ -114,3 +114,17 @@ def test_a_trackers_file_offers_its_lengths_and_pennation() -> None:
         "Fdat.Region(1).PEN",
         "Fdat.Region(2).PEN",
     }
+
+
+def test_a_trackers_file_without_times_is_inspected_and_needs_a_clock(tmp_path: Path) -> None:
+    film = _csv(tmp_path / "film.csv", "frame,FL", [f"{i},{62 + 0.1 * i}" for i in range(60)])
+    inspected = inspect([_robot(tmp_path), film])
+    (length,) = (channel for channel in inspected.channels if channel.column == "FL")
+    assert (length.n, length.rate_hz, length.start_s) == (60, None, None)
+    assert "give start_s and rate_hz" in length.remark
+    recording = _mapped(tmp_path, "start_s = 1.0\nrate_hz = 30.0")
+    time = recording.channels["fascicle_gm"].time
+    np.testing.assert_allclose(time, 1.0 + np.arange(60) / 30.0)
+    other = _csv(tmp_path / "other.csv", "frame,force", ["1,2.0", "2,3.0"])
+    with pytest.raises(InputError, match="missing column time_s"):
+        inspect([other])

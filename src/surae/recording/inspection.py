@@ -16,7 +16,7 @@ from surae.recording.emg_kind import contradiction, look_of, relation
 from surae.recording.formats import open_table
 from surae.recording.inspected import InspectedChannel, Inspection
 from surae.recording.reading import is_mapping
-from surae.recording.recording import ROLES
+from surae.recording.recording import FILM_ROLES, ROLES
 from surae.recording.roles import (
     CONFIDENCES,
     Side,
@@ -27,7 +27,7 @@ from surae.recording.roles import (
     unit_kind,
 )
 from surae.recording.source import open_source
-from surae.recording.table import Column, Table, load_each, sampling_of, some
+from surae.recording.table import Column, Sampling, Table, load_each, sampling_of, some
 
 _SIDES = ("left", "right")
 #: What differs between rules of the same kind.
@@ -98,14 +98,17 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
 
 
 def _opened(path: PathLike) -> Table:
-    """A data file's table; a mapping is none."""
+    """A data file's table, of a film also without times; a mapping is none."""
     source = open_source(path)
     if is_mapping(source):
         raise InputError(
             f"{source.shown}: this is a TOML mapping already: fit it, or inspect the data files "
             "that it names"
         )
-    return open_table(source)
+    table = open_table(source, timed=False)
+    guesses = [guess_role(name, written_unit(table, name)) for name in table.names]
+    filmed = any({*guess.roles} & {*FILM_ROLES} for guess in guesses if guess is not None)
+    return table if table.time_name or filmed else open_table(source)
 
 
 def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | None]]:
@@ -129,7 +132,9 @@ def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | 
         if len(finite) < len(column.values):
             wrong = len(column.values) - len(finite)
             remark = f"{wrong} samples are no finite numbers{'; ' + remark if remark else ''}"
-        sampling = sampling_of(column.time)
+        sampling = sampling_of(column.time) if table.time_name else Sampling(len(column.time))
+        if not table.time_name:
+            remark = "; ".join(filter(None, ("no times: give start_s and rate_hz", remark)))
         guess = guess_role(name, unit) if usable else None
         role = guess.roles[0] if guess else None
         if role is not None:  # a file may state one unit for all signals of a kind
@@ -144,7 +149,7 @@ def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | 
                     n=sampling.n,
                     rate_hz=sampling.rate_hz,
                     start_s=sampling.start_s,
-                    end_s=float(column.time[-1]) if len(column.time) else None,
+                    end_s=float(column.time[-1]) if sampling.start_s is not None else None,
                     low=float(finite.min()) if len(finite) else None,
                     high=float(finite.max()) if len(finite) else None,
                     guess=guess,

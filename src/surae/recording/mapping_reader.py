@@ -107,11 +107,15 @@ class Reader:
         if path not in self.tables:
             try:
                 self.sources[path] = open_source(path)
-                timed = own.rate_hz is None and own.time is None
-                self.tables[path] = open_table(self.sources[path], timed=timed)
+                self.tables[path] = open_table(self.sources[path], timed=False)
             except InputError as error:
                 raise InputError(f"{where}: {error}") from None
         table = self.tables[path]
+        if not table.time_name and own.rate_hz is None and own.time is None:
+            raise InputError(
+                f"{where}: {table.file} has no column of times: give start_s, when the recording's "
+                "clock shows its first sample, and rate_hz, its samples a second"
+            )
         count = table.names.count(own.column)
         if count > 1:
             raise InputError(
