@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import surae
+from surae.assessment.parameter import percent
 from surae.assessment.posterior.of_family import family_target
 from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
@@ -44,6 +45,14 @@ def test_the_profile_of_a_filmed_length_is_as_narrow_as_its_interval(fits) -> No
     own = fits[0].parameters["l0_tib"].ci95
     of_length = surae.profile(fits[0], "l0_tib")["l0_tib"].interval
     assert of_length == pytest.approx(own, abs=0.35 * (own[1] - own[0]) / 2)
+
+
+def test_the_whole_muscles_length_says_what_the_film_knows_better(fits) -> None:
+    filmed, blind = (fit.parameters["l0_tib"].note for fit in fits)
+    optimum = fits[0].measures()["optimal_fascicle_tib"]
+    part = (optimum.ci95[1] - optimum.ci95[0]) / 2 / optimum.value
+    assert f"own optimum is {optimum.value:.1f} mm ±{percent(part)} (optimal_" in filmed
+    assert "optimal_fascicle_tib" not in blind
 
 
 def test_the_density_is_that_of_the_posterior(fits) -> None:

@@ -58,6 +58,8 @@ def marginal(
                     Verdict.WEAK, f"{note}, but farther from other legs' than legs are: a prior "
                     "that does not fit holds it back",
                 )  # fmt: skip
+        if name == "l0_tib" and not withheld:
+            note += _filmed(family, problem, table)
         judged[name] = replace(
             p,
             sem=budget.sd,
@@ -71,6 +73,21 @@ def marginal(
             budget=budget.shares,
         )
     return judged
+
+
+def _filmed(family: Family, problem: FitProblem, table: Mapping[str, ParameterEstimate]) -> str:
+    """What the film says of the optimal length, which is known better than the whole muscle's."""
+    names = ("l0_tib", "film_scale_tib", "film_zero_tib")
+    if not {*names} <= {*problem.free}:
+        return ""
+    at = [problem.free.index(name) for name in names]
+    l0, scale, zero = (table[name].value for name in names)
+    slope, optimum = np.array([1.0 + scale, l0, 1.0]), (1.0 + scale) * l0 + zero
+    half = _NORMAL * float(np.sqrt(slope @ family.covariance[np.ix_(at, at)] @ slope))
+    return (
+        f"; the filmed fascicle's own optimum is {1e3 * optimum:.1f} mm ±{percent(half / optimum)} "
+        "(optimal_fascicle_tib)"
+    )
 
 
 def _interval(p: ParameterEstimate, sd: float, longest: float | None) -> tuple[float, float]:
