@@ -28,7 +28,7 @@ class Format:
     what: str  #: What messages call it.
     #: The statements that make its tables, of every version; the last is the present one.
     tables: Mapping[int, str]
-    #: What to do where there is no room, or the file is damaged.
+    #: What to do where there is no room ({name} is the file's), or the file is damaged.
     full: str
     damaged: str
     #: What brings a file of a version to the next.
@@ -60,12 +60,15 @@ def sqlite_errors(name: str, kind: Format) -> Iterator[None]:
                 f"{name} is not {kind.what}; give another, or restore a backup"
             ) from error
         if code == sqlite3.SQLITE_FULL:
-            raise UnavailableError(kind.full) from error
+            raise UnavailableError(kind.full.format(name=name)) from error
         if code in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
             raise UnavailableError(
                 f"another program holds {name}; close it there and try again: nothing is lost"
             ) from error
-        advice = {sqlite3.SQLITE_IOERR: kind.full, sqlite3.SQLITE_CORRUPT: kind.damaged}.get(code)
+        advice = {
+            sqlite3.SQLITE_IOERR: kind.full.removeprefix("{name}: "),
+            sqlite3.SQLITE_CORRUPT: kind.damaged,
+        }.get(code)
         raise ComputationError(f"{name}: {error}" + (f"; {advice}" if advice else "")) from error
 
 

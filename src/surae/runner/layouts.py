@@ -67,7 +67,7 @@ FORMAT = Format(
     application=0x73726165,  # "srae"
     what="a store of surae",
     tables={1: _FIRST, 2: _TABLES},
-    full="make room on its disk and run the same command again: what is finished is kept",
+    full="{name}: make room on its disk and run the same command again: what is finished is kept",
     damaged="restore it from a copy (`surae study backup` makes one)",
     upgrades={1: _second},
 )
