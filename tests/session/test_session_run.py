@@ -14,9 +14,11 @@ import surae
 from surae.api import session_run
 from surae.assessment import Verdict
 from surae.errors import InputError
+from surae.measures.curve import torque_curve
+from surae.measures.measured import HeldPoint, measured_slope
 from surae.report import output
 from surae.report.document import TableCell
-from surae.report.leg import first_answer
+from surae.report.leg import _follows, first_answer
 from surae.report.session import _crossings, _estimate, _spread
 from surae.trials import Crossed
 from undrawn import blank_figures
@@ -184,6 +186,21 @@ def test_held_angles_answer_before_any_fit(leg):
     moved = replace(hold.hold, angle=hold.hold.angle + 0.2, torque=hold.hold.torque + 2.0)
     both = [replace(each, effort="passive") for each in (hold, replace(hold, hold=moved))]
     assert "0.17 Nm/° from" in first_answer(both)  # 2 Nm over 11.46°
+
+
+def test_a_model_that_held_angles_contradict_is_no_headline(done):
+    _, result = done
+    curve = torque_curve(result.joint.result, result.joint.assessment)
+    model = curve, np.zeros_like(curve.angle)
+    ends = curve.angle[[0, 7, -1]]
+    for steeper, agrees in ((1.0, True), (5.0, False)):
+        torque = steeper * np.interp(ends, curve.angle, curve.passive.torque)
+        torque += np.array([-0.01, 0.02, -0.01])
+        holds = [HeldPoint(str(a), float(a), float(t)) for a, t in zip(ends, torque, strict=True)]
+        slope = measured_slope(holds, (), 10.0)
+        near = replace(slope, interval=(slope.value - 0.01, slope.value + 0.01))
+        assert _follows(model, holds, near) is agrees
+        assert _follows(model, holds, replace(slope, interval=None))
 
 
 def test_a_turned_trial_is_not_in_the_joint_fit(leg, tmp_path):

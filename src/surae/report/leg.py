@@ -124,13 +124,16 @@ def leg_answers(
         healthy = [each for each in norms if "healthy" in each[0].group and model is not None]
         figures["stiffness"] = stiffness_figure(holds, stretches, model, healthy)
     slope = measured_slope(holds, stretches, at)
+    against = None
+    if model is not None and slope is not None and not _follows(model, holds, slope):
+        against, of_stiffness = m, None
     cards = (
-        SectionBlock("How stiff is it?", _stiff(of_stiffness, known, at, slope, zero,
-                                                len(holds), len(stretches)), "stiff", "card"),
+        SectionBlock("How stiff is it?", _stiff(of_stiffness, known, at, slope, zero, len(holds),
+                                                len(stretches), against), "stiff", "card"),
         SectionBlock("Tissue, muscle or tendon?", _made_of(joint, of_fit, figures), "made", "card"),
         SectionBlock("Did it change?", change_blocks(before, joint), "change", "card"),
-        SectionBlock("Can I trust it?", _trust(joint, contradicted, holds, stretches), "trust",
-                     "card"),
+        SectionBlock("Can I trust it?", _trust(joint, contradicted, holds, stretches,
+                                               follows=against is None), "trust", "card"),
     )  # fmt: skip
     return LegAnswers(cards, figures, of_fit, at)
 
@@ -198,15 +201,31 @@ def _model(
     return zero, (curve, weight)
 
 
+def _follows(
+    model: tuple[TorqueCurve, FloatArray], holds: Sequence[HeldPoint], slope: MeasuredSlope
+) -> bool:
+    """Whether the model's torque rises over the held angles as what was measured at them."""
+    if not slope.holds or slope.interval is None:
+        return True
+    angle = np.array([h.angle for h in holds])
+    modelled = np.interp(angle, model[0].angle, model[0].passive.torque + model[1])
+    away = angle - angle.mean()
+    rise = float(away @ modelled / (away @ away))
+    return slope.interval[0] <= rise <= slope.interval[1]
+
+
 def _point(norm: Norm) -> float:
     return float(norm.measure.partition("@")[2].removesuffix("deg"))
 
 
 def _stiff(
     of_fit: Measures | None, known: Sequence[Norm], at: float, slope: MeasuredSlope | None,
-    zero: float, holds: int, stretches: int,
+    zero: float, holds: int, stretches: int, against: Measure | None,
 ) -> tuple[Block, ...]:  # fmt: skip
-    """One number: the model's where the recordings show it, else the measured slope."""
+    """One number: the model's where the recordings show it, else the measured slope.
+
+    `against` is the model's where held angles contradict it.
+    """
     m = None if of_fit is None else of_fit[f"passive_stiffness@{at:g}deg"]
     lines: list[Block] = []
     if of_fit is not None and m is not None and m.value is not None:
@@ -222,12 +241,14 @@ def _stiff(
     elif slope is not None:
         value, _, rest = _slope(slope).partition(" Nm/° ")
         lines.append(TextBlock(rest, "say", f"{value} Nm/°"))
-        lines.append(
-            TextBlock(
-                "This is the measured slope, with the foot’s weight in it. The model cannot yet "
-                "separate stiffness from the rest."
+        why = "The model cannot yet separate stiffness from the rest."
+        if against is not None and against.value is not None:
+            text = of_interval(against.value, against.ci95)
+            why = (
+                f"The model’s {text.value} Nm/° at {_where(at)} ({_span(text.interval)}) does not "
             )
-        )
+            why += "agree with the held angles."
+        lines.append(TextBlock(f"This is the measured slope, with the foot’s weight in it. {why}"))
     else:
         lines.append(TextBlock("", "say", "Not measured"))
         lines.append(
@@ -370,6 +391,8 @@ def _trust(
     contradicted: Sequence[str],
     holds: Sequence[HeldPoint],
     stretches: Sequence[Stretch],
+    *,
+    follows: bool,
 ) -> tuple[Block, ...]:
     """One light, one reason, and the next trial to record."""
     if joint is None:
@@ -379,10 +402,12 @@ def _trust(
         return (light, *_next_trial(None, holds, stretches))
     result, assessment = joint
     grade = assessment.adequacy.grade
-    if contradicted and grade is Grade.ADEQUATE:
+    if grade is Grade.ADEQUATE and (contradicted or not follows):
         grade = Grade.DOUBTFUL
     mark, word = _LIGHTS[grade]
-    light = AdequacyWords(str(grade), mark, f"{word}: {_reason(assessment, contradicted)}.", ())
+    why = "the model’s stiffness does not agree with the held angles"
+    reason = _reason(assessment, contradicted) if follows else why
+    light = AdequacyWords(str(grade), mark, f"{word}: {reason}.", ())
     r2 = TextBlock(
         f"The model follows {percentage(assessment.adequacy.r2)} % of the torque’s changes in "
         f"{_many(len(result.problem.inputs), 'trial')}."
