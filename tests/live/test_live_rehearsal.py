@@ -84,7 +84,8 @@ def test_a_killed_rehearsal_is_judged_at_the_next_start(lsl, tmp_path) -> None:
         waited(lambda: (tmp_path / "trial-01.xdf").stat().st_size > 1_400_000, 60)
         first.send_signal(signal.SIGKILL)
         first.wait(20.0)
-    assert not (tmp_path / "trial-01.json").exists()
+    kept = json.loads((tmp_path / "trial-01.json").read_text(encoding="utf-8"))
+    assert kept["state"] == "recording"
     (line,), wrong = rehearsed(tmp_path, "--seconds", "8", limit=300)
     assert "trial 1 broke off" in wrong
     assert line["trial"] == 2
