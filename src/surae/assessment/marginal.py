@@ -14,6 +14,7 @@ from surae.estimation.residuals import stiffness_valleys
 from surae.estimation.result import Family
 from surae.model.laboratory import group_of
 from surae.model.sources import SOURCES
+from surae.signals import steady_emg
 
 _NORMAL = 1.959964
 #: Share of the variance from which a source is worth a remedy.
@@ -78,7 +79,7 @@ def marginal(
 def _filmed(family: Family, problem: FitProblem, table: Mapping[str, ParameterEstimate]) -> str:
     """What the film says of the optimal length, which is known better than the whole muscle's."""
     names = ("l0_tib", "film_scale_tib", "film_zero_tib")
-    if not {*names} <= {*problem.free}:
+    if not {*names} <= {*problem.free} or steady_emg(problem.inputs)[0]:
         return ""
     at = [problem.free.index(name) for name in names]
     l0, scale, zero = (table[name].value for name in names)

@@ -5,6 +5,7 @@ import numpy as np
 from surae.errors import ComputationError
 from surae.measures.leg import GROUPS, Leg, NotDefinedError, elongation
 from surae.model.tendon import tendon_force
+from surae.signals import steady_emg
 from surae.units import FloatArray
 
 #: Angles between which the neutral angle is looked for [deg].
@@ -188,6 +189,8 @@ def optimal_fascicle_tib(leg: Leg, _: float) -> float:
     """
     if "film_scale_tib" not in leg.values:
         raise NotDefinedError("the tibialis was not filmed")
+    if leg.inputs and steady_emg(leg.inputs)[0]:
+        raise NotDefinedError("the tibialis's EMG hardly changes: no force shows its optimum")
     scale, zero = (leg.values[f"film_{of}_tib"] for of in ("scale", "zero"))
     return 1e3 * ((1.0 + scale) * leg.optimal_length("tib") + zero)
 
