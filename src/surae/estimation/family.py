@@ -49,12 +49,14 @@ _RATES, _SAMPLES = (32.0, 64.0), 400
 _RELAXATIONS, _RELAXED = (0.4, 4.0), 0.3
 #: Noise of the continuation, as parts of the torque's changes.
 _TEMPERS = (0.1, 0.03)
-#: Standard deviations of the latents before anything is learnt, those below which none is taken,
-#: and those above which parameters have to explain the torque.
+#: Standard deviations of the latents before anything is learnt, those above which parameters have
+#: to explain the torque, and those of none.
 _BEGIN = {"gain": 0.03, "drift": 0.1, "misfit": 0.01}
-_LEAST = {"gain": 0.003, "drift": 0.02, "misfit": 0.002}
 _MOST = {"gain": 0.15, "drift": 1.0, "misfit": 0.06}
 _NEARLY_NONE = {"gain": 1e-3, "drift": 1e-2, "misfit": 1e-3}
+#: Rounds in which noise and sizes are learnt at most, and the part of each standard deviation below
+#: which the mode rests.
+_ROUNDS, _AT_REST = 5, 0.1
 #: Slow residual under effort over that at rest from which errors of the drive are sought, and their
 #: standard deviations that are tried.
 _LOUDER, _ERRORS = 1.6, (0.06, 0.11, 0.15, 0.21)
@@ -277,15 +279,19 @@ class _Search:
         self, post: LogPosterior, point: Point, rounds: int, *, white: bool = False,
         evaluations: int = 10,
     ) -> tuple[LogPosterior, Point]:  # fmt: skip
-        """Noise and sizes of the latents in turn with the mode."""
+        """Noise and sizes of the latents in turn with the mode, until it rests."""
         for _ in range(rounds):
-            sizes = _LEAST
+            before, sizes = point.z, _NEARLY_NONE
             if not self._perfect:
-                learnt = learnt_sizes(post, point)
-                sizes = {s: float(np.clip(learnt[s], _LEAST[s], _MOST[s])) for s in SOURCES}
+                learnt = learnt_sizes(post, point, _BEGIN)
+                sizes = {s: min(learnt[s], _MOST[s]) for s in SOURCES}
             noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
             post = post.having(noise=noise, sizes=sizes, latents=latents)
             point = post.descend(point.z, point.c, point.w, evaluations=evaluations, tolerance=0.1)
+            if np.all(
+                np.abs(point.z - before) < _AT_REST * np.sqrt(np.diag(post.covariance(point)))
+            ):
+                break
         return post, point
 
     def _choose(self, values: Mapping[str, float], noise: Sequence[NoiseModel]) -> ChosenDepartures:
@@ -298,7 +304,7 @@ class _Search:
         point = full.descend(
             full.start(post.by_name(point.z)), point.c, evaluations=10, tolerance=0.3
         )
-        full, point = self._learnt(full, point, 2)
+        full, point = self._learnt(full, point, _ROUNDS)
         if effort_ratio(full, point) > _LOUDER:  # which departures there are would hide behind it
             full, point = self._with_drive_errors(full, point, _ERRORS)
         positions: dict[str, list[int]] = {}
@@ -315,7 +321,7 @@ class _Search:
         best = own.descend(
             own.start(full.by_name(point.z)), point.c, point.w, evaluations=15, tolerance=0.1
         )
-        own, best = self._learnt(own, best, 2)
+        own, best = self._learnt(own, best, 2 if own.fast else _ROUNDS)
         if own.fast is None and not self._perfect:
             own, best = self._with_drive_errors(own, best, ())
         return ChosenDepartures(own, best, scored, full.names)

@@ -1,5 +1,6 @@
 """What residuals at a mode tell of the noise, of the sizes of the latents, and of the drives."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +20,8 @@ from surae.units import FloatArray
 _ORDER, _COUNTED = 30, 2.0
 #: Part of the torque's changes below which no noise is taken: sensors and integrator err as much.
 _EXACT = 5e-3
+#: Values that the size of latents beforehand counts for.
+_BELIEVED = 2.0
 #: Draws that show what fast gains take of the noise.
 _DRAWS = 16
 #: Slow frequencies [Hz], efforts that are rest and effort, as parts of the greatest, and samples
@@ -51,17 +54,27 @@ def effort_ratio(posterior: LogPosterior, point: Point) -> float:
     return float(np.sqrt(np.mean(under**2) / max(np.mean(at_rest**2), 1e-300)))
 
 
-def learnt_sizes(posterior: LogPosterior, point: Point) -> dict[str, float]:
-    """Standard deviations of the latents that the data ask for, one step of expectation."""
+def learnt_sizes(
+    posterior: LogPosterior, point: Point, beforehand: Mapping[str, float]
+) -> dict[str, float]:
+    """Standard deviations of the latents that the data ask for (MacKay 1992).
+
+    σ² = (cᵀ·K·c + ν·σ₀²)/(γ + ν), γ the number of latents that the data determine, σ₀ the size
+    `beforehand`, which counts for ν values: what the data do not tell stays at it.
+    """
     squares, counts = dict.fromkeys(SOURCES, 0.0), dict.fromkeys(SOURCES, 0.0)
     V = _covariance(posterior, point)
     for c, b, latents in zip(point.c, point.blocks, posterior.latents, strict=True):
         cov = cho_solve(b.factor, np.eye(len(c))) + b.solved @ V @ b.solved.T
         for source in SOURCES:
             at, K = latents.slices[source], latents.inverses[source]
-            squares[source] += float(c[at] @ K @ c[at] + np.sum(K * cov[at, at]))
-            counts[source] += len(K)
-    return {s: float(np.sqrt(squares[s] / max(counts[s], 1.0))) for s in SOURCES}
+            squares[source] += float(c[at] @ K @ c[at])
+            open_part = float(np.sum(K * cov[at, at])) / posterior.sizes[source] ** 2
+            counts[source] += max(len(K) - open_part, 0.0)
+    return {
+        s: float(np.sqrt((squares[s] + _BELIEVED * size**2) / (counts[s] + _BELIEVED)))
+        for s, size in beforehand.items()
+    }
 
 
 def learnt_films(posterior: LogPosterior, point: Point) -> tuple[Latents, ...]:
