@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 import warnings
+from collections import Counter
 from pathlib import Path
 
 import surae
@@ -50,6 +51,18 @@ def answers(fit: surae.Fit) -> list[list[object]]:
     ]  # fmt: skip
 
 
+def identified_without(fit: surae.Fit) -> Counter[str]:
+    """Values within 10 %, as they are and with the share of one source of the variance gone."""
+    counts: Counter[str] = Counter()
+    own = [p for name, p in fit.parameters.items() if p.free and p.ci95 and name in PARAMETERS]
+    for source in ("(none)", *{source for p in own for source in p.budget}):
+        for p in own:
+            low, high = p.ci95
+            half = (high - low) / 2 * max(1 - p.budget.get(source, 0.0), 0.0) ** 0.5
+            counts[source] += half <= 0.1 * abs(p.value)
+    return counts
+
+
 def write(path: Path, head: tuple[str, ...], rows: list[list[object]]) -> Path:
     """Write a table."""
     with path.open("w", encoding="utf-8", newline="") as file:
@@ -73,6 +86,7 @@ def main() -> None:
     warnings.simplefilter("ignore")
     said: list[list[object]] = []
     compared: list[list[object]] = []
+    without: Counter[str] = Counter()
     compare = COMPARED if not given.joint else tuple(n for n in COMPARED if n > given.joint)
     first = (1,) if given.joint else TRIALS
     trials = sorted({*first, *(compare if given.changes else ())})
@@ -95,6 +109,7 @@ def main() -> None:
                           f"{fits[trial].result.message}", file=sys.stderr, flush=True)  # fmt: skip
                 for trial in first:
                     said += [[family, seed, trial, *row] for row in answers(fits[trial])]
+                    without += identified_without(fits[trial])
                 for trial in compare if given.changes else ():
                     told = surae.change(fits[1], fits[trial])
                     compared += [
@@ -104,6 +119,8 @@ def main() -> None:
                 write(folder / "answers.csv", HEAD, said)
                 write(folder / "changes.csv", CHANGES, compared)
         print(table(score(folder / "answers.csv")))
+        print("within 10 % if a source were known: "
+              + ", ".join(f"{s} {n}" for s, n in without.most_common()))  # fmt: skip
         if given.changes:
             print(change_table(folder / "changes.csv"))
 
