@@ -171,7 +171,7 @@ _SOURCES = (
         Fill("surface", "|"),
         Nuisance(
             "axis", OPTIONAL["axis"], Gaussian(0.0, 0.01), "m",
-            "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting", departs=True,
+            "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting",
         ),
     ),
     UncertaintySource(
