@@ -7,7 +7,6 @@ import pytest
 
 from surae.assessment import assess
 from surae.estimation import fit_problem, make_problem
-from surae.estimation.population import Prior
 
 
 def quick(inputs, **given):
@@ -69,17 +68,3 @@ def test_priors_are_told_in_sse_only_of_the_data(noisy):
     plain = quick(noisy)
     assert result.sse > plain.sse
     assert assess(result).parameters["k_tib"].sem < assess(plain).parameters["k_tib"].sem
-
-
-def test_a_prior_of_the_laboratory_is_on_the_value_itself(noisy):
-    """It may lie at zero and below, where no logarithm is."""
-    shifted = replace(noisy, torque=noisy.torque + 3.0)
-    problem = make_problem([shifted], free=["torque_zero"])
-    alone = fit_problem(problem, starts=1)
-    assert alone.values["torque_zero"] == pytest.approx(3.0, abs=0.5)
-    sure = Prior(-1.0, 1e-6, straight=True)
-    told = fit_problem(replace(problem, priors={"torque_zero": sure}), starts=1)
-    assert told.values["torque_zero"] == pytest.approx(-1.0, abs=0.01)
-    vague = Prior(-1.0, 1e3, straight=True)
-    free = fit_problem(replace(problem, priors={"torque_zero": vague}), starts=1)
-    assert free.values["torque_zero"] == pytest.approx(alone.values["torque_zero"], abs=1e-3)
