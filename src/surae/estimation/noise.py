@@ -85,19 +85,6 @@ def autoregressive(autocovariance: FloatArray, samples: float) -> NoiseModel:
     return NoiseModel(best[0], best[1], autocovariance, samples)
 
 
-def noise_of(residual: FloatArray, lags: int) -> NoiseModel:
-    """The autoregressive model of a residual that is taken for noise.
-
-    `lags` is the largest order that is tried, below the residual's n samples.
-    """
-    from scipy.fft import next_fast_len
-
-    n = len(residual)
-    size = next_fast_len(2 * n, real=True)
-    power = np.abs(np.fft.rfft(residual, size)) ** 2
-    return autoregressive(np.fft.irfft(power, size)[: lags + 1] / n, n)
-
-
 def noise_behind(residual: FloatArray, taken: FloatArray, lags: int) -> NoiseModel:
     """The autoregressive noise whose residual, after a fit, would be as this residual is.
 
