@@ -79,6 +79,7 @@ def test_a_prior_that_is_given_moves_the_posterior(fits) -> None:
     moved = target.parameters(np.zeros(len(target.root)))[at]
     assert moved == pytest.approx(1.1 * value, rel=0.02)
     assert target.priors["l0_tib"].median == pytest.approx(1.1 * value)
+    assert target.priors["l0_tib"].origin == "given"
 
 
 def test_a_point_beyond_a_bound_is_its_mirror(fits) -> None:

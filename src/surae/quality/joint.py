@@ -17,9 +17,9 @@ def of_joint(quality: Quality, joint: Joint) -> Quality:
     """Findings in a joint's words, but for those by the ankle's limits and of no muscle."""
     silent = {f"emg_{MUSCLES[channel]}" for channel in joint.silent}
     findings = tuple(
-        replace(found, message=joint.worded(found.message), advice=joint.worded(found.advice))
-        for found in quality.findings
-        if found.code not in _ANKLES and found.channel not in silent
+        replace(each, message=joint.worded(each.message), advice=joint.worded(each.advice))
+        for each in quality.findings
+        if each.code not in _ANKLES and each.channel not in silent
     )
     others = (skip for skip in quality.skipped if skip.check not in _ANKLES)
     skipped = (

@@ -161,7 +161,9 @@ class ConditionalPosterior:
         """The mode with the parameter at `value`, from a point of the posterior nearby."""
         del near
         at = self._posterior.start({self._name: value})[self._j]
-        return self._told(lambda: self._posterior.held(self._j, at, point or self._mode, **_UNTIL))
+        return self._counted(
+            lambda: self._posterior.held(self._j, at, point or self._mode, **_UNTIL)
+        )
 
     def sse(self, x: FloatArray) -> float:
         """−2 ln p of the mode."""
@@ -172,21 +174,21 @@ class ConditionalPosterior:
         """The mode over all parameters, from a point nearby."""
         local = near.local
         assert isinstance(local, Point)
-        return self._told(lambda: self._posterior.descend(local.z, local.c, local.w, **_UNTIL))
+        return self._counted(lambda: self._posterior.descend(local.z, local.c, local.w, **_UNTIL))
 
-    def _told(self, find: Callable[[], Point]) -> ConditionalMinimum | None:
+    def _counted(self, find: Callable[[], Point]) -> ConditionalMinimum | None:
         if self._stopped is not None and self._stopped():
             raise KeyboardInterrupt
         observed = self._posterior.observed
         before = observed.simulated
         try:
-            found = find()
+            mode = find()
         except FloatingPointError:
             return None
         finally:
             self.evaluations += observed.simulated - before
-        x = self._posterior.values(found.z)[self._posterior.problem.columns]
-        return ConditionalMinimum(self._value(found.z), x, found.cost, found)
+        x = self._posterior.values(mode.z)[self._posterior.problem.columns]
+        return ConditionalMinimum(self._value(mode.z), x, mode.cost, mode)
 
     def _value(self, z: FloatArray) -> float:
         return self._posterior.by_name(z)[self._name]

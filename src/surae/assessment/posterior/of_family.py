@@ -51,6 +51,7 @@ class FamilyTarget:
     root: FloatArray  #: Root W of the Laplace approximation's covariance WWᵀ, shape (q, q).
     inflation: float  #: What the data's part of −2 ln p is divided by.
     valleys: tuple[_Valley, ...]
+    given: frozenset[str]  #: Parameters whose priors were given for the posterior.
 
     @property
     def priors(self) -> dict[str, SamplingPrior]:
@@ -60,7 +61,8 @@ class FamilyTarget:
         for name in post.problem.free:
             prior, straight = post.priors[name], is_straight(name)
             median = prior.mean if straight else float(np.exp(prior.mean))
-            origin = "fit" if name in (*post.problem.priors, *post.beliefs) else "population"
+            fitted = name in (*post.problem.priors, *post.beliefs)
+            origin = "given" if name in self.given else "fit" if fitted else "population"
             known[name] = SamplingPrior(median, prior.sd, not straight, origin)
         return known
 
@@ -144,7 +146,9 @@ def family_target(
     )
     H = H / variance_inflation + np.diag(post.weight**2)
     root = np.linalg.inv(np.linalg.cholesky(H)).T
-    return FamilyTarget(post, point, read_only(root), variance_inflation, valleys)
+    return FamilyTarget(
+        post, point, read_only(root), variance_inflation, valleys, frozenset(priors)
+    )
 
 
 def _pairs(post: LogPosterior) -> list[tuple[int, int]]:
