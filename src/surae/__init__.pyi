@@ -8,7 +8,6 @@ from surae.api import change as change
 from surae.api import check as check
 from surae.api import cohort as cohort
 from surae.api import design as design
-from surae.api import design_session as design_session
 from surae.api import example as example
 from surae.api import expect as expect
 from surae.api import export as export

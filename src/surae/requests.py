@@ -125,8 +125,8 @@ class ExpectSettings(LegSettings):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AimSettings(LegSettings):
-    """What is to be known, and within which range and effort."""
+class DesignSettings(LegSettings):
+    """What a protocol is searched for; see `surae.design`."""
 
     range: tuple[float, float] | None = _range("the fit's, or ")
     aim: str = setting(
@@ -140,12 +140,6 @@ class AimSettings(LegSettings):
         help="What the subject can do.",
     )  # fmt: skip
     film: str | tuple[str, ...] = _film()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DesignSettings(AimSettings):
-    """What a protocol is searched for; see `surae.design`."""
-
     model: str = _model("muscle", "Whose parameters are to be known.")
     duration: float = setting(
         35.0, "Of the trial [s], rests at both ends included.", least=5.0, most=600.0, metavar="S",
@@ -160,18 +154,6 @@ class DesignSettings(AimSettings):
         help="Plans that are judged: more is better and slower.",
     )  # fmt: skip
     seed: int = setting(0, "Of the search.", least=0, help="Of what is random.")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SittingSettings(AimSettings):
-    """What the trials of a session are chosen for; see `surae.design_session`."""
-
-    minutes: float = setting(10.0, "Of the session, pauses included.", least=0.1, most=240.0)
-    pause: float = setting(
-        30.0, "After each trial [s].", least=0.0, most=3600.0, metavar="S",
-        help="After each trial of a session, in s.",
-    )  # fmt: skip
-    rate_hz: float = setting(128.0, "Sampling rate [Hz].", least=20.0, most=2048.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -240,21 +240,6 @@ def test_without_a_figure_no_figure_library_is_imported(tmp_path) -> None:
     assert "matplotlib" not in imported(["protocol", "sine", "--output", "p.csv"], folder=tmp_path)
 
 
-def test_a_session_is_a_folder_of_protocols(run, tmp_path) -> None:
-    given = ("design", "--session", "1.2", "--pause", "10", "--model", "muscle", "--rate", "32")
-    done = run(*given, "--output", "plan")
-    assert (done.code, done.err) == (0, "")
-    names = sorted(path.name for path in (tmp_path / "plan").iterdir())
-    assert names[-1] == "plan.json"
-    assert names[0].startswith("01-")
-    assert any(name.endswith("everything-35-target.csv") for name in names)
-    assert "Not worth their minutes" in done.out
-    refused(run(*given, "--output", "plan"), "name a new or an empty folder")
-    refused(run(*given, "--duration", "35", "--output", "other"), "--duration is of a single trial")
-    refused(run("design", "--pause", "5", "--output", "p.csv"), "--pause is between the trials")
-    assert not (tmp_path / "other").exists()
-
-
 def test_what_to_measure_after_a_session(run, files) -> None:
     (files / "leg").mkdir()
     (files / "fit.json").rename(files / "leg" / "joint.json")

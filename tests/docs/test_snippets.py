@@ -30,7 +30,6 @@ READ_ONLY = {
     "surae reproduce": "takes minutes; tests/thesis runs it",
     "surae posterior": "takes a minute to converge; tests/cli/test_posterior.py runs it",
     "surae demo": "fits for seconds; tests/cli/test_demo.py runs it",
-    "surae design --session": "searches every trial; tests/cli/test_protocol.py runs it",
     "surae project": "needs a project; tests/web/test_web_upkeep.py runs it",
     "--dask": "needs a cluster; tests/studies runs one",
 }

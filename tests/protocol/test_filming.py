@@ -46,16 +46,9 @@ def test_the_fascicle_seen_is_no_ruler_of_the_whole_muscle(trial) -> None:
     assert matrix[zero, length] > 0.0
 
 
-def test_a_session_is_planned_with_its_film(monkeypatch) -> None:
-    monkeypatch.setattr("surae.api.designing._PLANNED", 2)
-    plans = [surae.design_session(1.2, rate_hz=32.0, film=film) for film in ("", "tib")]
-    without, film = (p.expectation.parameters["dlt_tib"].half_width for p in plans)
-    assert film < 0.6 * without
-
-
 def test_what_no_film_can_tell_is_refused(trial) -> None:
     with pytest.raises(InputError, match="rigid tendons"):
-        surae.design_session(1.2, model="muscle", rate_hz=32.0, film="tib")
+        surae.design(12.0, model="muscle", rate_hz=32.0, film="tib")
     with pytest.raises(InputError, match="rigid tendons"):
         surae.expect(trial, model="muscle", film="tib", legs=1)
     with pytest.raises(InputError, match="no muscle 'ta'"):

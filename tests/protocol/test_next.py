@@ -11,6 +11,7 @@ from surae.assessment.adequacy import Grade
 from surae.errors import InputError
 from surae.protocol import Protocol, generate, named_device
 from surae.protocol.planning.design import _along
+from surae.protocol.planning.information import information, prior_precision, shared
 from surae.protocol.planning.legs import fit_legs, population_legs
 from surae.protocol.planning.next import _half_widths, known_from
 from surae.protocol.planning.ready import ready_protocols
@@ -153,3 +154,17 @@ def test_ready_protocols_keep_the_limits_of_other_devices() -> None:
         assert np.abs(trial.acceleration).max() <= 40.0
         assert trial.angle.min() >= -0.6
         assert trial.angle.max() <= 0.3
+
+
+def test_what_differs_from_trial_to_trial_is_not_shared() -> None:
+    """Twice the same trial tells less than twice as much where each has a zero of its own."""
+    legs = population_legs("muscle", None, 2, nuisances="all")
+    settings = Protocol(profile="multiple-holds", rate_hz=32.0, chirp_amplitude=0.1)
+    motion = generate(settings)
+    told = shared(information(motion, legs, 0.5), legs)
+    assert "torque_zero" not in told.names
+    at = [legs.free.index(n) for n in told.names]
+    known = prior_precision(legs.free, legs)
+    alone = np.linalg.inv(information(motion, legs, 0.5).matrices[0] + known)
+    apart = np.linalg.inv(told.matrices[0] + known[np.ix_(at, at)])
+    np.testing.assert_allclose(np.diag(apart), np.diag(alone)[at], rtol=1e-6)

@@ -9,7 +9,6 @@ from surae.api.answers import write_clinical_page as write_clinical_page
 from surae.api.answers import write_cohort_page as write_cohort_page
 from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design
-from surae.api.designing import design_session as design_session
 from surae.api.designing import measure_next as measure_next
 from surae.api.examples import example_leg as example_leg
 from surae.api.expecting import expect as expect

@@ -15,15 +15,12 @@ from surae.protocol.planning.design import Design, make_design
 from surae.protocol.planning.filming import filmed
 from surae.protocol.planning.next import NextTrial, known_from, measure_next_of
 from surae.protocol.planning.ready import start_for
-from surae.protocol.planning.sitting import SessionPlan, plan_session, possible_trials
-from surae.requests import DesignSettings, LegSettings, SittingSettings
+from surae.requests import DesignSettings, LegSettings
 from surae.setting import takes
 
 #: Legs that a design is searched for, of a rigid and of a compliant model, and those that it is
 #: judged by.
 _SEARCHED, _SEARCHED_COMPLIANT, _JUDGED = 8, 5, 40
-#: Legs that a session is planned for.
-_PLANNED = 12
 #: Plans that are judged in a search, likewise.
 _EVALUATIONS, _EVALUATIONS_COMPLIANT = 8000, 10_000
 #: Seeds of the legs of the search come before those of every expectation.
@@ -97,50 +94,6 @@ def design(
         start=start_for(duration, AUTO if chosen == AUTO else chosen, settings.aim, effort),
         progress=progress,
     )
-
-
-@takes(SittingSettings, ModelOptions)
-def design_session(
-    minutes: float = 10.0,
-    *,
-    device: str | PathLike | Device | None = "achilles",
-    fit: Fit | None = None,
-    after: Fit | None = None,
-    **keywords: Any,
-) -> SessionPlan:
-    """Which trials to make, and how often, in the minutes that there are.
-
-    Trials are those that come designed, one at rest, and one of maximal efforts held still.
-
-    Parameters
-    ----------
-    minutes : float
-        Of the session, pauses included.
-    device, fit, after
-        As of `design`.
-    {settings}
-
-    Returns
-    -------
-    SessionPlan
-        The trials, what to expect of them together, and which kinds are worth their minutes.
-
-    Raises
-    ------
-    InputError
-        Something given is unusable, or there is no time for any trial.
-    """
-    settings, options = parted(SittingSettings, {"minutes": minutes, **keywords})
-    who, rate_hz = _leg(fit, after), settings.rate_hz
-    legs, level = requested_legs(settings, who, _PLANNED, options, rate_hz)
-    legs = filmed(legs, muscles_of(settings.film))
-    limits = as_device(device)
-    angles = _range_of(limits, settings.range, settings.population, who)
-    trials = possible_trials(limits, angles, rate_hz, legs, effort=settings.effort == "levels")
-    return plan_session(
-        trials, legs, seconds=60.0 * minutes, pause=settings.pause, noise=level, aim=settings.aim,
-        known=None if after is None else known_from(after.result, after.assessment, legs),
-    )  # fmt: skip
 
 
 def measure_next(
