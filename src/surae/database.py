@@ -1,12 +1,12 @@
-"""A SQLite file of ours: opened, recognised, brought up to date, copied, locked.
+"""A SQLite file of ours: opened, recognised, copied, locked.
 
 A file may be a stranger's: links, tables and programs in it that are not ours are refused.
 """
 
 import sqlite3
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -20,24 +20,17 @@ _LOOKED_AT = 1.0
 _PATIENCE = 30.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Format:
     """A kind of file."""
 
     application: int  #: SQLite's mark of whose file it is.
     what: str  #: What messages call it.
-    #: The statements that make its tables, of every version; the last is the present one.
-    tables: Mapping[int, str]
+    tables: str  #: The statements that make its tables.
+    version: int  #: Of the tables; a file of another is refused.
     #: What to do where there is no room ({name} is the file's), or the file is damaged.
     full: str
     damaged: str
-    #: What brings a file of a version to the next.
-    upgrades: Mapping[int, Callable[[sqlite3.Connection], None]] = field(default_factory=dict)
-
-    @property
-    def version(self) -> int:
-        """The present version of the tables."""
-        return max(self.tables)
 
 
 class UnavailableError(ComputationError):
@@ -121,19 +114,19 @@ def refuse_links(path: Path) -> None:
 def open_to_write(
     path: Path, name: str, kind: Format, patience: float = _PATIENCE
 ) -> sqlite3.Connection:
-    """The file, made where it is missing and brought up to date; the caller has its lock."""
+    """The file, made where it is missing; the caller has its lock."""
     file = connected(path, "rwc", patience)
     try:
         # Looked at before anything of a file that may not be ours is changed.
         (application,) = file.execute("PRAGMA application_id").fetchone()
         (known,) = file.execute("SELECT count(*) FROM sqlite_master").fetchone()
-        version = _recognised(file, name, kind) if known or application else 0
+        if known or application:
+            _recognise(file, name, kind)
         file.execute("PRAGMA journal_mode = WAL")
         file.execute("PRAGMA synchronous = FULL")  # what is there outlives a power cut too
         file.execute("PRAGMA fullfsync = ON")  # on macOS too
-        if not version:
+        if not (known or application):
             make_tables(file, kind)
-        _upgrade(file, kind, version or kind.version)
     except BaseException:
         file.close()
         raise
@@ -143,33 +136,26 @@ def open_to_write(
 def open_to_read(
     path: Path, name: str, kind: Format, patience: float = _PATIENCE
 ) -> sqlite3.Connection:
-    """The file, also while another process writes, and on a medium that is read-only.
-
-    One of an older surae is brought up to date in a copy that is forgotten; it stays as it is.
-    """
+    """The file, also while another process writes, and on a medium that is read-only."""
     refuse_links(path)
-    for mode in ("rw", "ro&immutable=1"):
-        file = connected(path, mode, patience)
-        try:
-            file.execute("PRAGMA query_only = ON")
-            version = _recognised(file, name, kind)
-        except sqlite3.OperationalError as error:
-            file.close()
-            blocked = (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY)
-            if mode != "rw" or error.sqlite_errorcode & 0xFF not in blocked:
-                raise
-        except BaseException:
-            file.close()
+    try:
+        return _reading(connected(path, "rw", patience), name, kind)
+    except sqlite3.OperationalError as error:
+        blocked = (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY)
+        if error.sqlite_errorcode & 0xFF not in blocked:
             raise
-        else:
-            break
-    if version == kind.version:
-        return file
-    with closing(file):
-        newer = sqlite3.connect("", isolation_level=None)  # SQLite's own, on disk if it is large
-        file.backup(newer)
-    _upgrade(newer, kind, version)
-    return newer
+    return _reading(connected(path, "ro&immutable=1", patience), name, kind)
+
+
+def _reading(file: sqlite3.Connection, name: str, kind: Format) -> sqlite3.Connection:
+    """A connection that only reads, to a file of this kind."""
+    try:
+        file.execute("PRAGMA query_only = ON")
+        _recognise(file, name, kind)
+    except BaseException:
+        file.close()
+        raise
+    return file
 
 
 def copy(file: sqlite3.Connection, to: Path) -> None:
@@ -183,7 +169,7 @@ def make_tables(file: sqlite3.Connection, kind: Format) -> None:
     """Make a new file one of a kind."""
     file.executescript(
         f"BEGIN; PRAGMA application_id = {kind.application}; PRAGMA user_version = {kind.version};"
-        f"{kind.tables[kind.version]} COMMIT;"
+        f"{kind.tables} COMMIT;"
     )
 
 
@@ -227,24 +213,23 @@ def connected(path: Path, mode: str, patience: float = _PATIENCE) -> sqlite3.Con
     return file
 
 
-def _recognised(file: sqlite3.Connection, name: str, kind: Format) -> int:
-    """The version of a file; refused where it is none of ours, newer, or holds more than ours."""
+def _recognise(file: sqlite3.Connection, name: str, kind: Format) -> None:
+    """Refuse a file that is none of ours, of another version, or holds more than ours."""
     if file.execute("PRAGMA application_id").fetchone()[0] != kind.application:
         raise _none_of_ours(name, kind)
     version = int(file.execute("PRAGMA user_version").fetchone()[0])
     if version > kind.version:
         raise InputError(f"{name} was written by a newer surae; update surae to use it")
-    if version not in kind.tables:
+    if version < kind.version:
         raise InputError(
-            f"{name} was written by an older surae (layout {version}, this one knows "
-            f"{min(kind.tables)} to {kind.version}); use it with the surae that wrote it"
+            f"{name} was written by an older surae (layout {version}, this one reads "
+            f"{kind.version}); use it with the surae that wrote it"
         )
-    if _schema(file) != _schema_of(kind.tables[version]):
+    if _schema(file) != _schema_of(kind.tables):
         raise InputError(
             f"{name} holds tables or programs that are not surae's, or lacks some that are; use "
             "another file, or restore a backup"
         )
-    return version
 
 
 def _schema(file: sqlite3.Connection) -> frozenset[tuple[str, str, str]]:
@@ -257,10 +242,3 @@ def _schema_of(tables: str) -> frozenset[tuple[str, str, str]]:
     with closing(sqlite3.connect(":memory:")) as file:
         file.executescript(tables)
         return _schema(file)
-
-
-def _upgrade(file: sqlite3.Connection, kind: Format, version: int) -> None:
-    for old in range(version, kind.version):
-        with transaction(file):
-            kind.upgrades[old](file)
-            file.execute(f"PRAGMA user_version = {old + 1}")

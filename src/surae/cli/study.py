@@ -15,8 +15,6 @@ from surae.files import shown
 
 #: Reasons of failures that `status` lists.
 _REASONS = 5
-#: Lines of damage that `check` lists.
-_MOST_LINES = 20
 
 
 @click.group("study")
@@ -115,34 +113,6 @@ def export_command(store: str, output: str) -> None:
             "or damaged",
             err=True,
         )
-
-
-@command.command("backup", short_help="Copy its store, also while it runs.")
-@click.argument("store", metavar="S.db")
-@click.argument("copy", metavar="COPY.db")
-def backup_command(store: str, copy: str) -> None:
-    """Copy a study's store as it is at one moment, also while a run writes to it."""
-    with api.Store(store) as opened:
-        opened.backup(copy)
-    show_line(f"copy: {shown(copy)}")
-
-
-@command.command("check", short_help="Look for damage in its store.")
-@click.argument("store", metavar="S.db")
-def check_command(store: str) -> int:
-    """Look for damage in a study's store; changes nothing."""
-    with api.Store(store) as opened:
-        damage = opened.damage()
-    for line in damage[:_MOST_LINES]:
-        show_line(line)
-    if len(damage) > _MOST_LINES:
-        show_line(f"… and {len(damage) - _MOST_LINES:,} more")
-    show_line(
-        "damaged results are computed again by `surae study run`; if that fails, restore a copy"
-        if damage
-        else "nothing is wrong"
-    )
-    return 1 if damage else 0
 
 
 def _counted(fits: int, rows: int) -> str:

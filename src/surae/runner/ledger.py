@@ -18,12 +18,30 @@ from types import TracebackType
 from typing import Any, Self
 
 from surae import database
-from surae.database import sqlite_errors, transaction
+from surae.database import Format, sqlite_errors, transaction
 from surae.errors import ComputationError, InputError, SuraeError
 from surae.files import PathLike, require_writable, shown
 from surae.processes import Plain
 from surae.runner.engines import Batch, Died
-from surae.runner.layouts import FORMAT
+
+FORMAT = Format(
+    application=0x73726165,  # "srae"
+    version=2,
+    what="a store of surae",
+    tables="""
+CREATE TABLE about (kind TEXT NOT NULL, name TEXT NOT NULL, text TEXT NOT NULL);
+CREATE TABLE plan (row INTEGER PRIMARY KEY, key TEXT NOT NULL, label TEXT NOT NULL);
+CREATE TABLE result (
+    key TEXT PRIMARY KEY, value TEXT NOT NULL, failed TEXT, finished REAL NOT NULL
+) WITHOUT ROWID;
+CREATE TABLE run (
+    id INTEGER PRIMARY KEY, started REAL NOT NULL, ended REAL, how TEXT, process INTEGER NOT NULL,
+    host TEXT NOT NULL
+);
+""",
+    full="{name}: make room on its disk and run the same command again: what is finished is kept",
+    damaged="restore it from a copy, or run again with a new file",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,42 +276,6 @@ class Ledger:
             elif run:
                 last = run[1] or "stopped without a word: killed, or the system went down"
         return LedgerStatus(held[1], rows, calls, done, dict(reasons), running, last)
-
-    def backup(self, copy: PathLike) -> None:
-        """Copy the file as it is at one moment, also while a run writes to it.
-
-        Raises
-        ------
-        InputError
-            The copy is there already, or cannot be written.
-        """
-        require_writable(copy)
-        target = Path(os.path.realpath(copy))
-        if target.exists():
-            raise InputError(f"{shown(copy)} is there already; give the copy another name")
-        part = target.with_name(f".surae-{os.urandom(8).hex()}.part")
-        with sqlite_errors(shown(copy), FORMAT):
-            try:
-                database.copy(self._file, part)
-                part.replace(target)
-            finally:
-                part.unlink(missing_ok=True)
-
-    def damage(self) -> list[str]:
-        """What is wrong with the file, a line each."""
-        lines = database.damage(self._file)
-        if lines:
-            return lines
-        with self._told():
-            lines = [
-                f"the result {str(key)[:12]} is damaged"
-                for key, value, failed in self._file.execute(
-                    "SELECT key, value, failed FROM result"
-                )
-                if not self._whole(value, failed)
-            ]
-            (labels,) = self._row("SELECT count(*) FROM plan WHERE NOT json_valid(label)")
-        return lines + ([f"{labels} rows of the plan are damaged"] if labels else [])
 
     def _whole(self, value: object, failed: object) -> bool:
         """Whether a result as it is kept can be read."""

@@ -51,11 +51,12 @@ CREATE INDEX step_session ON step (session, id);
 
 #: The file of a project; "srwb" as a number is SQLite's mark of it.
 FORMAT = Format(
-    0x73727762,
-    "a surae project",
-    {1: _TABLES},
-    NO_ROOM,
-    "recordings and fits beside it are whole; restore a backup",
+    application=0x73727762,
+    version=1,
+    what="a surae project",
+    tables=_TABLES,
+    full=NO_ROOM,
+    damaged="recordings and fits beside it are whole; restore a backup",
 )
 #: A row as it is kept: when it was made, its entry, and what is wrong with one that is damaged.
 _Kept = tuple[Any, Entry | None, dict[str, str]]
