@@ -8,7 +8,7 @@ import numpy as np
 from surae import api
 from surae.processes import tell
 from surae.units import FloatArray
-from surae_workbench.web.curves import Pyramid, plain
+from surae_workbench.web.curves import plain
 
 #: News of a fit come at most this often [s].
 _EVERY = 0.1
@@ -67,16 +67,10 @@ class FitProgress:
             measured = np.zeros(recording.n) if recording.torque is None else recording.torque
             counts = recording.counts
             pairs_of.append((measured[counts], (measured - torque)[counts]))
-            shown = Pyramid(recording.time, measured).window(None, None, self._points)
+            shown = api.extremes([measured, np.nan_to_num(torque)], self._points)
+            lines = {"t": recording.time, "measured": measured, "modelled": torque}
             traces.append(
-                {
-                    "recording": id_,
-                    "t": plain(shown.time),
-                    "measured": plain(shown.values),
-                    "modelled": plain(
-                        Pyramid(recording.time, torque).window(None, None, self._points).values
-                    ),
-                }
+                {"recording": id_, **{name: plain(line[shown]) for name, line in lines.items()}}
             )
         r2 = api.centred_r2(pairs_of)
         tell(

@@ -8,7 +8,6 @@ from typing import Any
 from surae import api
 from surae.files import PathLike
 from surae_workbench.web.caches import Cache
-from surae_workbench.web.curves import Curves, Pyramid
 from surae_workbench.web.events import Events
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.imports import read_recording
@@ -19,8 +18,8 @@ from surae_workbench.web.request_workers import RequestWorkers
 from surae_workbench.web.rows import Entry
 from surae_workbench.web.sessions import BrowserSession, BrowserSessions
 
-#: Memory for curves, for what models read, for fits and for reports [bytes].
-_CURVES, _PREPARED, _FITS, _REPORTS = 400e6, 400e6, 400e6, 40e6
+#: Memory for recordings, for what models read, for fits and for reports [bytes].
+_RECORDINGS, _PREPARED, _FITS, _REPORTS = 400e6, 400e6, 400e6, 40e6
 
 
 class Workbench:
@@ -43,7 +42,9 @@ class Workbench:
         self.workers = RequestWorkers(self.events.queue)
         self.reports: Cache[bytes] = Cache(_REPORTS, len)
         self._closed = False
-        self._curves: Cache[Curves] = Cache(_CURVES, lambda kept: kept.bytes)
+        self._recordings: Cache[api.Recording] = Cache(
+            _RECORDINGS, lambda kept: sum(16.0 * len(c.values) for c in kept.channels.values())
+        )
         self._prepared: Cache[api.ModelInputs] = Cache(_PREPARED, lambda kept: 80.0 * kept.n)
         self._fits: Cache[api.Fit] = Cache(
             _FITS, lambda kept: sum(250.0 * inputs.n for inputs in kept.result.problem.inputs)
@@ -76,20 +77,10 @@ class Workbench:
 
     def recording(self, id_: str) -> api.Recording:
         """A recording of the project."""
-        return self.curves(id_).recording
-
-    def curves(self, id_: str) -> Curves:
-        """A recording of the project, with its pyramids."""
         row = self.project.need("recording", id_)
-
-        def make() -> Curves:
-            recording = read_recording(self.project.recording_path(row))
-            pyramids = {
-                role: Pyramid(kept.time, kept.values) for role, kept in recording.channels.items()
-            }
-            return Curves(recording, pyramids)
-
-        return self._curves.get((id_, row.get("version", 0)), make)
+        return self._recordings.get(
+            (id_, row.get("version", 0)), lambda: read_recording(self.project.recording_path(row))
+        )
 
     def prepared(self, id_: str, settings: "api.FitSettings") -> "api.ModelInputs":
         """What a model reads of a recording, prepared as a fit asks, EMG in its own unit."""

@@ -4,12 +4,12 @@ from collections import Counter
 from operator import itemgetter
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from fastapi import APIRouter, Query, Response
 
 from surae import api
+from surae.units import FloatArray
 from surae_workbench.web import answers
-from surae_workbench.web.curves import Pyramid
+from surae_workbench.web.curves import window
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import dated
 from surae_workbench.web.remap import present_mapping, proposals
@@ -194,43 +194,41 @@ def get_window(
     for name in names:
         if name not in channels:
             raise RefusedError(400, f"no signal {name[:40]!r}; there are: {', '.join(channels)}")
-    windows = {name: channels[name][0].window(start, end, points) for name in dict.fromkeys(names)}
-    units = {name: channels[name][1] for name in windows}
-    times = [pyramid.time for pyramid, _ in channels.values()]
+    times = [time for time, *_ in channels.values()]
     span = {
         "start": min(float(t[0]) for t in times) if start is None else start,
         "end": max(float(t[-1]) for t in times) if end is None else end,
     }
-    return {
-        **span,
-        "signals": [
-            {
-                "role": name, "unit": units[name], "n": w.n, "reduced": w.reduced,
-                "t": w.time.tolist(), "v": w.values.tolist(),
-            }
-            for name, w in windows.items()
-        ],
-    }  # fmt: skip
+    shown = []
+    for name in dict.fromkeys(names):
+        time, values, unit = channels[name]
+        n, t, v = window(time, values, start, end, points)
+        shown.append(
+            {"role": name, "unit": unit, "n": n, "reduced": len(t) < n, "t": t.tolist(),
+             "v": v.tolist()}
+        )  # fmt: skip
+    return {**span, "signals": shown}
 
 
-def _raw(bench: Workbench, id_: str) -> dict[str, tuple[Pyramid, str]]:
-    curves = bench.curves(id_)
-    return {
-        role: (pyramid, curves.recording.channels[role].unit)
-        for role, pyramid in curves.pyramids.items()
-    }
+#: Times [s], values and unit of signals by name.
+_Signals = dict[str, tuple[FloatArray, FloatArray, str]]
 
 
-def _prepared(bench: Workbench, id_: str) -> dict[str, tuple[Pyramid, str]]:
+def _raw(bench: Workbench, id_: str) -> _Signals:
+    channels = bench.recording(id_).channels
+    return {role: (kept.time, kept.values, kept.unit) for role, kept in channels.items()}
+
+
+def _prepared(bench: Workbench, id_: str) -> _Signals:
     inputs = bench.prepared(id_, api.FitSettings())
     signals = {"angle": (inputs.angle, "rad")}
     if inputs.torque is not None:
         signals["torque"] = (inputs.torque, "Nm")
     for column, role in enumerate(role for role in api.ROLES if role.startswith("emg_")):
         if role.removeprefix("emg_") not in inputs.missing_emg:
-            signals[role] = (np.ascontiguousarray(inputs.emg[:, column]), inputs.emg_unit)
+            signals[role] = (inputs.emg[:, column], inputs.emg_unit)
     signals |= {
         "velocity": (inputs.velocity, "rad/s"),
         "acceleration": (inputs.acceleration, "rad/s2"),
     }
-    return {role: (Pyramid(inputs.time, values), unit) for role, (values, unit) in signals.items()}
+    return {role: (inputs.time, values, unit) for role, (values, unit) in signals.items()}
