@@ -67,7 +67,7 @@ class FitProgress:
             measured = np.zeros(recording.n) if recording.torque is None else recording.torque
             counts = recording.counts
             pairs_of.append((measured[counts], (measured - torque)[counts]))
-            shown = api.extremes([measured, np.nan_to_num(torque)], self._points)
+            shown = api.extremes([measured], self._points - 2)
             lines = {"t": recording.time, "measured": measured, "modelled": torque}
             traces.append(
                 {"recording": id_, **{name: plain(line[shown]) for name, line in lines.items()}}
