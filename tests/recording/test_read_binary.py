@@ -1,6 +1,5 @@
 """Poly5, C3D, EDF, BDF and XDF: what their numbers mean, and what is refused."""
 
-import io
 import struct
 import sys
 
@@ -237,50 +236,6 @@ def test_an_irregular_stream_keeps_its_stamps(table):
     time = loaded(columns)["EMG: c0"].time
     assert np.diff(time).std() > 1e-4
     assert sampling(columns, columns.names[0]).n == 64
-
-
-def test_xdf_is_read_quickly_as_pyxdf_reads_it(monkeypatch):
-    """Chunks in which every sample has its stamp; others, and words, are pyxdf's as ever."""
-    from pyxdf import pyxdf
-
-    def loaded_by(chunk):
-        monkeypatch.setattr(pyxdf, "_read_chunk3", chunk)
-        return pyxdf.load_xdf(io.BytesIO(xdf_file(lost=7)), dejitter_timestamps=False)[0]
-
-    def watched(file, stream):
-        slowly.append(stream.fmt)
-        return slow(file, stream)
-
-    slow, slowly = pyxdf._read_chunk3, []
-    expected, got = loaded_by(slow), loaded_by(xdf._chunk_at_once(watched))
-    assert set(slowly) == {"double64", "string"}
-    for one, other in zip(expected, got, strict=True):
-        assert one["info"]["name"] == other["info"]["name"]
-        np.testing.assert_array_equal(one["time_stamps"], other["time_stamps"])
-        np.testing.assert_array_equal(one["time_series"], other["time_series"])
-        assert getattr(one["time_series"], "dtype", None) == getattr(
-            other["time_series"], "dtype", None
-        )
-
-
-@pytest.mark.parametrize(("outlier", "quick"), [(0.0, True), (0.3, False)])
-def test_clocks_of_xdf_are_fitted_as_pyxdf_fits_them(outlier, quick):
-    """A clock 40 s away that drifts by 100 ppm, its offsets measured to 20 us; one may be wrong."""
-    from pyxdf import pyxdf
-
-    def watched(*arguments):
-        slowly.append(True)
-        return slow(*arguments)
-
-    slow, slowly = getattr(pyxdf._robust_fit, "slow", pyxdf._robust_fit), []
-    rng = np.random.default_rng(4)
-    time = 5000.0 + 5.0 * np.arange(30)
-    offset = 40.0 + 1e-4 * (time - 5000.0) + 2e-5 * rng.standard_normal(30)
-    offset[7] += outlier
-    design = np.column_stack([np.ones(30), time / 1e-4])  # as pyxdf asks
-    expected, got = slow(design, offset / 1e-4), xdf._line_at_once(watched)(design, offset / 1e-4)
-    assert bool(slowly) == (not quick)
-    np.testing.assert_allclose(design @ got, design @ expected, atol=0.01)  # 1 us
 
 
 def test_xdf_with_samples_missing_has_a_gap_there(table):

@@ -10,7 +10,7 @@ fills with the sample before where the file ends early, is refused.
 
 import io
 import logging
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from surae.errors import InputError
 from surae.recording.foreign import Parsed, foreign_table, optional, packed, printable, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table
-from surae.recording.xdf_layout import MAGIC, WIDTHS, end_of_chunks, stamped_rows
+from surae.recording.xdf_writing import MAGIC, end_of_chunks
 from surae.units import FloatArray
 
 #: A stamp further than this from a uniform axis [s] is no jitter.
@@ -90,7 +90,6 @@ class _Complaints(logging.Handler):
 
 def _loaded(pyxdf: Any, data: bytes, shown: str) -> list[Any]:
     """The streams as pyxdf gives them; what it would skip is an error."""
-    _hasten(pyxdf.pyxdf)
     log, complaints = logging.getLogger("pyxdf"), _Complaints()
     before = log.propagate
     log.addHandler(complaints)
@@ -105,53 +104,6 @@ def _loaded(pyxdf: Any, data: bytes, shown: str) -> list[Any]:
     if complaints.messages:
         raise InputError(f"{shown}: the file is damaged: some of its samples are unreadable")
     return list(streams)
-
-
-def _hasten(inside: Any) -> None:
-    """Have pyxdf, in this process, do at once what it does in loops, where it is the same."""
-    for name, quicker in (("_read_chunk3", _chunk_at_once), ("_robust_fit", _line_at_once)):
-        slow = getattr(inside, name, None)
-        if slow is not None and not hasattr(slow, "slow"):
-            quick = quicker(slow)
-            quick.slow = slow  # type: ignore[attr-defined]
-            setattr(inside, name, quick)
-
-
-def _line_at_once(slow: Callable[..., Any]) -> Callable[..., Any]:
-    """The robust line through clock offsets: least squares where no point counts for less."""
-
-    def fitted(design: FloatArray, y: FloatArray, *more: Any, **other: Any) -> Any:
-        middle = design[:, 1].mean()
-        centred = design - np.array([0.0, middle])
-        line, *_ = np.linalg.lstsq(centred, y, rcond=None)
-        if np.abs(centred @ line - y).max() > 1.0:  # Huber's, in the units that it is called with
-            return slow(design, y, *more, **other)
-        return np.array([line[0] - line[1] * middle, line[1]])
-
-    return fitted
-
-
-def _chunk_at_once(slow: Callable[..., Any]) -> Callable[..., Any]:
-    """A chunk of samples each of which brings its stamp; pyxdf reads them one by one."""
-
-    def chunk(file: Any, stream: Any) -> Any:
-        begin = file.tell()
-        width = file.read(1)[:1]
-        if stream.fmt != "string" and width and width[0] in WIDTHS:
-            count = int.from_bytes(file.read(width[0]), "little")
-            kind = np.dtype(stream.dtype)
-            row = stamped_rows(kind, stream.nchns)
-            data = file.read(count * row.itemsize)
-            if count and len(data) == count * row.itemsize:
-                rows = np.frombuffer(data, row)
-                if (rows["bytes"] == 8).all():
-                    stamps = rows["stamp"].astype(np.float64)
-                    stream.last_timestamp = stamps[-1]
-                    return count, stamps, rows["values"].astype(kind)
-        file.seek(begin)
-        return slow(file, stream)
-
-    return chunk
 
 
 def _columns(

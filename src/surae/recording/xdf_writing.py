@@ -10,14 +10,14 @@ import struct
 import uuid
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
 
-from surae.recording.xdf_layout import MAGIC, end_of_chunks, stamped_rows
 from surae.units import FloatArray
 
+MAGIC = b"XDF:"
 _HEADER = b'<?xml version="1.0"?><info><version>1.0</version></info>'
 _FILE, _STREAM, _SAMPLES, _CLOCK, _BOUNDARY = 1, 2, 3, 4, 5
 #: Where readers find their way back after damage.
@@ -55,7 +55,9 @@ class XdfLog:
 
     def samples(self, number: int, stamps: FloatArray, values: npt.NDArray[Any]) -> None:
         """Add samples of numbers, shape (n, channels), with a stamp each [s]."""
-        rows = np.empty(len(stamps), stamped_rows(values.dtype, values.shape[1]))
+        little = values.dtype.newbyteorder("<")
+        kind = [("bytes", "u1"), ("stamp", "<f8"), ("values", little, (values.shape[1],))]
+        rows = np.empty(len(stamps), kind)
         rows["bytes"], rows["stamp"], rows["values"] = 8, stamps, values
         head = struct.pack("<IBI", number, 4, len(stamps))
         self._append(_chunk(_SAMPLES, head + rows.tobytes()))
@@ -130,6 +132,20 @@ def mended_xdf(path: Path) -> int:
             file.truncate(at)
             os.fsync(file.fileno())
     return len(torn)
+
+
+def end_of_chunks(file: BinaryIO) -> int:
+    """Where the last whole chunk ends that follows others from the file's beginning."""
+    size, at = file.seek(0, os.SEEK_END), len(MAGIC)
+    while at < size:
+        file.seek(at)
+        head = file.read(9)
+        width = head[0] if head[0] in (1, 4, 8) else 0  # bytes of the length
+        length = int.from_bytes(head[1 : 1 + width], "little")
+        if not length or at + 1 + width + length > size:
+            break
+        at += 1 + width + length
+    return at
 
 
 def _chunk(tag: int, content: bytes) -> bytes:
