@@ -156,8 +156,6 @@ from surae.report.parameters import repeatable as repeatable
 from surae.report.parameters import shown_parameters as shown_parameters
 from surae.report.provenance import emphasis_text as emphasis_text
 from surae.report.recordings import film_facts as film_facts
-from surae.report.references import always_cited as always_cited
-from surae.report.references import cited_by as cited_by
 from surae.report.session import trial_row as trial_row
 from surae.report.traces import extremes as extremes
 from surae.report.traces import min_max as min_max

@@ -46,8 +46,6 @@ COMMANDS = {
     "live": ("surae-workbench[live]", "Record, show and judge trials as they are measured."),
     "serve": ("surae-workbench", "Open the workbench in the browser."),
     "project": ("surae-workbench", "Copy or check a project of the workbench."),
-    "cite": ("surae.cli.cite", "Print the papers behind a fit's methods."),
-    "completion": ("surae.cli.completion", "Print a shell's completion of surae."),
     "validate": ("surae.cli.validate", "Predict other recordings with the parameters of a fit."),
 }
 

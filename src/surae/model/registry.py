@@ -60,8 +60,6 @@ class ModelSpec(Comparable):
         Those along which the sum of squares, its linear parameters solved, has several valleys.
     optional : tuple of str
         Its optional parameters, the last of `parameters`, see `with_optional`; empty without.
-    cites : mapping of str to str
-        What the model itself stands on: keys of ``report/references.bib``, and for what.
     """
 
     name: str
@@ -75,7 +73,6 @@ class ModelSpec(Comparable):
     slack: Mapping[str, str] = field(default_factory=dict)
     scanned: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
-    cites: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -37,5 +37,4 @@ MUSCLE_2010 = ModelSpec(
     weights=_WEIGHTS,
     linear=("m", *_WEIGHTS, "b_tri", "F0"),
     slack={"x0_tri": "k_tri"},
-    cites={"devlugt2010": "the model, reconstructed"},
 )
