@@ -23,7 +23,6 @@ from surae.api import simulate as simulate
 from surae.api import simulate_parts as simulate_parts
 from surae.api import simulate_tendon as simulate_tendon
 from surae.api import validate as validate
-from surae.assessment import Baseline as Baseline
 from surae.errors import ComputationError as ComputationError
 from surae.errors import InputError as InputError
 from surae.errors import SuraeError as SuraeError

@@ -7,11 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from surae.assessment import Baseline, assess
+from surae.assessment import assess
 from surae.assessment.validation import predict_others
 from surae.estimation import fit_problem, fit_robust, make_problem
 from surae.frozen import read_only
-from surae.model import ModelOptions
 from surae.report.figures import prediction_figure
 from surae.report.rendering import fit_report
 from surae.report.sections import predictions_section
@@ -101,9 +100,8 @@ def predictions(plain, make_trial):
 
 @pytest.fixture(scope="module")
 def page(plain, predictions):
-    """A report with a baseline and predictions."""
-    baseline = Baseline("muscle", ModelOptions(), {"m": 0.001, "f0": 0.02}, "<4> subjects")
-    assessment = assess(plain.result, baseline)
+    """A report with predictions."""
+    assessment = assess(plain.result)
     with blank_figures():
         return fit_report(
             plain.result, assessment, versions={}, created=CREATED, predictions=predictions
@@ -112,14 +110,6 @@ def page(plain, predictions):
 
 def section_of(page, name):
     return page.split(f'id="{name}"')[1].split("</section>")[0]
-
-
-def test_the_snsem_of_every_parameter_that_has_one(plain, page):
-    section = section_of(page, "snsem")
-    assert "Standard errors against simulations" in section
-    assert "&lt;4&gt; subjects" in section
-    assert section.count("<tr>") == 3
-    assert "Standard errors against simulations" not in plain.words
 
 
 def test_predictions_have_a_section_a_table_and_a_figure_each(plain, page):

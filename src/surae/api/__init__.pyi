@@ -173,7 +173,6 @@ from surae.studies import realistic_imperfections as realistic_imperfections
 from surae.studies import virtual_recording as virtual_recording
 from surae.studies import virtual_subject as virtual_subject
 from surae.studies import virtual_trial as virtual_trial
-from surae.studies.baseline import make_baseline as make_baseline
 from surae.studies.imperfections import Imperfections as Imperfections
 from surae.studies.populations import TENDONS as TENDONS
 from surae.studies.run import run_study as run_study

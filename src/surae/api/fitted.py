@@ -149,11 +149,6 @@ class Fit(Tabular):
         return self.assessment.vaf_weighted
 
     @property
-    def snsem(self) -> Mapping[str, float | None]:
-        """Standard errors over those of simulations; empty without a baseline."""
-        return self.assessment.snsem
-
-    @property
     def correlation(self) -> FloatArray:
         """Correlation of the estimates named in `covariance.names`, shape (k, k)."""
         return self.assessment.covariance.correlation

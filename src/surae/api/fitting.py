@@ -8,7 +8,6 @@ from surae.api.quality import check_for, explained
 from surae.api.recordings import AnyRecording, read_in, several
 from surae.assessment.assess import assess
 from surae.assessment.saved.fit_json import load_saved
-from surae.assessment.uncertainty.snsem import Baseline, check_baseline
 from surae.errors import InputError
 from surae.estimation import FitSettings, make_problem, solve
 from surae.estimation.starts import Follow
@@ -30,7 +29,6 @@ def fit(
     recordings: AnyRecording | Sequence[AnyRecording],
     model: str | FitSettings = AUTO,
     *,
-    baseline: Baseline | None = None,
     mvc: AnyRecording | Sequence[AnyRecording] = (),
     quality: Sequence[Quality] | None = None,
     progress: SearchProgress | None = None,
@@ -48,9 +46,6 @@ def fit(
         departures of real legs that the data ask for. Or the name of one model;
         `surae.model.MODELS` lists them. Or all settings, as ``other.settings`` of
         another fit; keywords that are given too go before it.
-    baseline : Baseline, optional
-        Simulations to compare the standard errors with (snSEM, thesis 2.7); see
-        `surae.studies.make_baseline`.
     mvc : Recording, ModelInputs, path, or a sequence of them
         Maximum voluntary contractions, for ``normalise="mvc"``.
     quality : sequence of Quality, optional
@@ -76,7 +71,7 @@ def fit(
     inputs = inputs_for(settings, measured, [read_in(recording) for recording in several(mvc)])
     if quality is None:
         quality = [check_for(settings, each) for each in measured]
-    return fit_inputs(inputs, settings, tuple(quality), baseline, progress, follow)
+    return fit_inputs(inputs, settings, tuple(quality), progress, follow)
 
 
 def inputs_for(
@@ -101,7 +96,6 @@ def fit_inputs(
     inputs: Sequence[ModelInputs],
     settings: FitSettings,
     quality: Sequence[Quality] = (),
-    baseline: Baseline | None = None,
     progress: SearchProgress | None = None,
     follow: Follow | None = None,
 ) -> Fit:
@@ -113,14 +107,12 @@ def fit_inputs(
         As `FitSettings.inputs` gives them.
     settings : FitSettings
         The fit's settings.
-    quality, baseline, progress, follow
+    quality, progress, follow
         As of `fit`.
     """
     problem = make_problem(inputs, settings)
-    if baseline is not None:
-        check_baseline(baseline, problem)
     result = solve(problem, progress=progress, follow=follow)
-    return Fit(result, assess(result, baseline, alternatives=True), tuple(quality))
+    return Fit(result, assess(result, alternatives=True), tuple(quality))
 
 
 def load(path: PathLike) -> Fit:
@@ -142,4 +134,4 @@ def load(path: PathLike) -> Fit:
         The file is missing, damaged, or of a newer surae.
     """
     saved = load_saved(path)
-    return Fit(saved.result, assess(saved.result, saved.baseline, alternatives=True), saved.quality)
+    return Fit(saved.result, assess(saved.result, alternatives=True), saved.quality)

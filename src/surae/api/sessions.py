@@ -79,7 +79,7 @@ class Session(TrialSet):
         InputError
             A trial is unknown or cannot be fitted, or a setting makes no sense.
         """
-        callbacks = {key: keywords.pop(key, None) for key in ("progress", "follow", "baseline")}
+        callbacks = {key: keywords.pop(key, None) for key in ("progress", "follow")}
         settings = FitSettings.of(model, **keywords)
         chosen = self.fitted if names is None else tuple(names)
         if not chosen:

@@ -10,13 +10,11 @@ from surae.assessment.parameter import Interval, ParameterEstimate, Verdict
 from surae.assessment.residual import Whiteness, rmse, vaf, whiteness
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
 from surae.assessment.uncertainty.robust import RobustCovariance
-from surae.assessment.uncertainty.snsem import Baseline
 from surae.assessment.validation import PooledPrediction, Prediction, pooled, predict
 
 __all__ = [
     "Adequacy",
     "Assessment",
-    "Baseline",
     "Covariance",
     "Grade",
     "Interval",

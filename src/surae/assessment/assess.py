@@ -20,7 +20,6 @@ from surae.assessment.parameter import (
 from surae.assessment.residual import LEVEL, Whiteness, centred_r2, rmse, vaf, weighted_vaf
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
 from surae.assessment.uncertainty.robust import RobustCovariance, robust_covariance
-from surae.assessment.uncertainty.snsem import Baseline, check_baseline, snsem
 from surae.estimation import FitResult
 from surae.estimation.contradiction import Contradiction, contradiction
 from surae.filed import filed
@@ -59,7 +58,7 @@ class RecordingQuality(Comparable):
     fascicles: tuple[FascicleQuality, ...] = ()
 
 
-@filed("baseline", "robust", rmse="rmse_Nm", covariance="correlation")
+@filed("robust", rmse="rmse_Nm", covariance="correlation")
 @dataclass(frozen=True, slots=True, eq=False)
 class Assessment(Comparable):
     """What a fit is worth."""
@@ -86,29 +85,16 @@ class Assessment(Comparable):
     adequacy: Adequacy  #: Whether the fit is good enough for any of this to mean something.
     #: What `model="auto"` found of the laboratory; empty for a named model.
     nuisances: Mapping[str, ParameterEstimate] = field(default_factory=dict)
-    baseline: Baseline | None = None  #: Simulations that the standard errors are compared with.
-    #: Standard error over that of the simulations (thesis 2.7); empty without a baseline.
-    snsem: Mapping[str, float | None] = field(default_factory=dict)
 
 
 @one_blas_thread()
-def assess(
-    result: FitResult, baseline: Baseline | None = None, *, alternatives: bool = False
-) -> Assessment:
+def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
     """Judge a fit.
 
     With `alternatives` a named model is held against what it does not know of: where the data
     contradict it, its intervals reach to where a model of the laboratory would have the parameters.
-    The baseline's simulations are what standard errors are compared with.
-
-    Raises
-    ------
-    InputError
-        The baseline is of another model.
     """
     problem = result.problem
-    if baseline is not None:
-        check_baseline(baseline, problem)
     estimated = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
     robust, white = robust_covariance(result, estimated)
     interval, why = _believed(result, white) if robust else (Interval.THESIS, _NO_VARIANCE)
@@ -153,7 +139,6 @@ def assess(
         table |= marginal(result.family, problem, table, adequacy)
     parameters = {n: p for n, p in table.items() if not _is_nuisance(result, n)}
     nuisances = {n: p for n, p in table.items() if _is_nuisance(result, n)}
-    errors = {p.name: p.sem for p in parameters.values() if p.free}
     return Assessment(
         vaf=vaf(np.concatenate([torque for torque, _, _ in pairs]), residuals),
         rmse=rmse(residuals),
@@ -169,8 +154,6 @@ def assess(
         ipde_note=note,
         recordings=recordings,
         adequacy=adequacy,
-        baseline=baseline,
-        snsem={} if baseline is None else snsem(baseline, errors, problem.inputs[0].emg_unit),
     )
 
 

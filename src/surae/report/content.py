@@ -33,7 +33,6 @@ from surae.report.sections import (
     geometry_section,
     predictions_section,
     quality_section,
-    snsem_section,
     starts_section,
 )
 from surae.report.traces import Traces
@@ -102,7 +101,6 @@ def fit_document(
                     *trials_section(result, assessment),
                     correlation_section(assessment),
                     identifiability_section(result, assessment),
-                    *snsem_section(assessment),
                     *geometry_section(result),
                     starts_section(result),
                     provenance_section(result, assessment, versions),

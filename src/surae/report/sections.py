@@ -6,7 +6,7 @@ import numpy as np
 
 from surae.assessment import Assessment, Prediction, pooled
 from surae.estimation import FitResult
-from surae.formatting import NO_NUMBER, percentage, signed, significant, standard_error
+from surae.formatting import NO_NUMBER, percentage, signed, significant
 from surae.model.joint import ANKLE
 from surae.quality import Quality
 from surae.report.document import (
@@ -149,39 +149,6 @@ def _excess(sse: float, best: float) -> str:
     if part == 0:
         return "best"
     return f"+{significant(part, 2)} %" if part >= 1e-4 else "< 0.0001 %"
-
-
-def snsem_section(assessment: Assessment) -> tuple[SectionBlock, ...]:
-    """The snSEM of every parameter that has one; nothing without a baseline."""
-    baseline = assessment.baseline
-    if baseline is None:
-        return ()
-    rows = [
-        (
-            TableCell(name, kind="code"),
-            standard_error(p.sem),
-            standard_error(baseline.sem[name]),
-            "–" if p.unit == "-" else p.unit,
-            NO_NUMBER if ratio is None else significant(ratio, 3),
-        )
-        for name, ratio in assessment.snsem.items()
-        for p in [assessment.parameters[name]]
-    ]
-    text = (
-        "snSEM: the SEM of equation (34) over the mean SEM of simulated trials, in which the "
-        f"parameters were found correctly ({baseline.about}). Below 1, a parameter had more "
-        "influence on this torque than on the simulated one; above 1, less. It does not show "
-        "whether the model fits this torque."
-    )
-    table = TableBlock(
-        "Standard errors of the fit and of simulations",
-        columns("Parameter", "SEM (34)", "Simulated SEM", "Unit", "snSEM", numbers=(1, 2),
-                looks={4: "number value"}),
-        rows_of(rows),
-        "starts",
-    )  # fmt: skip
-    title = "Standard errors against simulations"
-    return (SectionBlock(title, (TextBlock(text), table), "snsem", "together"),)
 
 
 #: VAF [%] that a prediction may lie below that of the fit before it is worth a word.

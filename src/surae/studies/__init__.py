@@ -1,6 +1,5 @@
 """Virtual subjects and what is learnt from fitting them."""
 
-from surae.studies.baseline import make_baseline
 from surae.studies.imperfections import Imperfections, realistic_imperfections
 from surae.studies.populations import stream
 from surae.studies.run import study_rows
@@ -18,7 +17,6 @@ __all__ = [
     "Imperfections",
     "VirtualSubject",
     "fingerprint",
-    "make_baseline",
     "realistic_imperfections",
     "stream",
     "study_rows",

@@ -1,1 +1,1 @@
-"""A fit and a baseline as files."""
+"""A fit as a file."""

@@ -13,7 +13,6 @@ import numpy as np
 
 from surae._version import __version__
 from surae.assessment.assess import Assessment
-from surae.assessment.uncertainty.snsem import Baseline
 from surae.errors import InputError
 from surae.estimation import LOSSES, FitProblem, FitResult, Start
 from surae.filed import filed
@@ -33,7 +32,6 @@ class SavedFit:
     """What a FIT.json holds."""
 
     result: FitResult  #: The fit.
-    baseline: Baseline | None  #: The simulations that its standard errors were compared with.
     quality: tuple[Quality, ...]  #: What was found in each recording; empty where nobody looked.
 
 
@@ -54,7 +52,6 @@ def as_dict(
     problem, found, judged = result.problem, to_plain(result), to_plain(assessment)
     for recording, white in zip(judged["recordings"], judged.pop("whiteness"), strict=True):
         recording["residual"] = white
-    snsem, baseline = judged.pop("snsem"), assessment.baseline
     starts, agreeing = found.pop("starts"), found.pop("agreeing")
     return {
         "surae": result.versions.get("surae", __version__),
@@ -65,8 +62,6 @@ def as_dict(
         "message": result.message,
         **judged,
         "findings": to_plain(tuple(quality)),
-        "snsem": baseline
-        and {"values": snsem, "baseline": {"surae": __version__, **to_plain(baseline)}},
         "starts": {"n": len(starts), "agreeing": agreeing, "all": starts},
         **found,
         **to_plain(problem),
@@ -97,11 +92,6 @@ class _Left:
     n: int | None = None  #: Number of samples.
 
 
-@dataclass(frozen=True, slots=True)
-class _Compared:
-    baseline: Baseline
-
-
 @filed(inputs="traces", left="traces")
 @dataclass(frozen=True, slots=True)
 class _File:
@@ -114,7 +104,6 @@ class _File:
     inputs: tuple[ModelInputs, ...]
     left: tuple[_Left, ...]
     nuisances: Mapping[str, _Parameter] = field(default_factory=FrozenDict)
-    snsem: _Compared | None = None
     findings: tuple[Quality, ...] = ()
     settings: FitSettings | None = None  #: Format 1 had none.
 
@@ -125,8 +114,7 @@ def load_saved(path: PathLike) -> SavedFit:
     check_format(data, path)
     try:
         file = from_plain(_File, data)
-        baseline = None if file.snsem is None else file.snsem.baseline
-        return SavedFit(_result(file, data), baseline, file.findings)
+        return SavedFit(_result(file, data), file.findings)
     except InputError as error:
         raise InputError(f"{shown(path)}: {error}; fit again where this is damaged") from None
 

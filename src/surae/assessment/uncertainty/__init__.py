@@ -1,1 +1,1 @@
-"""How far off the estimates may be: their covariance, white or robust, and snSEM."""
+"""How far off the estimates may be: their covariance, white or robust."""
