@@ -8,7 +8,6 @@ import surae
 from surae import names
 from surae.estimation import LOSSES
 from surae.model import MODELS, ModelOptions, laboratory
-from surae.model.anthropometry import FOOT_SHARE
 from surae.model.parameters import OPTIONAL, OPTIONAL_PARAMETERS
 from surae.model.registry import PARAMETERS
 from surae.protocol import DEVICES, PROFILES, TASKS
@@ -27,7 +26,6 @@ def test_names_are_those_of_what_they_name() -> None:
     assert set(names.LOSSES) == set(LOSSES)
     assert set(names.POPULATIONS) == set(POPULATIONS)
     assert {of for p in PARAMETERS.values() for of in (*p.known, *p.drawn)} == set(POPULATIONS)
-    assert set(names.FOOT_SHARES) == set(FOOT_SHARE)
     assert (*names.PROFILES,) == (*PROFILES,)
     assert (*names.DESIGNED,) == (*ready_protocols(),)
     assert (*names.TASKS,) == (*TASKS,)

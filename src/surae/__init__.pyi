@@ -15,7 +15,6 @@ from surae.api import fit as fit
 from surae.api import load as load
 from surae.api import load_session as load_session
 from surae.api import measure_next as measure_next
-from surae.api import normalise as normalise
 from surae.api import posterior as posterior
 from surae.api import profile as profile
 from surae.api import session as session
@@ -30,7 +29,6 @@ from surae.measures import Measures as Measures
 from surae.measures.change import Change as Change
 from surae.measures.cohort import Cohort as Cohort
 from surae.measures.package import measures as measures
-from surae.model.anthropometry import foot_mass as foot_mass
 from surae.quality import Finding as Finding
 from surae.quality import Quality as Quality
 from surae.recording import Inspection as Inspection

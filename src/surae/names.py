@@ -47,7 +47,6 @@ DRIVES = {"emd": "an EMG delay", "reflex": "a stretch reflex"}
 LOSSES = ("huber", "soft-l1", "tukey")
 POPULATIONS = ("healthy", "patient")
 NORMALISATIONS = ("session", "mvc")
-FOOT_SHARES = ("winter", "de-leva-female", "de-leva-male")
 #: Whose the table of a geometry is.
 GEOMETRY_OF = ("generic", "person")
 #: Languages of the page for clinicians.

@@ -11,14 +11,13 @@ from surae.names import (
     AUTO,
     DRIVES,
     FITTED,
-    FOOT_SHARES,
     GEOMETRY_OF,
     LOSSES,
     NORMALISATIONS,
     NUISANCES,
     POPULATIONS,
 )
-from surae.setting import checked, default_of, documented, kind_of, setting, settings_of
+from surae.setting import checked, documented, kind_of, setting, settings_of
 
 if TYPE_CHECKING:  # what computes comes when it is needed: help reads the fields alone
     from surae.recording import Recording
@@ -101,21 +100,6 @@ class FitSettings:
         help="Priors of a population; --prior takes precedence.", label="Priors",
         words={"": "none", "healthy": "healthy population", "patient": "patient population"},
         first=True,
-    )  # fmt: skip
-    body_mass: float | None = setting(
-        None, "Fixes m at the foot's share of this mass [kg]; see `surae.foot_mass`.", least=5.0,
-        most=400.0, metavar="KG", help="Fix m: the foot is 1.45 % of it (Winter).",
-        label="Body mass [kg]", first=True,
-    )  # fmt: skip
-    footplate_mass: float = setting(
-        0.0, "What moves with the foot [kg].", least=0.0, most=20.0, needs="body_mass",
-        metavar="KG", help="Mass of the footplate, added to the foot's.", label="Footplate [kg]",
-    )  # fmt: skip
-    foot_share: str = setting(
-        "winter", "Whose share of the body's mass a foot has.", choices=FOOT_SHARES,
-        needs="body_mass", help="Table of the foot's share of body mass.",
-        label="Foot's share by", words={"winter": "Winter", "de-leva-female": "de Leva, women",
-        "de-leva-male": "de Leva, men"},
     )  # fmt: skip
     weights: "Weighting | tuple[Weighting, ...] | None" = setting(
         None, "What samples count, for all recordings or one for each, e.g. "
@@ -203,19 +187,6 @@ class FitSettings:
             if name in self.fixed:
                 raise InputError(f"start of {name} has no effect, as {name} is fixed; give one")
         Preparation().updated(self.preparation)
-        self._check_mass()
-
-    def _check_mass(self) -> None:
-        from surae.model.anthropometry import foot_mass
-
-        if self.body_mass is not None:
-            foot_mass(self.body_mass, self.footplate_mass, table=self.foot_share)
-            if "m" in self.fixed:
-                raise InputError("body_mass fixes m, and fixed does so too; give one of them")
-            return
-        for each, record in settings_of(type(self)):
-            if record.needs == "body_mass" and getattr(self, each.name) != default_of(each):
-                raise InputError(f"{each.name} has no effect without body_mass; give both")
 
     @classmethod
     def of(cls, model: "str | FitSettings" = AUTO, **keywords: Any) -> "FitSettings":
@@ -297,7 +268,7 @@ class FitSettings:
         recordings: "Sequence[Recording | ModelInputs]",
         mvc: "Sequence[Recording | ModelInputs]" = (),
     ) -> "tuple[ModelInputs, ...]":
-        """What the model reads of recordings: prepared, normalised, weighted, the foot weighed.
+        """What the model reads of recordings: prepared, normalised, weighted.
 
         Parameters
         ----------
@@ -316,7 +287,6 @@ class FitSettings:
         InputError
             A recording cannot be prepared so.
         """
-        from surae.model.anthropometry import with_foot_mass
         from surae.signals import normalise, weighted
 
         made: tuple[ModelInputs, ...] = tuple(self.prepare(recording) for recording in recordings)
@@ -324,8 +294,6 @@ class FitSettings:
             made = normalise(made, self.normalise, mvc=[self.prepare(each) for each in mvc])
         elif mvc:
             raise InputError("mvc has no effect without normalise='mvc'; give both")
-        if self.body_mass is not None:
-            made = with_foot_mass(made, self.body_mass, self.footplate_mass, table=self.foot_share)
         return made if self.weights is None else weighted(made, self.weights)
 
     def prepare(self, recording: "Recording | ModelInputs") -> "ModelInputs":

@@ -63,16 +63,6 @@ def test_priors_of_a_population_and_given_ones(run, files) -> None:
     assert alone.result.problem.priors["f0"].median == 1.96
 
 
-def test_body_mass_fixes_m_and_says_so(run, files) -> None:
-    options = ("--body-mass", "70", "--footplate-mass", "1.2", "--foot-share", "de-leva-male")
-    done = run("fit", "--model", "muscle", "trial.csv", *QUICK, *options)
-    assert done.code == 0, done
-    m = fitted(files)["parameters"]["m"]
-    assert m["value"] == surae.foot_mass(70.0, 1.2, table="de-leva-male")
-    assert not m["free"]
-    assert "Mass m fixed at 2.159 kg: 1.37 % of 70 kg body mass (de Leva 1996, men)" in done.out
-
-
 @pytest.mark.parametrize(
     ("options", "says"),
     [
@@ -90,11 +80,6 @@ def test_body_mass_fixes_m_and_says_so(run, files) -> None:
         (("--loss", "cauchy"), ("--loss", "'cauchy'", "soft-l1")),
         (("--robust", "--loss", "tukey"), ("--robust means --loss huber",)),
         (("--priors", "athletes"), ("--priors", "'athletes'", "patient")),
-        (("--body-mass", "70000"), ("whole body",)),
-        (("--body-mass", "70", "--fixed", "m=2"), ("fixes m",)),
-        (("--footplate-mass", "1"), ("footplate_mass has no effect without body_mass",)),
-        (("--foot-share", "de-leva-male"), ("foot_share has no effect without body_mass",)),
-        (("--body-mass", "70", "--foot-share", "dempster"), ("--foot-share", "'dempster'")),
     ],
 )
 def test_wrong_use_is_one_clear_line(options, says, run, files) -> None:

@@ -21,9 +21,6 @@ FULL = FitSettings.of(
     bounds={"k_tri": [30, 500.0]},
     priors=("healthy", {"tau_rel": (2.0, 0.5)}),
     weights=[Weighting(((-math.inf, 3.0, 0.0), (4.0, math.inf, 2.0)), 9.0, "emg"), Weighting()],
-    footplate_mass=1.0,
-    body_mass=70.0,
-    foot_share="de-leva-male",
     loss="huber",
     normalise="session",
     prepared=True,
@@ -80,10 +77,6 @@ def test_settings_given_whole_yield_to_keywords():
         ({"normalise": "max"}, "normalise is 'max'"),
         ({"priors": "giants"}, "population is .giants."),
         ({"preparation": {"cutoff": 3}}, "setting 'cutoff' is not known"),
-        ({"body_mass": 1.0}, "body mass 1 kg"),
-        ({"body_mass": 70.0, "fixed": {"m": 1.0}}, "give one of them"),
-        ({"footplate_mass": 1.0}, "no effect without body_mass"),
-        ({"foot_share": "de-leva-male"}, "no effect without body_mass"),
     ],
 )
 def test_what_no_model_could_mean_is_refused(asked, says):
@@ -104,11 +97,8 @@ def test_another_model_is_asked_what_it_has_parameters_for(model):
 
 
 def test_a_problem_keeps_its_settings_and_is_solved_by_them(trial):
-    settings = FitSettings.of(
-        "muscle", fixed={"beta": 1.0}, loss="huber", starts=2, seed=5, body_mass=70.0
-    )
+    settings = FitSettings.of("muscle", fixed={"beta": 1.0}, loss="huber", starts=2, seed=5)
     (inputs,) = settings.inputs([trial])
-    assert inputs.fixed["m"] == pytest.approx(0.0145 * 70.0)
     problem = make_problem([inputs], settings)
     assert problem.settings == settings
     result = solve(problem)

@@ -51,17 +51,6 @@ REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
         {"parameters": {"f0": {"prior": {"median": 2.0, "spread": 0.2}}}},
     ),
     "population": ({"priors": "patient"}, "--priors patient", {"population": "patient"}),
-    "body_mass": ({"body_mass": 70.0}, "--body-mass 70", {"body_mass": 70.0}),
-    "footplate_mass": (
-        {"body_mass": 70.0, "footplate_mass": 1.0},
-        "--body-mass 70 --footplate-mass 1",
-        {"body_mass": 70.0, "footplate_mass": 1.0},
-    ),
-    "foot_share": (
-        {"body_mass": 70.0, "foot_share": "de-leva-male"},
-        "--body-mass 70 --foot-share de-leva-male",
-        {"body_mass": 70.0, "foot_share": "de-leva-male"},
-    ),
     "weights": (
         {"weights": WEIGHTS},
         "--exclude :1 --weight 3:4:2 --weight-peaks 4 --peaks-of emg",
@@ -166,7 +155,7 @@ def together(names: set[str]) -> tuple[dict[str, Any], list[str], dict[str, Any]
     for name, (in_python, in_command, by_draft) in REACHED.items():
         if name in names:
             keywords |= in_python
-            options |= dict.fromkeys(in_command.split(" --"))  # --body-mass stands in three
+            options |= dict.fromkeys(in_command.split(" --"))
             rows = change.get("parameters", {}) | by_draft.get("parameters", {})
             change |= by_draft | ({"parameters": rows} if rows else {})
     if {"priors", "population"} <= names:
@@ -188,7 +177,7 @@ def test_all_fields_at_once_are_one_request(trial, monkeypatch) -> None:
 
 def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> None:
     """A small fit, the last of Python with the settings that the command line saved."""
-    keywords, options, change = together({"fixed", "priors", "weights", "body_mass", "seed"})
+    keywords, options, change = together({"fixed", "priors", "weights", "seed"})
     keywords |= {"model": "muscle", "normalise": "mvc", "starts": 1}
     options += ["--model", "muscle", "--normalise", "mvc", "--starts", "1"]
     change |= {"model": "muscle", "normalise": "mvc", "starts": 1}

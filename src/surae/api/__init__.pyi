@@ -26,7 +26,6 @@ from surae.api.quality import check as check
 from surae.api.quality import check_for as check_for
 from surae.api.recordings import AnyRecording as AnyRecording
 from surae.api.recordings import example as example
-from surae.api.recordings import normalise as normalise
 from surae.api.session_result import SessionResult as SessionResult
 from surae.api.session_result import load_session as load_session
 from surae.api.session_run import Step as Step

@@ -9,8 +9,7 @@ from surae.protocol import Protocol, generate, named_device
 from surae.recording import Recording, csv_columns, read, write_csv
 from surae.recording.dataframe import DataFrame, of_frame
 from surae.settings import FitSettings
-from surae.signals import EmgReference, ModelInputs, normalised, prepare
-from surae.signals import normalise as normalise_inputs
+from surae.signals import ModelInputs, normalised, prepare
 from surae.studies import Imperfections, virtual_recording, virtual_subject
 
 #: A recording in any form: read, prepared, the path of its file, or a DataFrame with the columns of
@@ -51,42 +50,6 @@ def as_in_fit(
     settings = FitSettings.of(problem.settings, prepared=as_they_are)
     inputs = (settings.prepare(read_in(recording)) for recording in recordings)
     return [normalised(each, first.emg_reference) for each in inputs]
-
-
-def normalise(
-    recordings: AnyRecording | Sequence[AnyRecording],
-    reference: str | EmgReference = "session",
-    *,
-    mvc: AnyRecording | Sequence[AnyRecording] = (),
-    prepared: bool = False,
-) -> tuple[ModelInputs, ...]:
-    """Prepare the recordings of a session, and divide EMG by one number for each muscle.
-
-    Parameters
-    ----------
-    recordings : Recording, ModelInputs, path, or a sequence of them
-        All recordings of the session.
-    reference : {"session", "mvc"} or EmgReference
-        The largest envelope in any of `recordings` or of `mvc`, averaged over 0.25 s; or that of
-        before, as ``fit.result.problem.inputs[0].emg_reference``.
-    mvc : Recording, ModelInputs, path, or a sequence of them
-        Maximum voluntary contractions.
-    prepared : bool
-        The signals are filtered and at the model's rate already: use them as they are.
-
-    Returns
-    -------
-    tuple of ModelInputs
-        For `fit`; weights g then come out in N.
-
-    Raises
-    ------
-    InputError
-        See `surae.signals.normalise`.
-    """
-    inputs = [as_inputs(recording, prepared) for recording in several(recordings)]
-    contractions = [as_inputs(recording, prepared) for recording in several(mvc)]
-    return normalise_inputs(inputs, reference, mvc=contractions)
 
 
 #: The torque sensor's noise [Nm]; raw EMG brings its own.

@@ -28,12 +28,11 @@ from surae.estimation.least_squares import Outcome
 from surae.estimation.noise import NoiseModel
 from surae.estimation.population import WIDENED, wide_priors
 from surae.estimation.posterior import LogPosterior, Point
-from surae.estimation.problem import FitProblem
+from surae.estimation.problem import MASSES, FitProblem
 from surae.estimation.result import TENDONS, FitResult
 from surae.estimation.summed import ChosenDepartures, summed
 from surae.frozen import FrozenDict
 from surae.model import adapted, get_model, with_optional
-from surae.model.anthropometry import MASSES
 from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
 from surae.model.sources import Gaussian
 from surae.progress import SearchProgress

@@ -19,7 +19,6 @@ from surae.model import (
     get_model,
     with_optional,
 )
-from surae.model.anthropometry import MASSES
 from surae.model.laboratory import richest
 from surae.model.parameters import OPTIONAL
 from surae.recording import MUSCLES
@@ -27,6 +26,9 @@ from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.signals.inputs import check_estimable
 from surae.units import FloatArray
+
+#: Between these lies the mass of any foot and plate, weighed [kg].
+MASSES = (0.0, 25.8)
 
 
 @filed("spec", "inputs", "base", "lower", "upper")

@@ -1,6 +1,6 @@
 """Many calls of one function: run anywhere, stopped at any time, kept, and gone on with."""
 
-from surae.runner.engines import AGAIN, KINDS, Batch, Died, Engine, Work, cores, in_threads, results
+from surae.runner.engines import AGAIN, KINDS, Batch, Died, Engine, Work, cores, results
 from surae.runner.ledger import Ledger, LedgerStatus, Running
 
 __all__ = [
@@ -14,6 +14,5 @@ __all__ = [
     "Running",
     "Work",
     "cores",
-    "in_threads",
     "results",
 ]

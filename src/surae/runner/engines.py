@@ -11,7 +11,7 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from contextlib import closing, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -297,34 +297,6 @@ def cores() -> int:
         quota, period = Path("/sys/fs/cgroup/cpu.max").read_text(encoding="ascii").split()
         count = min(count, math.ceil(int(quota) / int(period)))
     return max(count, 1)
-
-
-def in_threads(
-    work: Callable[..., Any],
-    calls: Mapping[str, Mapping[str, Any]],
-    workers: int | None,
-    progress: Callable[[str, int, int], None] | None = None,
-    stop: threading.Event | None = None,
-) -> dict[str, Any]:
-    """Do calls in threads, as many as there are processors where `workers` is None.
-
-    `progress` is called after each with its key, how many are done and how many there are; `stop`
-    is as of `results`.
-
-    Returns
-    -------
-    dict of str to object
-        What was done when all were, or the user stopped it with Ctrl-C, by key.
-    """
-    done: dict[str, Any] = {}
-    threads = Engine("threads", cores() if workers is None else workers)
-    with suppress(KeyboardInterrupt), closing(results(work, calls, threads, stop)) as batches:
-        for batch in batches:
-            for key, value in batch:
-                done[key] = value
-                if progress is not None:
-                    progress(key, len(done), len(calls))
-    return done
 
 
 def _in_cluster(work: Work, keywords: Mapping[str, Plain]) -> Plain:

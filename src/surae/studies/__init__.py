@@ -2,7 +2,6 @@
 
 from surae.studies.imperfections import Imperfections, realistic_imperfections
 from surae.studies.populations import stream
-from surae.studies.run import study_rows
 from surae.studies.tasks import fingerprint
 from surae.studies.virtual import (
     POPULATIONS,
@@ -19,7 +18,6 @@ __all__ = [
     "fingerprint",
     "realistic_imperfections",
     "stream",
-    "study_rows",
     "virtual_recording",
     "virtual_subject",
     "virtual_trial",

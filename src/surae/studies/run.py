@@ -4,11 +4,10 @@ from collections.abc import Generator, Mapping
 from dataclasses import asdict, dataclass
 from time import perf_counter
 
-from surae.files import PathLike
 from surae.progress import Progress
 from surae.runner import Batch, Engine, results
 from surae.studies.store import Store
-from surae.studies.study import Study, Value, parse_study
+from surae.studies.study import Study
 from surae.studies.tasks import FitTask, run_task
 
 
@@ -58,40 +57,6 @@ def run_study(
     store.keep(_computed(tasks, engine or Engine()), progress)
     status = store.status()
     return Finished(status.rows, status.calls, len(tasks), perf_counter() - begin)
-
-
-def study_rows(
-    text: str, store: PathLike, *, workers: int = 1, progress: Progress | None = None
-) -> list[dict[str, Value | None]]:
-    """The table of a study, computed as far as its store does not have it yet.
-
-    Parameters
-    ----------
-    text : str
-        A STUDY.toml.
-    store : path
-        Where its fits are kept.
-    workers : int
-        Processes.
-    progress : callable, optional
-        Called whenever outcomes have been kept.
-
-    Returns
-    -------
-    list of dict
-        A row by column for each combination of the factors, in the order of the plan.
-
-    Raises
-    ------
-    InputError, ComputationError
-        As of `parse_study` and `run`.
-    """
-    from surae.studies.store import study_table
-
-    study = parse_study(text)
-    with Store(store, write=True) as file:
-        run_study(study, file, engine=Engine("processes", workers), progress=progress)
-        return list(study_table(file))
 
 
 def _computed(tasks: Mapping[str, FitTask], engine: Engine) -> Generator[Batch]:

@@ -3,18 +3,14 @@ import { test } from "node:test";
 
 import { changeOf, inPlace, valueOf } from "./js/ui/settings.js";
 
-const mass = { path: ["body_mass"], default: null, needs: "" };
-const plate = { path: ["footplate_mass"], default: 0, needs: "body_mass" };
 const nuisances = { path: ["nuisances"], default: "all", needs: "model=auto" };
 const starts = { path: ["starts"], default: 8, needs: "" };
 const bessel = { path: ["preparation", "bessel_hz"], default: 20, needs: "" };
 const peaks = { path: ["weights", "peaks"], default: 0, needs: "" };
-const every = [mass, plate, nuisances, starts, bessel, peaks];
-const draft = { model: "auto", body_mass: null, starts: 3, weights: null, preparation: { rate_hz: 128, bessel_hz: false } };
+const draft = { model: "auto", starts: 3, weights: null, preparation: { rate_hz: 128, bessel_hz: false } };
 
 test("a setting is shown where it has an effect", () => {
-  assert.equal(inPlace(plate, draft), false);
-  assert.equal(inPlace(plate, { ...draft, body_mass: 70 }), true);
+  assert.equal(inPlace(starts, draft), true);
   assert.equal(inPlace(nuisances, draft), true);
   assert.equal(inPlace(nuisances, { ...draft, model: "muscle" }), false);
 });
@@ -26,12 +22,8 @@ test("a setting may be a key of the draft or lie within one", () => {
 });
 
 test("a change keeps what stands beside it; nothing is the default", () => {
-  assert.deepEqual(changeOf(starts, null, draft, every), { starts: 8 });
-  assert.deepEqual(changeOf(bessel, 10, draft, every), { preparation: { rate_hz: 128, bessel_hz: 10 } });
-  assert.deepEqual(changeOf(bessel, null, draft, every), { preparation: { rate_hz: 128 } });
-  assert.deepEqual(changeOf(peaks, 4, draft, every), { weights: { peaks: 4 } });
-});
-
-test("what has no effect without a setting goes with it", () => {
-  assert.deepEqual(changeOf(mass, null, { ...draft, body_mass: 70, footplate_mass: 2 }, every), { body_mass: null, footplate_mass: 0 });
+  assert.deepEqual(changeOf(starts, null, draft), { starts: 8 });
+  assert.deepEqual(changeOf(bessel, 10, draft), { preparation: { rate_hz: 128, bessel_hz: 10 } });
+  assert.deepEqual(changeOf(bessel, null, draft), { preparation: { rate_hz: 128 } });
+  assert.deepEqual(changeOf(peaks, 4, draft), { weights: { peaks: 4 } });
 });

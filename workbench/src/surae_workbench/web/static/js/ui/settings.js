@@ -5,7 +5,7 @@ import { field, h, replace, select } from "../core/dom.js";
 /** Draw the settings of a draft; `store(what, label)` keeps a change. */
 export function settingsForm(main, more, models, draft, store, recordings) {
   const shown = models.settings.filter((one) => inPlace(one, draft));
-  const fields = (first) => shown.filter((one) => one.first === first).map((one) => setting(one, models.settings, draft, store));
+  const fields = (first) => shown.filter((one) => one.first === first).map((one) => setting(one, draft, store));
   replace(main, fields(true), h("div", { class: "drives" }, models.drives.map((one) => drive(one, draft.parameters, store))));
   replace(more, fields(false), draft.normalise === "mvc" && contractions(recordings, draft, store));
 }
@@ -13,7 +13,7 @@ export function settingsForm(main, more, models, draft, store, recordings) {
 /** Whether a setting has an effect, beside those that are set. */
 export function inPlace({ needs }, draft) {
   const [name, value] = needs.split("=");
-  return !needs || (value === undefined ? draft[name] !== null : draft[name] === value);
+  return !needs || draft[name] === value;
 }
 
 /** What a draft says of a setting: null where that is nothing. */
@@ -22,25 +22,23 @@ export function valueOf({ path }, draft) {
   return (part === undefined ? draft[key] : draft[key]?.[part]) ?? null;
 }
 
-/** The change of a draft that gives a setting a value; null: its default. What needs it goes with it. */
-export function changeOf({ path, default: usual }, value, draft, settings) {
+/** The change of a draft that gives a setting a value; null: its default. */
+export function changeOf({ path, default: usual }, value, draft) {
   const [key, part] = path;
   if (part !== undefined) {
     const made = { ...draft[key], [part]: value };
     if (value === null) delete made[part];
     return { [key]: made };
   }
-  const change = { [key]: value ?? usual };
-  if (value === null) for (const one of settings) if (one.needs === key) change[one.path[0]] = one.default;
-  return change;
+  return { [key]: value ?? usual };
 }
 
 /** One setting: a choice, or a number with its default in grey. */
-function setting(one, settings, draft, store) {
+function setting(one, draft, store) {
   const now = valueOf(one, draft);
   const id = `set-${one.path.join("-")}`;
   const keep = (value, label) => {
-    const change = changeOf(one, value, draft, settings);
+    const change = changeOf(one, value, draft);
     if (one.path[0] === "normalise" && value !== "mvc") change.mvc = [];
     return store(change, label);
   };
