@@ -10,7 +10,7 @@ READY  := $(VENV)/.ready
 # Compiled files are kept: else every worker, and every process that a test starts, compiles anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-all check bench docs release wheel lock browser clean
+.PHONY: demo test test-all check bench messages docs release wheel lock browser clean
 
 demo: $(READY)          ## fit the embedded virtual subject, write demo/report.html
 	@$(BIN)/surae demo --output demo
@@ -28,6 +28,11 @@ check: $(READY)         ## style and types
 
 bench: $(READY)         ## speed against the plain SciPy baseline
 	$(BIN)/pytest benchmarks --benchmark-columns=median,iqr,rounds --benchmark-sort=name
+
+messages: $(READY)      ## bring the catalogues of the leg's page up to the source
+	@for each in nl de fr; do $(BIN)/pybabel -q extract --no-location --no-wrap --sort-output -k N_ -k self -k many:1,2 \
+	  -o .messages.pot src/surae && $(BIN)/pybabel -q update --no-fuzzy-matching --ignore-obsolete --no-wrap --ignore-pot-creation-date \
+	  -i .messages.pot -d src/surae/report/locale -D surae -l $$each; done; rm -f .messages.pot
 
 docs: $(READY)          ## the documentation site, its examples executed, in docs/_build/html
 	@rm -rf docs/api/generated

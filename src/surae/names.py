@@ -49,7 +49,7 @@ POPULATIONS = ("healthy", "patient")
 NORMALISATIONS = ("session", "mvc")
 #: Whose the table of a geometry is.
 GEOMETRY_OF = ("generic", "person")
-#: Languages of the page for clinicians.
+#: Languages of the leg's page.
 LANGUAGES = ("en", "nl", "de", "fr")
 #: What a peak is one of, where peaks count more.
 ACTIVITIES = ("torque", "emg")

@@ -1,40 +1,29 @@
-"""Words that judge: one record each, of which colours, styles and the clinical page are made."""
+"""Words that judge: one record each, of which colours, styles and the leg's page are made."""
 
 from typing import Literal, NamedTuple
 
 
-class Text(NamedTuple):
-    """One text in every language of the page for clinicians."""
-
-    en: str
-    nl: str
-    de: str
-    fr: str
+def N_(message: str) -> str:
+    """Mark a message of the catalogue that `surae.report.language.Words` translates later."""
+    return message
 
 
 class Judgement(NamedTuple):
-    """What a word means to the eye, and what the clinical page says for it."""
+    """What a word means to the eye, and how the leg's page puts it."""
 
     role: Literal["good", "weak", "bad", "quiet"]
-    clinic: Text | None = None
+    plain: str = ""
 
 
 JUDGEMENTS = {
-    "identified": Judgement("good", Text("known", "bekend", "bekannt", "connu")),
-    "weak": Judgement("weak", Text("roughly", "ruw", "grob", "approximatif")),
-    "undetermined": Judgement("weak", Text("not known", "onbekend", "unbekannt", "inconnu")),
-    "at-bound": Judgement(
-        "bad", Text("at its limit", "op de grens", "an der Grenze", "à la limite")
-    ),
-    "fixed": Judgement("quiet", Text("assumed", "aangenomen", "angenommen", "supposé")),
-    "changed": Judgement("good", Text("changed", "veranderd", "verändert", "changé")),
-    "no change shown": Judgement(
-        "weak", Text("none shown", "niet aangetoond", "nicht nachgewiesen", "non démontré")
-    ),
-    "not comparable": Judgement(
-        "quiet",
-        Text("not comparable", "niet vergelijkbaar", "nicht vergleichbar", "non comparable"),
-    ),
+    "identified": Judgement("good", N_("known")),
+    "weak": Judgement("weak", N_("roughly")),
+    "undetermined": Judgement("weak", N_("not known")),
+    "at-bound": Judgement("bad", N_("at its limit")),
+    "fixed": Judgement("quiet", N_("assumed")),
+    "changed": Judgement("good", N_("changed")),
+    "no change shown": Judgement("weak", N_("none shown")),
+    "not comparable": Judgement("quiet", N_("not comparable")),
     "adequate": Judgement("good"),
     "doubtful": Judgement("weak"),
     "inadequate": Judgement("bad"),

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from babel.messages.pofile import read_po
 from matplotlib.text import Text
 
 import surae
-import surae.api
 import surae.cli
 from surae.cli.screen import show_fit
 from surae.errors import InputError
@@ -21,6 +21,7 @@ from surae.model.laboratory import laboratory
 from surae.model.movement import gravity_torque
 from surae.report.figures import torque_figure
 from surae.report.figures.joint import relabelled
+from surae.report.language import catalogue
 from surae.report.traces import traces_of
 
 FILES = Path(__file__).parents[2] / "examples" / "wrist"
@@ -37,10 +38,16 @@ OF_THE_ANKLE = re.compile(
     re.IGNORECASE,
 )
 TRANSLATED = re.compile(
-    r"\b(enkels?|kuit\w*|dorsa\w*|planta\w*|benen|been|Sprunggelenk\w*|Wade\w*|Beine?|chevilles?"
-    r"|mollet|tibial|jambes?)\b",
+    r"\b(enkels?|kuit\w*|dorsa\w*|planta\w*|benen|been|voet\w*|soleus|gastrocnem\w*|Sprunggelenk\w*"
+    r"|Wade\w*|Beine?|Beins|Fuß\w*|chevilles?|mollet|tibial|soléaire|jambes?|pieds?)\b",
     re.IGNORECASE,
 )
+#: Whom norms are of, which another joint has not.
+NORMS = {
+    "nl": ["spastische enkels na een beroerte"],
+    "de": ["spastische Sprunggelenke nach Schlaganfall"],
+    "fr": ["chevilles spastiques après AVC"],
+}
 
 
 @pytest.fixture(scope="module")
@@ -96,11 +103,6 @@ def test_nothing_that_is_read_speaks_of_an_ankle(fit, tmp_path, capsys) -> None:
     measured = capsys.readouterr().out
     assert "healthy adults" not in measured
     told += measured.splitlines()
-    surae.api.write_clinical_page(tmp_path / "page.html", [fit])
-    told += read_of(tmp_path / "page.html").split(".")
-    for language in ("nl", "de", "fr"):
-        surae.api.write_clinical_page(tmp_path / "page.html", [fit], language=language)
-        told.append(TRANSLATED.sub("ankle", read_of(tmp_path / "page.html")))
     show_fit(fit)
     told += capsys.readouterr().out.splitlines()
     assert [line for line in told if OF_THE_ANKLE.search(line)] == []
@@ -116,7 +118,6 @@ def test_nothing_that_is_read_speaks_of_an_ankle(fit, tmp_path, capsys) -> None:
 #: Literals that nobody reads: keys, and what names in files are recognised by; and the source of a
 #: prior that is about heels.
 UNREAD = {
-    ("report/clinical.py", "dorsal"), ("report/clinical.py", "plantar"),
     ("quality/torque.py", "achilles"), ("model/sources.py", "heel"),
 }  # fmt: skip
 
@@ -219,3 +220,17 @@ def test_a_session_and_its_page_are_of_the_joint(trial, tmp_path) -> None:
     assert result.joint.values["l0_tri"] == pytest.approx(TRUTH["l0_tri"], rel=0.05)
     said = read_of(tmp_path / "out" / "report.html")
     assert [line for line in said.split(".") if OF_THE_ANKLE.search(line)] == []
+    for language in ("nl", "de", "fr"):
+        result.report(tmp_path / "page.html", before=result, language=language)
+        assert not TRANSLATED.search(read_of(tmp_path / "page.html"))
+
+
+@pytest.mark.parametrize("language", ["nl", "de", "fr"])
+def test_every_translated_word_of_the_ankle_has_another_joints_in_its_place(language) -> None:
+    wrist = read_joint(WRIST["joint"])
+    with catalogue(language).open("rb") as file:
+        texts = [text for m in read_po(file) for text in np.atleast_1d(m.string) if m.id]
+    worded = {text: wrist.worded(str(text), language) for text in texts}
+    assert [text for text in texts if TRANSLATED.search(worded[text])] == NORMS[language]
+    with pytest.raises(InputError, match=r"no words in 'nl'; give \[words.nl\]"):
+        replace(wrist, words={}).worded("de enkel", "nl")

@@ -12,7 +12,6 @@ from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import fit_problem, make_problem, solve
 from surae.estimation.result import OfRecording
 from surae.model.sources import SOURCES
-from surae.names import LANGUAGES
 from surae.report.budget import budget_of, budget_section, what_to_measure, what_would_help
 from surae.report.document import TableBlock
 from surae.report.laboratory import (
@@ -241,7 +240,7 @@ def test_one_start_of_a_named_model_is_still_warned_of(make_trial):
 
 
 def test_every_source_has_its_words_advice_and_look():
-    """One record has all that is shown of a source, on paper, on screen and in every language."""
+    """One record has all that is shown of a source, on paper and on screen."""
     from matplotlib.colors import is_color_like
 
     from surae.report.figures.budget import _COLOURS
@@ -255,8 +254,7 @@ def test_every_source_has_its_words_advice_and_look():
         assert source.meaning
         assert is_color_like(_COLOURS[source.look.colour])
         assert f"--{source.look.colour}: #" in tokens
-        for language in LANGUAGES:
-            assert getattr(source.remedy, language).endswith(".")
+        assert source.remedy.endswith(".")
 
 
 def test_what_a_fit_can_find_has_a_record(auto):

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+import surae
 from surae import simulate
 from surae.cli import main
 from surae.protocol import Protocol, generate
@@ -116,3 +117,11 @@ def other_leg(tmp_path_factory):
     path = tmp_path_factory.mktemp("other") / "other.csv"
     write_trial(path, virtual_trial(virtual_subject(seed=8), generate(MOVES), seed=1))
     return path
+
+
+@pytest.fixture(scope="session")
+def done(leg, tmp_path_factory):
+    """The leg's session, fitted: its folder and its result."""
+    folder = tmp_path_factory.mktemp("out")
+    with blank_figures():
+        return folder, surae.session(leg).run(folder, model="muscle", prepared=True, starts=1)

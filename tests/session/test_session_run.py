@@ -1,7 +1,6 @@
 """A session from folder to report: kept, resumed, stopped; and what it must not claim."""
 
 import csv
-import html
 import json
 import re
 import shutil
@@ -14,23 +13,12 @@ import surae
 from surae.api import session_run
 from surae.assessment import Verdict
 from surae.errors import InputError
-from surae.measures.curve import torque_curve
-from surae.measures.measured import HeldPoint, measured_slope
-from surae.report import output
+from surae.report.agreement import spread, trial_cell
 from surae.report.document import TableCell
-from surae.report.leg import _follows, first_answer
-from surae.report.session import _crossings, _estimate, _spread
+from surae.report.trials import crossings
 from surae.trials import Crossed
-from undrawn import blank_figures
 
 QUICK = {"model": "muscle", "prepared": True, "starts": 1}
-
-
-@pytest.fixture(scope="module")
-def done(leg, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("out")
-    with blank_figures():
-        return folder, surae.session(leg).run(folder, **QUICK)
 
 
 def test_each_and_all_are_fitted_and_predicted(done):
@@ -67,18 +55,18 @@ def test_a_passive_trial_predicts_no_active_one(done):
     for active in ("walk 1", "walk 2"):
         assert result.predictions["passive"][active] == Crossed(reason="no effort here")
     assert result.predictions["walk 1"]["passive"].bias is not None
-    shown = _crossings(result.predictions, {}, result.session.trials)
+    shown = crossings(result.predictions, {}, result.session.trials)
     assert dict(shown)["passive"][1] == TableCell("—", "no effort here")
 
 
-def test_a_value_that_no_trial_informs_has_no_spread(done):
+def test_a_value_that_no_trial_informs_has_nospread(done):
     """Its interval is all that is allowed; that every trial leaves its start is no agreement."""
     _, result = done
     p = next(p for p in result.joint.parameters.values() if p.free and p.ci95)
     start = replace(p, ci95=(p.lower, p.upper), verdict=Verdict.UNDETERMINED)
-    assert _spread([start] * 9) == "not informed"
-    assert _spread([p, p, start]) == "0 % of 2"
-    assert _estimate(start) == TableCell("—", "not informed", "undetermined")
+    assert spread([start] * 9) == "not informed"
+    assert spread([p, p, start]) == "0 % of 2"
+    assert trial_cell(start) == TableCell("—", "not informed", "undetermined")
 
 
 def test_the_folder_holds_everything(done):
@@ -179,30 +167,6 @@ def test_holds_alone_identify_nothing(leg, tmp_path, run):
     assert "identified" not in page.split("</style>")[1]
 
 
-def test_held_angles_answer_before_any_fit(leg):
-    session = surae.session(leg)
-    assert first_answer(session.trials) == ""  # one hold shows no slope
-    (hold,) = (trial for trial in session.trials if trial.hold is not None)
-    moved = replace(hold.hold, angle=hold.hold.angle + 0.2, torque=hold.hold.torque + 2.0)
-    both = [replace(each, effort="passive") for each in (hold, replace(hold, hold=moved))]
-    assert "0.17 Nm/° from" in first_answer(both)  # 2 Nm over 11.46°
-
-
-def test_a_model_that_held_angles_contradict_is_no_headline(done):
-    _, result = done
-    curve = torque_curve(result.joint.result, result.joint.assessment)
-    model = curve, np.zeros_like(curve.angle)
-    ends = curve.angle[[0, 7, -1]]
-    for steeper, agrees in ((1.0, True), (5.0, False)):
-        torque = steeper * np.interp(ends, curve.angle, curve.passive.torque)
-        torque += np.array([-0.01, 0.02, -0.01])
-        holds = [HeldPoint(str(a), float(a), float(t)) for a, t in zip(ends, torque, strict=True)]
-        slope = measured_slope(holds, (), 10.0)
-        near = replace(slope, interval=(slope.value - 0.01, slope.value + 0.01))
-        assert _follows(model, holds, near) is agrees
-        assert _follows(model, holds, replace(slope, interval=None))
-
-
 def test_a_turned_trial_is_not_in_the_joint_fit(leg, tmp_path):
     for name in ("walk 1", "walk 2", "passive"):
         shutil.copy(leg / f"{name}.csv", tmp_path)
@@ -279,72 +243,6 @@ def test_figures_of_a_session(done, tmp_path):
     assert 'width="481' in text  # 170 mm in points
     with pytest.raises(InputError, match="nothing to draw"):
         surae.SessionResult(result.session, result.settings).figure(tmp_path / "x.svg")
-
-
-QUESTIONS = ("How stiff is it?", "Tissue, muscle or tendon?", "Did it change?", "Can I trust it?")
-
-
-def test_the_report_answers_four_questions_first(done):
-    page = (done[0] / "report.html").read_text().split("</style>")[1]
-    places = [page.index(text) for text in (*QUESTIONS, "Details", "Research", "by-trial")]
-    assert places == sorted(places)
-    assert "Nm/°</strong>" in page
-    assert "One visit" in page
-    assert page.count("<h1>") == 1
-
-
-@pytest.mark.usefixtures("words_alone")
-def test_an_earlier_visit_is_compared_in_three_measures(done, tmp_path):
-    _, result = done
-    result.report(tmp_path / "x.html", before=result)
-    page = (tmp_path / "x.html").read_text()
-    card = page[page.index('id="change"') : page.index('id="trust"')]
-    assert card.count('<th scope="row"') == 3
-    if result.joint.adequacy.grade == "doubtful":
-        assert "no change is claimed" in card  # a doubtful fit never says Yes
-    else:
-        assert "Not shown" in card
-        assert "could have shown a change" in card
-
-
-def test_a_notebook_shows_the_legs_page(done):
-    with blank_figures():
-        shown = done[1]._repr_html_()
-    assert all(f">{text}</h2>" in shown for text in QUESTIONS)
-    assert "<script" not in shown
-
-
-@pytest.mark.usefixtures("words_alone")
-def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkeypatch):
-    folder, result = done
-    seen = {}
-
-    def keep(template: bytes, place, content) -> bytes:
-        assert template
-        seen.update(json.loads(json.dumps(content)), files={f.name for f in place.iterdir()})
-        return b"%PDF-"
-
-    result.report(tmp_path / "whole.pdf")
-    assert (tmp_path / "whole.pdf").read_bytes().startswith(b"%PDF-")
-    monkeypatch.setattr(output, "typeset", keep)
-    result.report(tmp_path / "session.pdf")
-    page = html.unescape((folder / "report.html").read_text())
-    first, details, research = seen["blocks"]
-    assert [card["title"] for card in first["blocks"]] == list(QUESTIONS)
-    assert first["blocks"][3]["blocks"][0]["grade"] == str(result.joint.adequacy.grade)
-    sections = {b["title"]: b["blocks"] for part in (details, research) for b in part["blocks"]}
-    ((_, rows),) = sections["Trials"][0]["groups"]
-    assert [row[0] for row in rows] == [t.name for t in result.session.trials]
-    said = [trial.why for trial in result.session.trials if trial.why]
-    said += [name for name in result.joint.parameters if result.joint.parameters[name].free]
-    printed = repr(seen["blocks"])
-    for text in said:
-        assert text in page
-        assert text in printed
-    assert {"torques.svg", "trials.svg", "stiffness.svg"} <= seen["files"]
-    assert page.count('<details class="explore">') == len(result.joined)
-    refused = run("session", folder, "--output", tmp_path / "o", "--report", "r.docx")
-    assert (refused.code, ".html or .pdf" in refused.err) == (2, True)
 
 
 def test_a_damaged_folder_is_told(tmp_path):

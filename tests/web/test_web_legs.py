@@ -70,6 +70,8 @@ def test_a_session_is_that_of_surae(browser, imported, files) -> None:
     assert joint["summary"]["recordings"] == [imported["walk one"], imported["walk two"]]
     page = browser.get(f"/api/sessions/{job['result']}/report.html")
     assert "How stiff is it?" in page.text
+    page = browser.get(f"/api/sessions/{job['result']}/report.html?language=de")
+    assert "Wie steif ist es?" in page.text
     assert told["visits"] == []
     again = browser.get(f"/api/sessions/{job['result']}/change?before={job['result']}").json()
     assert "fixed beforehand" in again["html"]

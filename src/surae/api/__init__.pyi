@@ -5,7 +5,7 @@ from surae.api.answers import change_part as change_part
 from surae.api.answers import cohort as cohort
 from surae.api.answers import fit_of as fit_of
 from surae.api.answers import predictions_part as predictions_part
-from surae.api.answers import write_clinical_page as write_clinical_page
+from surae.api.answers import write_change_page as write_change_page
 from surae.api.answers import write_cohort_page as write_cohort_page
 from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design
@@ -155,9 +155,9 @@ from surae.report.parameters import repeatable as repeatable
 from surae.report.parameters import shown_parameters as shown_parameters
 from surae.report.provenance import emphasis_text as emphasis_text
 from surae.report.recordings import film_facts as film_facts
-from surae.report.session import trial_row as trial_row
 from surae.report.traces import extremes as extremes
 from surae.report.traces import min_max as min_max
+from surae.report.trials import trial_words as trial_words
 from surae.report.wording import adequacy_words as adequacy_words
 from surae.settings import FitSettings as FitSettings
 from surae.signals import ModelInputs as ModelInputs

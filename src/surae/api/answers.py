@@ -129,45 +129,44 @@ def write_cohort_page(path: PathLike, cohort: Cohort) -> None:
     cohort_report(cohort, created=datetime.now().astimezone()).write(path)
 
 
-def write_clinical_page(
+def write_change_page(
     path: PathLike,
+    change: Change,
     fits: Sequence[Fit],
     *,
+    baselines: Sequence[Fit] = (),
     language: str = "en",
-    angle: float = 10.0,
-    norms: PathLike | None = None,
-    change: Change | None = None,
+    angle: float | None = None,
 ) -> None:
-    """Write the page for clinicians: of one fit, or of what changed between two.
+    """Write the page of what changed: three measures fixed beforehand, then every measure.
 
     Parameters
     ----------
     path : path
-        HTML, which prints on one A4, or a PDF where it ends in ``.pdf``.
+        HTML, or a PDF where it ends in ``.pdf``.
+    change : Change
+        As `change` made it.
     fits : sequence of Fit
-        One, or the two of `change`.
+        Both that were compared.
+    baselines : sequence of Fit
+        Further sessions from before anything changed.
     language : {"en", "nl", "de", "fr"}
-        Of the page.
-    angle : float
-        Where torque and stiffness are given [deg].
-    norms : path, optional
-        A laboratory's own norms, in place of those of cited papers.
-    change : Change, optional
-        What `change` made of two fits.
+        The reader's.
+    angle : float, optional
+        Where torque and stiffness are given [deg]; by default 10, or what was measured near it.
 
     Raises
     ------
     InputError
-        The language is not known, the norms cannot be read, or the page cannot be written.
+        The language is not known, or the page cannot be written.
     """
-    from surae.report.clinical import change_page, fit_page  # matplotlib
+    from surae.report.change import change_report  # matplotlib
 
-    now, sides = datetime.now().astimezone(), [(fit.result, fit.assessment) for fit in fits]
-    if change is None:
-        page = fit_page(*sides[0], created=now, language=language, angle=angle, norms=norms)
-    else:
-        page = change_page(change, sides, created=now, language=language, angle=angle)
-    page.write(path)
+    sides, before = ([(f.result, f.assessment) for f in each] for each in (fits, baselines))
+    change_report(
+        change, sides, created=datetime.now().astimezone(), baselines=before, language=language,
+        angle=angle,
+    ).write(path)  # fmt: skip
 
 
 def change_part(before: Fit | PathLike, after: Fit | PathLike) -> str:
@@ -189,10 +188,13 @@ def change_part(before: Fit | PathLike, after: Fit | PathLike) -> str:
         A file cannot be read.
     """
     from surae.report import part_of
-    from surae.report.leg import change_blocks  # matplotlib
+    from surae.report.cards import change_card
+    from surae.report.language import words_in
+    from surae.report.leg import compared, visit_angle  # matplotlib
 
     first, second = ((fit.result, fit.assessment) for fit in map(fit_of, (before, after)))
-    return part_of(change_blocks(first, second), {})
+    card = change_card(compared(first, second), visit_angle(second), words_in("en"))
+    return part_of(card, {})
 
 
 def predictions_part(fit: Fit, predictions: "Sequence[Prediction]") -> str:

@@ -132,7 +132,9 @@ class SessionResult:
         rows = self.rows()
         write_table(path, list(dict.fromkeys(name for row in rows for name in row)), rows)
 
-    def report(self, path: PathLike, *, before: "SessionResult | None" = None) -> None:
+    def report(
+        self, path: PathLike, *, before: "SessionResult | None" = None, language: str = "en"
+    ) -> None:
         """Write the leg's page: one self-contained HTML file, or a PDF where `path` ends so.
 
         Parameters
@@ -141,17 +143,30 @@ class SessionResult:
             Where to.
         before : SessionResult, optional
             An earlier visit of the leg, to say what has changed since.
+        language : {"en", "nl", "de", "fr"}
+            The reader's; details and research are in English alone.
 
         Raises
         ------
         InputError
-            It cannot be written, or a PDF needs typst.
+            It cannot be written, a PDF needs typst, or the language is not known.
         """
-        self._report(before).write(path)
+        self._report(before, language).write(path)
 
-    def blocks(self) -> dict[str, Any]:
-        """The leg's page as plain data: its blocks, its images as data URLs, and its signals."""
-        return self._report(None).plain()
+    def blocks(self, language: str = "en") -> dict[str, Any]:
+        """The leg's page as plain data.
+
+        Parameters
+        ----------
+        language : {"en", "nl", "de", "fr"}
+            The reader's.
+
+        Returns
+        -------
+        dict
+            Its blocks, its images as data URLs, and its signals.
+        """
+        return self._report(None, language).plain()
 
     def _repr_html_(self) -> str:
         """The leg's page, as a notebook's cell shows it."""
@@ -165,26 +180,29 @@ class SessionResult:
         """The fit that stands for the leg: that of all together, or the only one."""
         return self.joint or (next(iter(self.fits.values())) if len(self.fits) == 1 else None)
 
-    def _report(self, before: "SessionResult | None") -> "Report":
-        from surae.report.rendering import session_page  # matplotlib
+    def _report(self, before: "SessionResult | None", language: str) -> "Report":
+        from surae.report.session import FittedLeg, session_report  # matplotlib
 
-        earlier = None if before is None else before.main
         about = ("side", "date", "condition", "notes")
-        joint = None if self.joint is None else (self.joint.result, self.joint.assessment)
-        return session_page(
+        leg = FittedLeg(
             name=self.session.name,
             about={key: getattr(self.session, key) for key in about},
             trials=self.session.trials,
             fits={name: (fit.result, fit.assessment) for name, fit in self.fits.items()},
-            joint=joint,
+            joint=None if self.joint is None else (self.joint.result, self.joint.assessment),
             joined=self.joined,
             failed=self.failed,
             quality=self.quality,
             predictions=self.predictions,
             joint_predictions=self.joint_predictions,
-            created=datetime.now().astimezone(),
             interrupted=self.interrupted,
+        )
+        earlier = None if before is None else before.main
+        return session_report(
+            leg,
+            created=datetime.now().astimezone(),
             before=None if earlier is None else (earlier.result, earlier.assessment),
+            language=language,
         )
 
     def figure(self, path: PathLike, *, width: float = 170.0) -> None:
@@ -206,12 +224,12 @@ class SessionResult:
             raise InputError(
                 f"{self.session.name}: no trial was fitted, so there is nothing to draw"
             )
+        from surae.report.agreement import agreement_figure
         from surae.report.figures import write_figure
-        from surae.report.session import session_figure
 
         alone = {name: fit.assessment for name, fit in self.fits.items()}
         joint = None if self.joint is None else self.joint.assessment
-        write_figure(path, session_figure(alone, joint, width=width / 25.4))
+        write_figure(path, agreement_figure(alone, joint, width=width / 25.4))
 
     def save(self, folder: PathLike) -> None:
         """Write the folder that `load_session` reads: fits, tables, report and index.

@@ -19,7 +19,7 @@ from surae.requests import ChangeSettings
               help="A further session before anything changed; may be repeated.")  # fmt: skip
 @settings_options(ChangeSettings)
 @click.option("--output", metavar="C.json", help="Write the comparison.")
-@click.option("--report", metavar="C.html", help="Write the page for clinicians.")
+@click.option("--report", metavar="C.html", help="Write a page of it: HTML or PDF.")
 @LANGUAGE
 def command(
     before: str,
@@ -49,7 +49,9 @@ def command(
     show_answer(change.as_table())
     if report is not None:
         angles = options.get("angles", ())
-        angle = angles[0] if len(angles) == 1 else 10.0
-        sides = [api.fit_of(before), api.fit_of(after)]
-        api.write_clinical_page(report, sides, language=language, angle=angle, change=change)
+        api.write_change_page(
+            report, change, [api.fit_of(before), api.fit_of(after)],
+            baselines=[api.fit_of(each) for each in baselines], language=language,
+            angle=angles[0] if len(angles) == 1 else None,
+        )  # fmt: skip
     show_files({"change": output, "report": report})

@@ -3,7 +3,7 @@
 import click
 
 from surae import api
-from surae.cli.options import LANGUAGE, Number
+from surae.cli.options import Number
 from surae.cli.paths import check_outputs, spare_fits
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_answer, show_files, show_line
@@ -16,26 +16,21 @@ from surae.cli.screen import show_answer, show_files, show_line
               "[default: −10, 0, 10]")  # fmt: skip
 @click.option("--norms", metavar="N.toml", help="Your own norms in place of published ones.")
 @click.option("--output", metavar="M.json|csv", help="Write the measures.")
-@click.option("--report", metavar="M.html", help="Write the page for clinicians.")
-@LANGUAGE
 def command(
     fitted: str,
     angles: tuple[float, ...],
     norms: str | None,
     output: str | None,
-    report: str | None,
-    language: str,
 ) -> None:
     """Compute stiffness, torque and more of a fitted leg in Nm and degrees, with intervals.
 
     Torque and stiffness at rest, what relaxes, how strong and how fast the muscles are, and what
     the torque of the recordings is made of. Dorsiflexion is positive.
     """
-    outputs = {"--output": output, "--report": report}
+    outputs = {"--output": output}
     check_outputs(outputs, [fitted])
     spare_fits(outputs)
 
-    api.check_report(report)
     fit = api.fit_of(fitted)
     beside = api.read_norms(norms, fit.result.problem.options.anatomy)
     with compilation_notice():
@@ -50,7 +45,4 @@ def command(
             f"{norm.measure}: {place.text} of {norm.group} (n = {norm.n}, "
             f"{norm.condition}) lie below; {norm.reference}"
         )
-    if report is not None:
-        angle = angles[0] if len(angles) == 1 else 10.0
-        api.write_clinical_page(report, [fit], language=language, angle=angle, norms=norms)
-    show_files({"measures": output, "report": report})
+    show_files({"measures": output})

@@ -294,7 +294,7 @@ _MVC = click.option(
 
 
 LANGUAGE = click.option("--language", type=click.Choice(names.LANGUAGES), default="en",
-                        help="Of the report.  [default: en]")  # fmt: skip
+                        help="Of the leg's page.  [default: en]")  # fmt: skip
 MAPPING = click.option("--mapping", metavar="MAP.toml",
                        help="Read the files as this mapping says, of all of them.")  # fmt: skip
 

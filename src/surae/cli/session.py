@@ -7,6 +7,7 @@ import click
 
 from surae import api
 from surae.cli.options import (
+    LANGUAGE,
     MAPPING,
     figure_options,
     request,
@@ -26,6 +27,7 @@ from surae.files import shown
 @request_options
 @click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
 @click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
+@LANGUAGE
 @click.option("--before", metavar="DIR", help="Results of an earlier visit, to show what changed.")
 @workers_option("Fits")
 @figure_options
@@ -36,6 +38,7 @@ def command(
     mvc: tuple[str, ...],
     output: str,
     report: str | None,
+    language: str,
     before: str | None,
     workers: int | None,
     figure: str | None,
@@ -74,8 +77,10 @@ def command(
     _show(result, output)
     if earlier is not None:
         result.report(Path(output, "report.html"), before=earlier)
+    if language != "en":
+        result.report(Path(output, f"report.{language}.html"), before=earlier, language=language)
     if report is not None:
-        result.report(report, before=earlier)
+        result.report(report, before=earlier, language=language)
     if figure is not None and result.fits:
         result.figure(figure, width=width)
     show_files({"report": report, "figure": figure if result.fits else None})

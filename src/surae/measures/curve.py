@@ -1,4 +1,4 @@
-"""The torque-angle curve of a fit, at rest and at its largest activity, with bands."""
+"""The torque of a fit's relaxed ankle over its angle, with its band."""
 
 from dataclasses import dataclass
 
@@ -11,36 +11,27 @@ from surae.measures.compute import Evaluated, MeasurePoint, evaluate
 from surae.measures.leg import measured_range
 from surae.measures.spread import Spread, spread_of
 from surae.measures.table import DEFINITIONS
+from surae.model.movement import gravity_torque
 from surae.normal import NORMAL
 from surae.units import FloatArray
 
 #: Angles of the curve, at most, and the farthest that an ankle is drawn [deg].
 _COUNT, _LOWEST, _HIGHEST = 15, -50.0, 35.0
-_LINES = ("passive_torque", "active_torque_max_tri", "active_torque_max_tib")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CurveLine(Comparable):
-    """One line of the curve: torque [Nm] and its 95 % band at the angles, arrays of shape (n,).
-
-    Without a band, NaN, where the recordings do not tell what the torque rests on.
-    """
-
-    torque: FloatArray
-    low: FloatArray
-    high: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TorqueCurve(Comparable):
-    """Torque against angle over the measured range."""
+    """Torque of the relaxed ankle over the measured range, the foot's weight in it.
 
-    angle: FloatArray  #: [deg], dorsiflexion positive, shape (n,).
-    #: `passive`, `active_tri`, `active_tib`: the relaxed ankle; and what calf and tibialis add at
-    #: the session's largest activity.
-    passive: CurveLine
-    active_tri: CurveLine
-    active_tib: CurveLine
+    Arrays of shape (n,); without a band, NaN, where the recordings do not show what the torque
+    rests on.
+    """
+
+    angle: FloatArray  #: [deg], dorsiflexion positive.
+    torque: FloatArray  #: [Nm]
+    #: `low`, `high`: ends of its 95 % interval [Nm].
+    low: FloatArray
+    high: FloatArray
 
 
 def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
@@ -49,14 +40,15 @@ def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
     low, high = min(max(low, _LOWEST), _HIGHEST), max(min(high, _HIGHEST), _LOWEST)
     angle = np.linspace(low, high, _COUNT)
     spread = spread_of(result, assessment)
-    known = {definition.name: definition for definition in DEFINITIONS}
-    wanted = [MeasurePoint(known[name], float(at)) for name in _LINES for at in angle]
-    evaluated = evaluate(result, spread, wanted)
-    values = [np.nan if t.value is None else t.value for t in evaluated]
-    value = np.reshape(values, (len(_LINES), _COUNT))
-    sd = np.reshape([_deviation(t, spread) for t in evaluated], value.shape)
-    lines = zip(value, value - NORMAL * sd, value + NORMAL * sd, strict=True)
-    return TorqueCurve(read_only(angle), *(CurveLine(*map(read_only, line)) for line in lines))
+    (torque,) = (each for each in DEFINITIONS if each.name == "passive_torque")
+    evaluated = evaluate(result, spread, [MeasurePoint(torque, float(at)) for at in angle])
+    values = np.array([np.nan if t.value is None else t.value for t in evaluated])
+    options = result.problem.options
+    values += result.values.get("m", 0.0) * gravity_torque(
+        angle=np.radians(angle), theta_foot=options.theta_foot, distance=options.anatomy.distance
+    )
+    half = NORMAL * np.array([_deviation(t, spread) for t in evaluated])
+    return TorqueCurve(*map(read_only, (angle, values, values - half, values + half)))
 
 
 def _deviation(evaluated: Evaluated, spread: Spread) -> float:

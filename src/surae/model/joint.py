@@ -63,7 +63,7 @@ class Joint:
     nuisances : mapping of str to (float, float)
         Priors of what the laboratory cannot rule out, mean and sd, where they are otherwise.
     words : mapping of str to mapping of str to str
-        By language, what stands in place of the ankle's words on the page for clinicians.
+        By language, what stands in place of the ankle's words on the leg's page.
 
     Raises
     ------
@@ -104,9 +104,19 @@ class Joint:
         return tuple(i for i, muscle in enumerate(self.muscles) if not muscle)
 
     def worded(self, text: str, language: str = "en") -> str:
-        """A text about the ankle in the words of this joint."""
+        """A text about the ankle in the words of this joint.
+
+        Raises
+        ------
+        InputError
+            The joint has no words in this language.
+        """
         if self.name == ANKLE.name:
             return text
+        if language != "en" and language not in self.words:
+            raise InputError(
+                f"joint {self.name!r} has no words in {language!r}; give [words.{language}]"
+            )
         own = _words(self) if language == "en" else self.words[language]
         own = {word.lower(): instead for word, instead in own.items()}
         return _pattern(language).sub(lambda match: _as(match[0], own[match[0].lower()]), text)
@@ -146,12 +156,16 @@ ANKLE = Joint(
     words=FrozenDict({
         language: FrozenDict({word: word for word in words.split("|")})
         for language, words in (
-            ("nl", "enkel|enkels|kuit|kuitkracht|tibialis|dorsaalflexie|plantairflexie|been|benen"),
-            ("de", "Sprunggelenk|Sprunggelenks|Sprunggelenke|Wade|Wadenkraft|Tibialis|"
-                   "Dorsalextension|Plantarflexion|erstes Bein|zweites Bein|Beine"),
-            ("fr", "la cheville|cette cheville|les chevilles|chevilles|mollet|du mollet|tibial|"
-                   "du tibial|flexion dorsale|de flexion dorsale|flexion plantaire|"
-                   "première jambe|deuxième jambe|les jambes"),
+            ("nl", "enkel|kuit|kuitkracht|tibialis|soleus en beide gastrocnemii|dorsaalflexie|"
+                   "plantairflexie|been|benen|voet|voetplaat"),
+            ("de", "Sprunggelenk|Sprunggelenks|Wade|Wadenkraft|Tibialis|"
+                   "Soleus und beide Gastrocnemii|Dorsalextension|Plantarflexion|dieses Bein|"
+                   "dieses Beins|des Beins|erstes Bein|zweites Bein|Beine|den Fuß|des Fußes|Fuß|"
+                   "Fußplatte"),
+            ("fr", "la cheville|mollet|du mollet|tibial|du tibial|"
+                   "le soléaire et les deux gastrocnémiens|flexion dorsale|de flexion dorsale|"
+                   "de flexion plantaire|première jambe|deuxième jambe|les jambes|la jambe|"
+                   "cette jambe|le pied|du pied"),
         )
     }),
 )  # fmt: skip

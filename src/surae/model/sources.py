@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 from surae.frozen import FrozenDict
 from surae.model.parameters import OPTIONAL
 from surae.recording import FILMED
-from surae.words import Text
+from surae.words import N_
 
 
 class Fill(NamedTuple):
@@ -62,7 +62,7 @@ class UncertaintySource:
     name: str  #: In FIT.json.
     label: str  #: What reports and the workbench call it.
     meaning: str  #: What it is.
-    remedy: Text  #: What would make it smaller, a sentence.
+    remedy: str  #: What would make it smaller, a sentence.
     look: Fill
     nuisance: Nuisance | None = None  #: None where nothing is estimated for it.
     leg: tuple[str, ...] = ()  #: Parameters of the leg whose ignorance is this source, too.
@@ -90,7 +90,7 @@ class UncertaintySource:
     @property
     def advice(self) -> str:
         """The remedy as an imperative within an English sentence."""
-        return self.remedy.en[0].lower() + self.remedy.en[1:].rstrip(".")
+        return self.remedy[0].lower() + self.remedy[1:].rstrip(".")
 
 
 #: Part of the variance by what two trials share that differs between them: it shifts estimates
@@ -100,32 +100,17 @@ SHARED = 0.15
 _SOURCES = (
     UncertaintySource(
         "noise", "noise of the torque", "what scatters in the torque without a pattern",
-        Text(
-            "Measure longer, or with more movement and effort.",
-            "Meet langer, of met meer beweging en inspanning.",
-            "Länger messen, oder mit mehr Bewegung und Anstrengung.",
-            "Mesurer plus longtemps, ou avec plus de mouvement et d’effort.",
-        ),
+        N_("Measure longer, or with more movement and effort."),
         Fill("measured"), fresh=True,
     ),
     UncertaintySource(
         "emg_noise", "error of the EMG", "how far the EMG is from the effort at each moment",
-        Text(
-            "Improve the contact of the electrodes, or ask for more effort.",
-            "Verbeter het contact van de elektroden, of vraag meer inspanning.",
-            "Den Kontakt der Elektroden verbessern, oder mehr Anstrengung verlangen.",
-            "Améliorer le contact des électrodes, ou demander plus d’effort.",
-        ),
+        N_("Improve the contact of the electrodes, or ask for more effort."),
         Fill("surface", "x"), fresh=True,
     ),
     UncertaintySource(
         "zero", "torque zero", "what the sensor shows without torque",
-        Text(
-            "Measure the zero of the torque sensor.",
-            "Meet het nulpunt van de momentsensor.",
-            "Den Nullpunkt des Momentsensors messen.",
-            "Mesurer le zéro du capteur de moment.",
-        ),
+        N_("Measure the zero of the torque sensor."),
         Fill("ink"),
         Nuisance(
             "zero", OPTIONAL["torque_zero"], Gaussian(0.0, 10.0), "Nm",
@@ -134,12 +119,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "delay", "delay", "from the EMG to the force",
-        Text(
-            "Measure the delay from EMG to torque with a twitch.",
-            "Meet de vertraging van EMG naar moment met een enkele contractie.",
-            "Die Verzögerung von EMG zu Moment mit einer Einzelzuckung messen.",
-            "Mesurer le délai de l’EMG au moment par une secousse.",
-        ),
+        N_("Measure the delay from EMG to torque with a twitch."),
         Fill("surface", "/"),
         Nuisance(
             "delay", OPTIONAL["emd"], Gaussian(0.03, 0.03), "s",
@@ -148,12 +128,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "crosstalk", "crosstalk", "part of another muscle’s EMG that an electrode picks up",
-        Text(
-            "Test the electrodes muscle by muscle.",
-            "Test de elektroden spier voor spier.",
-            "Die Elektroden Muskel für Muskel prüfen.",
-            "Vérifier les électrodes muscle par muscle.",
-        ),
+        N_("Test the electrodes muscle by muscle."),
         Fill("series-1"),
         Nuisance(
             "crosstalk", OPTIONAL["crosstalk"], Gaussian(0.04, 0.03), "",
@@ -162,12 +137,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "axis", "axis", "how far the ankle’s axis lies from the device’s",
-        Text(
-            "Align the ankle’s axis with the device’s, or measure their distance.",
-            "Lijn de as van de enkel uit met die van het apparaat, of meet hun afstand.",
-            "Die Achse des Gelenks an der des Geräts ausrichten, oder ihren Abstand messen.",
-            "Aligner l’axe de la cheville sur celui de l’appareil, ou mesurer leur distance.",
-        ),
+        N_("Align the ankle’s axis with the device’s, or measure their distance."),
         Fill("surface", "|"),
         Nuisance(
             "axis", OPTIONAL["axis"], Gaussian(0.0, 0.01), "m",
@@ -176,22 +146,12 @@ _SOURCES = (
     ),
     UncertaintySource(
         "emg_gain", "drift of the EMG", "change of an electrode’s gain within the trial",
-        Text(
-            "Keep the electrodes’ gain steady, or measure it before and after.",
-            "Houd de versterking van de elektroden constant, of meet die voor en na.",
-            "Die Verstärkung der Elektroden konstant halten, oder vorher und nachher messen.",
-            "Maintenir constant le gain des électrodes, ou le mesurer avant et après.",
-        ),
+        N_("Keep the electrodes’ gain steady, or measure it before and after."),
         Fill("surface", "-"), fresh=True,
     ),
     UncertaintySource(
         "emg_rest", "EMG at rest", "what an electrode shows of a muscle that rests",
-        Text(
-            "Record all muscles at rest.",
-            "Meet alle spieren in rust.",
-            "Alle Muskeln in Ruhe aufzeichnen.",
-            "Enregistrer tous les muscles au repos.",
-        ),
+        N_("Record all muscles at rest."),
         Fill("series-1", "-"),
         Nuisance(
             "rest", OPTIONAL["emg_rest"], Gaussian(0.0, 1.0), "of the level at rest",
@@ -201,12 +161,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "emg_shape", "EMG curve", "bend from EMG to activation; 0 is a straight line",
-        Text(
-            "Measure several levels of effort.",
-            "Meet meerdere niveaus van inspanning.",
-            "Mehrere Anstrengungsstufen messen.",
-            "Mesurer plusieurs niveaux d’effort.",
-        ),
+        N_("Measure several levels of effort."),
         Fill("surface", "."),
         Nuisance(
             "shape", (*OPTIONAL["emg_shape"], *OPTIONAL["emg_power"]), Gaussian(-0.5, 1.0), "",
@@ -216,12 +171,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "tendon", "tendons", "how far they stretch, and where their force curve becomes straight",
-        Text(
-            "Measure the tendon’s strain by ultrasound.",
-            "Meet de rek van de pees met echografie.",
-            "Die Dehnung der Sehne mit Ultraschall messen.",
-            "Mesurer l’allongement du tendon par échographie.",
-        ),
+        N_("Measure the tendon’s strain by ultrasound."),
         Fill("surface", "\\"),
         Nuisance(
             "toe", ("pt_tri", "pt_tib"), Gaussian(0.3, 0.1, off=0.3), "",
@@ -231,32 +181,17 @@ _SOURCES = (
     ),
     UncertaintySource(
         "model", "choice of the model", "how far apart models are that the data support",
-        Text(
-            "Measure another movement, wider or faster, which tells the models apart.",
-            "Meet een andere beweging, ruimer of sneller, die de modellen onderscheidt.",
-            "Eine andere Bewegung messen, weiter oder schneller, die die Modelle unterscheidet.",
-            "Mesurer un autre mouvement, plus ample ou plus rapide, qui distingue les modèles.",
-        ),
+        N_("Measure another movement, wider or faster, which tells the models apart."),
         Fill("series-3"),
     ),
     UncertaintySource(
         "left_out", "what the model leaves out", "what the torque shows and no model has",
-        Text(
-            "Record trials with other movements and efforts.",
-            "Meet ook andere bewegingen en inspanningen.",
-            "Auch andere Bewegungen und Anstrengungen aufzeichnen.",
-            "Enregistrer aussi d’autres mouvements et d’autres efforts.",
-        ),
+        N_("Record trials with other movements and efforts."),
         Fill("series-3", "|"), knowable=False,
     ),
     UncertaintySource(
         "film", "filmed fascicle", "how far the fascicle in the film differs from the whole muscle",
-        Text(
-            "Film a longer piece of the muscle, or several places of it.",
-            "Film een langer stuk van de spier, of meerdere plaatsen ervan.",
-            "Ein längeres Stück des Muskels filmen, oder mehrere Stellen.",
-            "Filmer une plus longue partie du muscle, ou plusieurs endroits.",
-        ),
+        N_("Film a longer piece of the muscle, or several places of it."),
         Fill("series-1", "."),
         Nuisance(
             "film", tuple(name for at in FILMED for name in OPTIONAL[f"film_{at}"]),
@@ -272,52 +207,27 @@ _SOURCES = (
     ),
     UncertaintySource(
         "film_drift", "drift of the film", "how far the film's tracker drifts within the trial",
-        Text(
-            "Correct the tracker at key frames.",
-            "Corrigeer de tracker bij sleutelbeelden.",
-            "Den Tracker an Schlüsselbildern korrigieren.",
-            "Corriger le suivi sur des images clés.",
-        ),
+        N_("Correct the tracker at key frames."),
         Fill("series-1", "/"), fresh=True,
     ),
     UncertaintySource(
         "unheard", "muscles without EMG", "what muscles do that no electrode records",
-        Text(
-            "Record the EMG of all four muscles.",
-            "Meet het EMG van alle vier de spieren.",
-            "Das EMG aller vier Muskeln aufzeichnen.",
-            "Enregistrer l’EMG des quatre muscles.",
-        ),
+        N_("Record the EMG of all four muscles."),
         Fill("series-2", "\\"),
     ),
     UncertaintySource(
         "trials", "differences between trials", "by how much trials of this leg disagree",
-        Text(
-            "Record more trials of the same kind.",
-            "Meet meer proeven van dezelfde soort.",
-            "Mehr Versuche derselben Art aufzeichnen.",
-            "Enregistrer plus d’essais du même type.",
-        ),
+        N_("Record more trials of the same kind."),
         Fill("series-6"), fresh=True, knowable=False,
     ),
     UncertaintySource(
         "torque_drift", "drift of the torque", "change of the torque’s zero within the trial",
-        Text(
-            "Let the torque sensor warm up, and measure its zero before and after.",
-            "Laat de momentsensor opwarmen, en meet het nulpunt voor en na.",
-            "Den Momentsensor warmlaufen lassen und seinen Nullpunkt vorher und nachher messen.",
-            "Laisser chauffer le capteur de moment, et mesurer son zéro avant et après.",
-        ),
+        N_("Let the torque sensor warm up, and measure its zero before and after."),
         Fill("ink", "/"), fresh=True,
     ),
     UncertaintySource(
         "plate", "foot plate", "inertia and weight of a plate that was not tared",
-        Text(
-            "Record the moving plate without the foot, and subtract it.",
-            "Meet de bewegende voetplaat zonder voet, en trek dat af.",
-            "Die bewegte Fußplatte ohne Fuß aufzeichnen und abziehen.",
-            "Enregistrer la plaque en mouvement sans le pied, et la soustraire.",
-        ),
+        N_("Record the moving plate without the foot, and subtract it."),
         Fill("ink", "x"),
         Nuisance(
             "plate", OPTIONAL["plate"], Gaussian(0.0, 5.0), "Nm",
@@ -327,12 +237,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "give", "give of the plate", "how far the foot turns on its plate under load",
-        Text(
-            "Strap the foot tighter, or measure the angle at the ankle.",
-            "Zet de voet strakker vast, of meet de hoek aan de enkel.",
-            "Den Fuß fester fixieren, oder den Winkel am Gelenk messen.",
-            "Fixer le pied plus fermement, ou mesurer l’angle à la cheville.",
-        ),
+        N_("Strap the foot tighter, or measure the angle at the ankle."),
         Fill("series-6", "/"),
         Nuisance(
             "give", OPTIONAL["plate_give"], Gaussian(0.0, 8e-4), "rad/Nm",
@@ -342,12 +247,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "arms", "moment arms", "how far the leg’s moment arms differ from the assumed ones",
-        Text(
-            "Give the leg’s own geometry, from images or a scaled model.",
-            "Geef de eigen geometrie van het been, uit beelden of een geschaald model.",
-            "Die eigene Geometrie des Beins angeben, aus Bildern oder einem skalierten Modell.",
-            "Donner la géométrie propre de la jambe, d’images ou d’un modèle à l’échelle.",
-        ),
+        N_("Give the leg’s own geometry, from images or a scaled model."),
         Fill("series-2"),
         Nuisance(
             "arm", OPTIONAL["arm"], Gaussian(0.0, 0.15), "",
@@ -368,12 +268,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "lengths", "muscle lengths", "how much longer the leg’s muscles are than assumed",
-        Text(
-            "Give the length of the leg’s own muscles, from images or a scaled model.",
-            "Geef de lengte van de spieren van het been, uit beelden of een geschaald model.",
-            "Die Länge der Muskeln des Beins angeben, aus Bildern oder einem skalierten Modell.",
-            "Donner la longueur des muscles de la jambe, d’images ou d’un modèle à l’échelle.",
-        ),
+        N_("Give the length of the leg’s own muscles, from images or a scaled model."),
         Fill("series-2", "-"),
         Nuisance(
             "length", OPTIONAL["length_zero"], Gaussian(0.0, 0.005), "m",
@@ -383,12 +278,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "curves", "muscle curves", "widths of force over length, bend of force over velocity",
-        Text(
-            "Record more angles and velocities under effort.",
-            "Meet meer hoeken en snelheden onder inspanning.",
-            "Mehr Winkel und Geschwindigkeiten unter Anstrengung aufzeichnen.",
-            "Enregistrer plus d’angles et de vitesses sous effort.",
-        ),
+        N_("Record more angles and velocities under effort."),
         Fill("series-3", "x"),
         Nuisance(
             "curves", OPTIONAL["curves"], Gaussian(0.0, 0.35), "",
@@ -402,12 +292,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "reflex", "stretch reflex", "force that answers a stretch and that no electrode shows",
-        Text(
-            "Record a slow and a quick stretch at rest.",
-            "Meet een langzame en een snelle rek in rust.",
-            "Eine langsame und eine schnelle Dehnung in Ruhe aufzeichnen.",
-            "Enregistrer un étirement lent et un rapide au repos.",
-        ),
+        N_("Record a slow and a quick stretch at rest."),
         Fill("series-1", "|"),
         Nuisance(
             "reflex", OPTIONAL["reflex"], Gaussian(0.0, 2000.0), "N·s/m",
@@ -417,12 +302,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "population", "population prior", "the spread of legs in the population",
-        Text(
-            "Measure longer, or with more movement and effort.",
-            "Meet langer, of met meer beweging en inspanning.",
-            "Länger messen, oder mit mehr Bewegung und Anstrengung.",
-            "Mesurer plus longtemps, ou avec plus de mouvement et d’effort.",
-        ),
+        N_("Measure longer, or with more movement and effort."),
         Fill("surface", "+"), knowable=False,
     ),
 )  # fmt: skip

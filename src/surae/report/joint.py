@@ -10,16 +10,17 @@ T = TypeVar("T")
 _NO_TEXT = ("kind", "look", "anchor", "link", "links", "name")
 
 
-def reworded(joint: Joint, part: T) -> T:
+def reworded(joint: Joint, part: T, language: str = "en") -> T:
     """A document, or a part of one, all of it in the words of this joint."""
     if joint == ANKLE:
         return part
     made: Any = part
     if isinstance(part, str):
-        made = joint.worded(part)
+        made = joint.worded(part, language)
     elif isinstance(part, tuple):
-        made = tuple(reworded(joint, each) for each in part)
+        made = tuple(reworded(joint, each, language) for each in part)
     elif is_dataclass(part) and not isinstance(part, type):
         own = ((f.name, getattr(part, f.name)) for f in fields(part) if f.init)
-        made = replace(part, **{n: reworded(joint, v) for n, v in own if n not in _NO_TEXT})
+        said = {n: reworded(joint, v, language) for n, v in own if n not in _NO_TEXT}
+        made = replace(part, **said)
     return cast(T, made)

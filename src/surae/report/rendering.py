@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from itertools import chain
-from typing import Any
 
 from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
@@ -28,7 +27,6 @@ from surae.report.joint import reworded
 from surae.report.output import Report
 from surae.report.recordings import GROUPS
 from surae.report.sections import predictions_section
-from surae.report.session import session_report
 from surae.report.traces import Traces, traces_of
 
 
@@ -57,13 +55,6 @@ def fit_report(
     if isinstance(result.problem.options.geometry, GeometryTable):
         figures = chain(figures, [("geometry", geometry_figure(result.problem.options, GROUPS))])
     return Report(reworded(joint, document), relabelled(joint, figures), traces)
-
-
-def session_page(**about: Any) -> Report:
-    """The report of a session; `about` is as of `surae.report.session.session_report`."""
-    report, joint = session_report(**about), about["joint"]
-    traces = () if joint is None else traces_of(joint[0])
-    return Report(report.document, report.figures.items(), traces)
 
 
 def predictions_report(assessment: Assessment, predictions: Sequence[Prediction]) -> Report:

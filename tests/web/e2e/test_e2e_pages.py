@@ -194,14 +194,15 @@ def test_one_click_mends_what_the_check_is_sure_of(desk: Desk, csv: Path, tmp_pa
 
 
 @pytest.mark.slow
-def test_the_page_for_clinicians_comes_in_the_language_that_is_chosen(
+def test_a_legs_report_comes_in_the_language_that_is_chosen(
     desk: Desk, done: dict[str, str]
 ) -> None:
-    page = desk.go(f"/fits/{done['fit']}")
+    page = desk.go(f"/sessions/{done['session']}")
+    page.get_by_label("Language of the report").select_option("nl")
     with page.expect_download() as file:
-        page.get_by_label("One page for clinicians").select_option("nl")
+        page.get_by_role("button", name="Report (HTML)").click()
     text = Path(file.value.path()).read_text(encoding="utf-8")
-    assert "Stijfheid en kracht van de enkel" in text
+    assert "Hoe stijf is het?" in text
 
 
 @pytest.mark.parametrize("medium", ["screen", "print"])

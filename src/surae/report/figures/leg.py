@@ -3,12 +3,14 @@
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.measures.curve import TorqueCurve
 from surae.measures.measured import HeldPoint, Stretch
 from surae.measures.norms import Norm
 from surae.report.figures.style import BLUE, GREY, INK, MUTED, dress, new_figure
+from surae.report.language import Words
 from surae.units import FloatArray
 
 #: Width of a card's figure, so that its letters are read on a telephone too [inch].
@@ -20,13 +22,13 @@ _BEYOND = 0.5
 def stiffness_figure(
     holds: Sequence[HeldPoint],
     stretches: Sequence[Stretch],
-    model: tuple[TorqueCurve, FloatArray] | None,
+    model: TorqueCurve | None,
     norms: Sequence[tuple[Norm, float]],
+    _: Words,
 ) -> Figure:
     """Measured torque of a relaxed ankle over its angle, the model over it, a norm behind.
 
-    All torques [Nm] have the session's zero taken off. `model` is the curve and the foot's weight
-    at its angles; `norms` are groups, each at an angle [deg].
+    Torques [Nm] have the session's zero taken off; `norms` are groups, each at an angle [deg].
     """
     figure = new_figure(2.9, width=_WIDTH)
     axes = figure.subplots()
@@ -34,26 +36,20 @@ def stiffness_figure(
     for number, (norm, at) in enumerate(norms):
         axes.errorbar(
             [at], [norm.mean], [norm.sd], fmt="s", color=GREY, ms=4, lw=5, alpha=0.6, zorder=1,
-            label="_" if number else norm.group,
+            label="_" if number else _(norm.group),
         )  # fmt: skip
     if model is not None:
-        curve, weight = model
-        line = curve.passive
-        if np.isfinite(line.low).any():
-            axes.fill_between(
-                curve.angle, line.low + weight, line.high + weight, color=BLUE, alpha=0.15,
-                linewidth=0, label="model, 95 %",
-            )  # fmt: skip
-        axes.plot(curve.angle, line.torque + weight, color=BLUE, linewidth=1.8, label="model")
-        drawn.append(line.torque + weight)
+        _curve(axes, model, BLUE, "-", _("model"))
+        drawn.append(model.torque)
     for number, each in enumerate(stretches):
         for torque, dash, label in (
-            (each.loading, "-", "stretch"), (each.unloading, "--", "return"),
+            (each.loading, "-", _("stretch, measured")),
+            (each.unloading, "--", _("return, measured")),
         ):  # fmt: skip
             if np.isfinite(torque).any():
                 axes.plot(
                     each.angle, torque, dash, color=INK, linewidth=1.2, zorder=3,
-                    label="_" if number else f"{label}, measured",
+                    label="_" if number else label,
                 )  # fmt: skip
                 drawn.append(torque)
     if holds:
@@ -65,18 +61,45 @@ def stiffness_figure(
             color=INK,
             ms=5,
             zorder=4,
-            label="held still, measured",
+            label=_("held still, measured"),
         )
         drawn.append(held)
-    dress(axes, "Torque [Nm]", "Ankle angle [°], dorsiflexion positive")
+    _dressed(axes, drawn, _)
+    return figure
+
+
+def visits_figure(visits: Sequence[tuple[str, TorqueCurve]], _: Words) -> Figure:
+    """The relaxed ankle's torque over its angle at two visits, or of two legs, by their names."""
+    figure = new_figure(2.9, width=_WIDTH)
+    axes = figure.subplots()
+    for (name, curve), colour, dash in zip(visits, (INK, BLUE), ("-", "--"), strict=False):
+        _curve(axes, curve, colour, dash, name)
+    _dressed(axes, [curve.torque for _name, curve in visits], _)
+    return figure
+
+
+def _curve(axes: Axes, curve: TorqueCurve, colour: str, dash: str, label: str) -> None:
+    """A curve with its band."""
+    if np.isfinite(curve.low).any():
+        axes.fill_between(
+            curve.angle, curve.low, curve.high, color=colour, alpha=0.15, linewidth=0,
+            label=f"{label}, 95 %",
+        )  # fmt: skip
+    axes.plot(curve.angle, curve.torque, dash, color=colour, linewidth=1.8, label=label)
+
+
+def _dressed(axes: Axes, drawn: Sequence[FloatArray], _: Words) -> None:
+    """Axes about what is drawn: a wide band must not flatten it."""
+    dress(axes, _("Torque [Nm]"), _("Ankle angle [°], dorsiflexion positive"))
     if drawn:
         values = np.concatenate(drawn)
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
         room = _BEYOND * max(high - low, 1.0)
         axes.set_ylim(min(low - room, 0.0), high + room)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
     axes.axhline(0.0, color=MUTED, linewidth=0.6)
     axes.legend(frameon=False, fontsize=8, labelcolor=INK, loc="upper left", ncols=2)
-    return figure
 
 
 def shares_bar(parts: Sequence[tuple[str, float, tuple[float, float] | None]]) -> Figure:

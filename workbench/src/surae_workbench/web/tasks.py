@@ -12,7 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from surae import api
+from surae.errors import InputError
 from surae.files import write_json
+from surae.names import LANGUAGES
 from surae.processes import tell
 from surae_workbench.web import imports, sliders
 from surae_workbench.web.draft import settings_of, upgraded
@@ -91,7 +93,9 @@ def session(task: Task) -> dict[str, Any]:
     fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
     for name, fitted in fits.items():
         fitted.save(_file(task, "fits", task["fits"][name], ".json"))
-    write_json(_file(task, "sessions", task["id"], ".json"), result.blocks())
+    translated = {each: result.blocks(each) for each in LANGUAGES if each != "en"}
+    kept = {**result.blocks(), "translated": translated}
+    write_json(_file(task, "sessions", task["id"], ".json"), kept)
     graded = None if result.main is None else {"grade": str(result.main.adequacy.grade)}
     return {
         "message": f"{len(result.fits)} of {len(recordings)} trials fitted"
@@ -193,17 +197,19 @@ def design(task: Task) -> dict[str, Any]:
     }
 
 
-def report(fit: str, output: str, language: str | None = None) -> None:
-    """Write a fit's report, or, in a language, its page for clinicians."""
-    if language is None:
-        api.load(fit).report(output)
-    else:
-        api.write_clinical_page(output, [api.load(fit)], language=language)
+def report(fit: str, output: str) -> None:
+    """Write a fit's report."""
+    api.load(fit).report(output)
 
 
-def leg_report(blocks: str, output: str) -> None:
+def leg_report(blocks: str, output: str, language: str) -> None:
     """Write a leg's page as a file to keep."""
-    api.write_blocks(output, **json.loads(Path(blocks).read_text(encoding="utf-8")))
+    kept = json.loads(Path(blocks).read_text(encoding="utf-8"))
+    if language != "en":
+        if language not in kept.get("translated", {}):
+            raise InputError("an older version made this leg: analyse it again")
+        kept = kept["translated"][language]
+    api.write_blocks(output, **kept)
 
 
 def fit_part(fit: str) -> str:

@@ -179,15 +179,13 @@ def offer_renaming(
     router.patch(path, response_model=answer, name=f"rename_{kind}")(rename)
 
 
-def report_file(
-    bench: Workbench, row: Entry, kind: str, task: str, **settings: str | None
-) -> Response:
+def report_file(bench: Workbench, row: Entry, kind: str, task: str, **settings: str) -> Response:
     """A report that a worker writes, of what never changes: one file to keep."""
 
     def write(path: Path) -> None:
         bench.workers.ask(task, output=str(path), **settings)
 
-    key = (row["id"], kind + (settings.get("language") or ""))
+    key = (row["id"], kind + settings.get("language", ""))
     data = bench.reports.get(key, lambda: made_file(f"report.{kind}", write))
     return Response(data, media_type=_TYPES[kind], headers=attachment(row["name"], f".{kind}"))
 

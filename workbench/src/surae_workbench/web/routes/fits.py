@@ -33,7 +33,6 @@ from surae_workbench.web.schemas import (
     ProfileRequest,
     ValidateRequest,
 )
-from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["fits"])
 
@@ -116,18 +115,5 @@ def post_validate(id: PathId, body: ValidateRequest, bench: Bench) -> dict[str, 
 @router.get("/fits/{id}/report.{kind}", response_class=Response, responses=REPORT)
 def get_report(id: PathId, kind: Literal["html", "pdf"], bench: Bench) -> Response:
     """A fit's report: one file to keep."""
-    return _report(bench, id, kind, None)
-
-
-@router.get("/fits/{id}/clinical.html", response_class=Response, responses=REPORT)
-def get_clinical(
-    id: PathId, bench: Bench, language: Literal["en", "nl", "de", "fr"] = "en"
-) -> Response:
-    """A fit's page for clinicians: one file to keep."""
-    return _report(bench, id, "html", language)
-
-
-def _report(bench: Workbench, id_: str, kind: str, language: str | None) -> Response:
-    fit = str(bench.project.path("fits", id_, ".json"))
-    row = bench.project.need("fit", id_)
-    return report_file(bench, row, kind, "tasks:report", fit=fit, language=language)
+    fit = str(bench.project.path("fits", id, ".json"))
+    return report_file(bench, bench.project.need("fit", id), kind, "tasks:report", fit=fit)

@@ -84,13 +84,18 @@ offer_deletion(router, "/{id}", "session")
 
 
 @router.get("/{id}/report.{kind}", response_class=Response, responses=REPORT)
-def get_report(id: PathId, kind: Literal["html", "pdf"], bench: Bench) -> Response:
-    """Its report: one file to keep."""
+def get_report(
+    id: PathId,
+    kind: Literal["html", "pdf"],
+    bench: Bench,
+    language: Literal["en", "nl", "de", "fr"] = "en",
+) -> Response:
+    """Its report in the reader's language: one file to keep."""
     row = bench.project.need("session", id)
     blocks = bench.project.path("sessions", id, ".json")
     if not blocks.is_file():
         raise RefusedError(404, "the report of this leg is missing; analyse it again")
-    return report_file(bench, row, kind, "tasks:leg_report", blocks=str(blocks))
+    return report_file(bench, row, kind, "tasks:leg_report", blocks=str(blocks), language=language)
 
 
 _TOGETHER = "all together"
@@ -111,7 +116,7 @@ def sorted_as(
             "recording": id_, "name": row["name"], "effort": trials[row["name"]].effort,
             "stated": trials[row["name"]].stated, "fitted": trials[row["name"]].use == "fit",
             **{
-                key: getattr(api.trial_row(trials[row["name"]], None, None, {}, {}), key)
+                key: getattr(api.trial_words(trials[row["name"]]), key)
                 for key in ("what", "why", "use", "problem")
             },
         }

@@ -23,6 +23,9 @@ function show({ summary, visits, fits, paper }) {
 }
 
 for (const kind of ["html", "pdf"]) {
-  onClick(`report-${kind}`, byId("error"), () => download(`/api/sessions/${id}/report.${kind}`, `session.${kind}`));
+  onClick(`report-${kind}`, byId("error"), () => {
+    const language = byId("language").value;
+    return download(`/api/sessions/${id}/report.${kind}${query({ language })}`, `session.${kind}`);
+  });
 }
 attempt(byId("error"), async () => show(await get(`/api/sessions/${id}`)));

@@ -1,6 +1,6 @@
 // One fit: its report, which the server made, and what else the data can be asked.
 
-import { download, get, patch, query } from "../core/api.js";
+import { download, get, patch } from "../core/api.js";
 import { byId, field, h } from "../core/dom.js";
 import { change, draftState, loadDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
@@ -33,11 +33,6 @@ function file(knob, url, name) {
 file("report-html", `/api/fits/${id}/report.html`, "report.html");
 file("report-pdf", `/api/fits/${id}/report.pdf`, "report.pdf");
 file("save-json", `/api/fits/${id}/fit.json`, "fit.json");
-byId("language").addEventListener("change", ({ target }) => attempt(box, async () => {
-  const language = target.value;
-  if (language) await download(`/api/fits/${id}/clinical.html${query({ language })}`, "page.html");
-  target.value = "";
-}, target));
 
 onClick("rename", box, async () => {
   const name = h("input", { type: "text", required: true, maxlength: 120, value: result.summary.name });

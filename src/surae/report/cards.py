@@ -1,0 +1,298 @@
+"""The four answers of a leg's page in words: stiffness, what resists, what changed, and trust."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from surae.assessment import Adequacy, Assessment, Grade, Verdict
+from surae.estimation import FitResult
+from surae.formatting import percentage, significant
+from surae.measures import Measure, Measures
+from surae.measures.change import Change, ChangeVerdict, Difference
+from surae.measures.measured import HeldPoint, MeasuredSlope, Stretch
+from surae.measures.norms import Norm, placed
+from surae.model.sources import SOURCES
+from surae.report.document import (
+    AdequacyWords,
+    Block,
+    PictureBlock,
+    TableBlock,
+    TableCell,
+    TextBlock,
+    columns,
+    rows_of,
+)
+from surae.report.language import PARTS, Words
+
+AssessedFit = tuple[FitResult, Assessment]
+#: What a part of the torque is called, its share and the share's interval [%].
+Part = tuple[str, float, tuple[float, float] | None]
+#: What is compared between visits, chosen before any is seen; the first leads.
+COMPARED = ("passive_stiffness@{:g}deg", "slow_torque@{:g}deg", "neutral_angle")
+#: A share that is known no better than this cannot be separated from the others [% of the torque].
+_UNSURE = 30.0
+#: Calf muscles among the channels of the EMG.
+_CALF = slice(1, 4)
+#: Share of the torque from which a part is written [%].
+_WRITTEN = 1.0
+
+
+def is_known(m: Measure) -> bool:
+    """Whether a measure is known well enough to be shown as a number."""
+    return m.ci95 is not None and m.verdict in (Verdict.IDENTIFIED, Verdict.WEAK)
+
+
+def modelled_stiffness(
+    m: Measure, of_fit: Measures, known: Sequence[Norm], slope: MeasuredSlope | None, _: Words
+) -> tuple[Block, ...]:
+    """The model's stiffness, which the recordings show; beside it norms and the measured slope."""
+    assert m.value is not None
+    value, span = _.estimate(m.value, m.ci95)
+    where = _("at {angle}, relaxed · 95 %: {span}", angle=_.point(m.name), span=span)
+    lines = [TextBlock(where, "say", f"{value} Nm/°")]
+    for p in placed(of_fit, known):
+        lines.append(TextBlock(_(
+            "{measure}: {below} of {group} lie below ({reference}).",
+            measure=_.measure(p.norm.measure), below=p.text, group=_(p.norm.group),
+            reference=p.norm.reference,
+        )))  # fmt: skip
+    if slope is not None:
+        lines.append(TextBlock(_("Measured slope: {slope}.", slope=slope_text(slope, _))))
+    return tuple(lines)
+
+
+def measured_stiffness(
+    slope: MeasuredSlope | None, against: Measure | None, _: Words
+) -> tuple[Block, ...]:
+    """The measured slope where there is one; `against` is the model's, which it contradicts."""
+    if slope is None:
+        return (
+            TextBlock("", "say", _("Not measured")),
+            TextBlock(_("Record one slow passive stretch, or hold the relaxed ankle at three "
+                        "angles.")),
+        )  # fmt: skip
+    why = _("The model cannot yet separate stiffness from the rest.")
+    if against is not None and against.value is not None:
+        value, span = _.estimate(against.value, against.ci95)
+        why = _("The model’s {value} Nm/° at {angle} ({span}) does not agree with the held angles.",
+                value=value, angle=_.point(against.name), span=span)  # fmt: skip
+    value, origin = _slope(slope, _)
+    return (
+        TextBlock(origin, "say", value),
+        TextBlock(_("This is the measured slope, with the foot’s weight in it.") + f" {why}"),
+    )
+
+
+def stiffness_picture(holds: int, stretches: int, zero: float, _: Words) -> PictureBlock:
+    """Torque over angle, and what was measured of it."""
+    seen = []
+    if holds:
+        seen.append(_.many("{n} held angle", "{n} held angles", holds))
+    if stretches:
+        seen.append(_.many("{n} slow stretch", "{n} slow stretches", stretches))
+    caption = _("No passive trial was recorded.")
+    if seen:
+        caption = _("Measured: {what}.", what=", ".join(seen))
+    if zero:
+        number = _.number(significant(zero, 3))
+        caption += " " + _("One zero of {zero} Nm is taken off every trial.", zero=number)
+    alt = _("Measured torque of the relaxed ankle over its angle, with the model’s curve.")
+    return PictureBlock("stiffness", alt, caption, "here", 100)
+
+
+def slope_text(slope: MeasuredSlope, _: Words) -> str:
+    """A measured slope with what it was taken from."""
+    return " ".join(_slope(slope, _))
+
+
+def _slope(slope: MeasuredSlope, _: Words) -> tuple[str, str]:
+    low, high, value = (
+        _.number(significant(each, 2)) for each in (slope.low, slope.high, slope.value)
+    )
+    origin = _("from {low}° to {high}°", low=low, high=high)
+    if slope.holds:
+        origin += ", " + _.many("{n} held angle", "{n} held angles", slope.holds)
+    if slope.interval is not None:
+        span = _.span(*(significant(end, 2) for end in slope.interval))
+        if slope.holds:
+            origin += f" · 95 %: {span}"
+        else:
+            origin += " " + _("in a slow stretch · {span} in both directions", span=span)
+    return f"{value} Nm/°", origin
+
+
+def parts_of(of_fit: Measures) -> list[Part]:
+    """The parts of the torque, their shares and intervals [%]; empty where none is told apart."""
+    parts = [(PARTS[name], of_fit[name].value or 0.0, of_fit[name].ci95) for name in PARTS]
+    wide = any(ci is None or ci[1] - ci[0] > 2 * _UNSURE for *_, ci in parts[:2])
+    return [] if wide else parts
+
+
+def made_of(
+    joint: AssessedFit | None,
+    of_fit: Measures | None,
+    parts: Sequence[Part],
+    _: Words,
+) -> tuple[Block, ...]:
+    """The shares of the torque, where the recordings separate them."""
+    if joint is None or of_fit is None:
+        return (TextBlock("", "say", _("Not known")),
+                TextBlock(_("No fit of this leg could be made.")))  # fmt: skip
+    why = ""
+    if _no_calf(joint):
+        why = _("No EMG of the calf was recorded, so its muscle and tissue look alike. Record "
+                "soleus and both gastrocnemii.")  # fmt: skip
+    elif not parts:
+        why = _("The recordings do not separate them.")
+    elif of_fit.adequacy.grade is Grade.INADEQUATE:
+        why = _("The fit is not good enough.")
+    if why:
+        return TextBlock("", "say", _("Cannot separate")), TextBlock(why), _tendon(of_fit, _)
+    largest = max((0, 1), key=lambda k: parts[k][1])
+    headline = _("Both tissue and muscle")
+    if parts[largest][1] > 50.0:
+        headline = _("Mostly active muscle") if largest else _("Mostly tissue")
+    numbers = " · ".join(
+        f"{_(message)} {value:.0f} % ({_.span(f'{max(ci[0], 0):.0f}', f'{min(ci[1], 100):.0f}')})"
+        for message, value, ci in parts
+        if ci is not None and value >= _WRITTEN
+    )
+    alt = _("Shares of the torque: {numbers}", numbers=numbers)
+    picture = PictureBlock("made", alt, numbers, "here", 100)
+    return TextBlock(_("in these trials"), "say", headline), picture, _tendon(of_fit, _)
+
+
+def _no_calf(joint: AssessedFit) -> bool:
+    return not any(np.ptp(each.emg[:, _CALF]) for each in joint[0].problem.inputs)
+
+
+def _tendon(of_fit: Measures, _: Words) -> TextBlock:
+    m = of_fit.get("tendon_strain_tri@500N")
+    if m is None or not is_known(m) or m.value is None:
+        return TextBlock(_("Tendon: not measured; film the muscle with ultrasound."), "note")
+    value, span = _.estimate(m.value, m.ci95)
+    text = _("The calf’s tendon lengthens by {value} % at 500 N ({span}).", value=value, span=span)
+    return TextBlock(text, "note")
+
+
+def change_card(change: Change | None, angle: float, _: Words) -> tuple[Block, ...]:
+    """What changed since another visit, or between two legs, in measures that are fixed."""
+    if change is None:
+        return (
+            TextBlock("", "say", _("One visit")),
+            TextBlock(_("Choose another visit of this leg to compare with."), "choose"),
+        )
+    names = [name.format(angle) for name in COMPARED]
+    found = [change.measures[name] for name in names if name in change.measures]
+    changed = [_.measure(d.name) for d in found if d.verdict is ChangeVerdict.CHANGED]
+    about = ""
+    if changed:
+        how = _("different") if change.legs else _("changed")
+        headline = f"{changed[0]}: {how}"
+    elif change.is_withheld:
+        headline, about = _("Cannot tell"), _("a fit is doubtful, so no change is claimed")
+    elif all(d.verdict is ChangeVerdict.NOT_COMPARABLE for d in found):
+        headline = _("Cannot compare")
+    else:
+        headline = _("Not shown")
+    rows = [_differing(d, _) for d in found]
+    heads = columns(_("Measure"), *sides(change, _), _("Difference (95 %)"), numbers=(1, 2),
+                    wide=(0,))  # fmt: skip
+    table = TableBlock(_("Three measures, fixed beforehand"), heads, rows_of(rows), "small")
+    blocks: list[Block] = [TextBlock(about, "say", headline), table]
+    lead = change.measures.get(names[0])
+    if lead is not None and lead.smallest is not None:
+        smallest = _.number(significant(lead.smallest, 2))
+        blocks.append(TextBlock(_(
+            "These recordings could have shown a difference in stiffness of {smallest} Nm/° or "
+            "more.", smallest=smallest,
+        )))  # fmt: skip
+    return tuple(blocks)
+
+
+def sides(change: Change, _: Words) -> tuple[str, str]:
+    """What the two sides of a comparison are called."""
+    return (_("First leg"), _("Second leg")) if change.legs else (_("Before"), _("After"))
+
+
+def _differing(d: Difference, _: Words) -> tuple[str | TableCell, ...]:
+    both = ["—" if v is None else _.number(significant(v, 2)) for v in (d.before, d.after)]
+    name = titled(d, _)
+    if d.difference is None or d.ci95 is None:
+        return (name, *both, "—")
+    value, span = _.estimate(d.difference, d.ci95)
+    return (name, *both, TableCell(value, under=span))
+
+
+def titled(m: Measure | Difference, _: Words) -> str:
+    """What a measure is called, with its unit where it has one."""
+    unit = m.unit.replace("deg", "°").strip("-")
+    return f"{_.measure(m.name)} [{unit}]" if unit else _.measure(m.name)
+
+
+def light(adequacy: Adequacy, reason: str, _: Words) -> AdequacyWords:
+    """One light with one reason."""
+    mark, text = {
+        Grade.ADEQUATE: ("●", _("Yes: {reason}.", reason=reason)),
+        Grade.DOUBTFUL: ("▲", _("With caution: {reason}.", reason=reason)),
+        Grade.INADEQUATE: ("■", _("No: {reason}.", reason=reason)),
+    }[adequacy.grade]
+    return AdequacyWords(str(adequacy.grade), mark, text, ())
+
+
+def trust(
+    joint: AssessedFit | None, contradicted: Sequence[str], *, follows: bool, _: Words
+) -> tuple[Block, ...]:
+    """One light with the reason that weighs most; `follows` is whether holds agree."""
+    if joint is None:
+        none = Adequacy(Grade.INADEQUATE, (), np.nan)
+        return (light(none, _("no fit of this leg could be made"), _),)
+    result, assessment = joint
+    adequacy = assessment.adequacy
+    if adequacy.grade is Grade.ADEQUATE and (contradicted or not follows):
+        adequacy = replace(adequacy, grade=Grade.DOUBTFUL)
+    reason = _("the model’s stiffness does not agree with the held angles")
+    if follows:
+        reason = reason_of(assessment, contradicted, _)
+    followed = _.many(
+        "The model follows {r2} % of the torque’s changes in {n} trial.",
+        "The model follows {r2} % of the torque’s changes in {n} trials.",
+        len(result.problem.inputs), r2=_.number(percentage(adequacy.r2)),
+    )  # fmt: skip
+    return light(adequacy, reason, _), TextBlock(followed)
+
+
+def reason_of(assessment: Assessment, contradicted: Sequence[str], _: Words) -> str:
+    """The one reason that weighs most, in plain words."""
+    if contradicted:
+        return _.many("trials disagree about {n} value", "trials disagree about {n} values",
+                      len(contradicted))  # fmt: skip
+    if bound := sum(p.at_bound and p.free for p in assessment.parameters.values()):
+        return _.many("{n} value reached its limit and can’t be trusted",
+                      "{n} values reached their limits and can’t be trusted", bound)  # fmt: skip
+    reasons = assessment.adequacy.reasons
+    return _.reason(reasons[0]) if reasons else _("nothing speaks against these numbers")
+
+
+def next_trial(
+    joint: AssessedFit | None,
+    holds: Sequence[HeldPoint],
+    stretches: Sequence[Stretch],
+    _: Words,
+) -> tuple[Block, ...]:
+    """What to record next, the plainest need first."""
+    if not stretches and len(holds) < 3:
+        text = _("One slow passive stretch over the whole range.")
+    elif joint is not None and _no_calf(joint):
+        text = _("The same trials with EMG of the calf: soleus and both gastrocnemii.")
+    else:
+        weights: dict[str, float] = {}
+        for p in joint[1].parameters.values() if joint is not None else ():
+            if p.free and p.verdict is not Verdict.IDENTIFIED:
+                for source, share in (p.budget or {}).items():
+                    weights[source] = weights.get(source, 0.0) + share
+        if not weights:
+            return ()
+        text = _(SOURCES[max(weights, key=lambda s: weights[s])].remedy)
+    return (TextBlock(text, lead=_("What helps next:")),)

@@ -1,0 +1,131 @@
+"""What changed between two visits of a leg, or how two legs differ: a page."""
+
+from collections.abc import Sequence
+from datetime import datetime
+
+from surae.assessment import Grade
+from surae.formatting import NO_NUMBER, significant
+from surae.measures.change import Change, ChangeVerdict, Difference
+from surae.measures.curve import torque_curve
+from surae.report.cards import AssessedFit, change_card, light, reason_of, sides, titled
+from surae.report.document import (
+    Document,
+    PictureBlock,
+    SectionBlock,
+    TableBlock,
+    TableCell,
+    TableRow,
+    TextBlock,
+    columns,
+    rows_of,
+)
+from surae.report.figures.joint import relabelled
+from surae.report.figures.leg import visits_figure
+from surae.report.joint import reworded
+from surae.report.language import MEASURES, Words, words_in
+from surae.report.leg import compared, visit_angle
+from surae.report.output import Report
+from surae.words import JUDGEMENTS
+
+
+def change_report(
+    change: Change,
+    fits: Sequence[AssessedFit],
+    *,
+    created: datetime,
+    baselines: Sequence[AssessedFit] = (),
+    language: str = "en",
+    angle: float | None = None,
+) -> Report:
+    """The page of a comparison.
+
+    Parameters
+    ----------
+    change : Change
+        Every measure, compared.
+    fits : sequence of (FitResult, Assessment)
+        Both that were compared.
+    created : datetime
+        When the page is made.
+    baselines : sequence of (FitResult, Assessment)
+        Further visits from before anything changed.
+    language : {"en", "nl", "de", "fr"}
+        The reader's.
+    angle : float, optional
+        Where torque and stiffness are given [deg].
+
+    Returns
+    -------
+    Report
+        The answer in three measures fixed beforehand, then every measure.
+
+    Raises
+    ------
+    InputError
+        There is no such language, or the joint has no words in it.
+    """
+    _ = words_in(language)
+    at = visit_angle(fits[1]) if angle is None else angle
+    lead = compared(*fits, baselines=baselines, legs=change.legs, angle=at)
+    names = sides(change, _)
+    worst = max(fits, key=lambda fit: list(Grade).index(fit[1].adequacy.grade))[1]
+    drawn = visits_figure(
+        [(name, torque_curve(*fit)) for name, fit in zip(names, fits, strict=True)], _
+    )
+    curves = (PictureBlock("visits", _("Torque of the relaxed ankle over its angle"), "", "here",
+                           100),)  # fmt: skip
+    title = _("Do the legs differ?") if change.legs else _("Did it change?")
+    cards = (
+        SectionBlock(title, change_card(lead, at, _), "change", "card"),
+        SectionBlock(_("Torque and angle"), curves, "curves", "card"),
+        SectionBlock(_("Can I trust it?"),
+                     (light(worst.adequacy, reason_of(worst, (), _), _),), "trust", "card"),
+    )  # fmt: skip
+    document = Document(
+        kicker="",
+        heading=title,
+        under=_("Report of {date}.", date=f"{created:%Y-%m-%d %H:%M}"),
+        title=title,
+        blocks=(SectionBlock("", cards, look="leg"), _every(change, at, _)),
+        footer=_("Made by surae for research."),
+        language=language,
+    )
+    joint = fits[1][0].problem.options.anatomy
+    document = reworded(joint, document, language)
+    return Report(document, relabelled(joint, [("visits", drawn)], language))
+
+
+def _every(change: Change, at: float, _: Words) -> SectionBlock:
+    """Every measure at an angle [deg], or that has none."""
+    measures = [
+        d
+        for name in MEASURES
+        for d in change.measures.values()
+        if d.name.partition("@")[0] == name
+        and (not d.name.endswith("deg") or d.name.endswith(f"@{at:g}deg"))
+        and (d.before, d.after) != (None, None)
+    ]
+    heads = columns("", *sides(change, _), _("Difference (95 %)"), _("Judgement"), numbers=(1, 2),
+                    wide=(0,))  # fmt: skip
+    table = TableBlock(_("The numbers"), heads, rows_of(_row(d, change, _) for d in measures))
+    blocks: tuple[TableBlock | TextBlock, ...] = (table,)
+    if not change.is_withheld:
+        every = (*change.measures.values(), *change.parameters.values())
+        count = sum(d.p is not None for d in every)
+        text = _("{count} differences were looked at and allowed for (Holm). Intervals aren’t "
+                 "corrected for multiple comparisons.", count=str(count))  # fmt: skip
+        blocks = table, TextBlock(text, "note")
+    return SectionBlock(_("The numbers"), blocks, "numbers")
+
+
+def _row(d: Difference, change: Change, _: Words) -> TableRow:
+    both = [NO_NUMBER if v is None else _.number(significant(v, 3)) for v in (d.before, d.after)]
+    difference = TableCell(NO_NUMBER)
+    if d.difference is not None and d.ci95 is not None:
+        difference = TableCell(*_.estimate(d.difference, d.ci95))
+    verdict = NO_NUMBER
+    if d.smallest is not None or d.difference is None:
+        verdict = _(JUDGEMENTS[d.verdict].plain)
+        if change.legs and d.verdict is ChangeVerdict.CHANGED:
+            verdict = _("different")
+    return (titled(d, _), *both, difference, verdict)

@@ -1,0 +1,146 @@
+"""The leg's page in the reader's language: one gettext catalogue, and numbers as written there.
+
+English messages stand in the source, in calls of `Words` that are named ``_``, or marked by `N_`.
+"""
+
+from functools import cache
+from gettext import NullTranslations
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from io import BytesIO
+
+from surae.errors import InputError
+from surae.formatting import ends, of_interval
+from surae.names import LANGUAGES
+from surae.words import N_
+
+#: What measures are called, in the order in which they are shown.
+MEASURES = {
+    "passive_torque": N_("Torque at rest, {at}"),
+    "passive_stiffness": N_("Stiffness at rest, {at}"),
+    "slow_torque": N_("Torque in a slow stretch, {at}"),
+    "slow_stiffness": N_("Stiffness in a slow stretch, {at}"),
+    "neutral_angle": N_("Resting angle"),
+    "relaxed_share": N_("Part that relaxes within {at}"),
+    "active_torque_max_tri": N_("Calf strength used, {at}"),
+    "active_torque_max_tib": N_("Tibialis strength used, {at}"),
+    "optimal_angle_tri": N_("Best angle of the calf"),
+    "activation_half_time": N_("Time to half of the force"),
+    "delay": N_("Delay from EMG to force"),
+}
+#: Parts of the torque: the measures of their shares.
+PARTS = {
+    "tissue_share": N_("tissue"),
+    "neural_share": N_("muscle"),
+    "gravity_share": N_("weight"),
+    "inertia_share": N_("inertia"),
+}
+#: Groups of the norms that come with surae.
+GROUPS = (N_("healthy adults"), N_("spastic ankles after stroke"))
+#: Reasons against a fit, by what their sentence has in any case, in plain words.
+REASONS = {
+    "the fit failed": N_("the fit failed"),
+    "does not follow the torque's changes": N_("the model does not follow the torque"),
+    "are followed only roughly": N_("the model follows the torque only roughly"),
+    "the ankle hardly moves": N_("the ankle hardly moves in these trials"),
+    "the ankle moves little": N_("the ankle moves little in these trials"),
+    "hardly changes: its weight is a guess": N_("the EMG of a muscle hardly changes"),
+    "the model leaves something out": N_("the model leaves something out"),
+    "than a laboratory is likely to be": N_("a value is implausible; check electrodes and set-up"),
+    "is not followed (R²": N_("the model does not follow one of the trials"),
+    "the film shows the muscle move": N_("the film shows the muscle move otherwise than the model"),
+}
+
+
+class Words:
+    """The page's messages in one language.
+
+    Parameters
+    ----------
+    language : {"en", "nl", "de", "fr"}
+        The reader's.
+
+    Raises
+    ------
+    InputError
+        There is no catalogue of this language.
+    """
+
+    def __init__(self, language: str = "en") -> None:
+        if language not in LANGUAGES:
+            known = ", ".join(LANGUAGES)
+            raise InputError(f"no page in language {language!r}; use one of: {known}")
+        self.language = language
+        self._decimal = "."
+        self._messages = NullTranslations()
+        if language != "en":
+            from babel.messages.mofile import write_mo
+            from babel.messages.pofile import read_po
+            from babel.numbers import get_decimal_symbol
+            from babel.support import Translations
+
+            self._decimal = get_decimal_symbol(language)
+            compiled = BytesIO()
+            with catalogue(language).open("rb") as text:
+                write_mo(compiled, read_po(text, language))
+            compiled.seek(0)
+            self._messages = Translations(compiled)
+
+    def __call__(self, message: str, **given: str) -> str:
+        """A message, filled in."""
+        text = self._messages.gettext(message) if message else ""
+        return text.format(**given) if given else text
+
+    def many(self, one: str, several: str, n: int, **given: str) -> str:
+        """The message for so many; ``{n}`` in it is their number."""
+        return self._messages.ngettext(one, several, n).format(n=n, **given)
+
+    def number(self, text: str) -> str:
+        """A number, or several in a text without words, as they are written here."""
+        return text.replace(".", self._decimal)
+
+    def estimate(self, value: float, ci95: tuple[float, float] | None) -> tuple[str, str]:
+        """A value and its 95 % interval, ``"0.18 to 0.24"``."""
+        text = self.number(of_interval(value, ci95).value)
+        return text, "" if ci95 is None else self.span(*ends(value, ci95))
+
+    def span(self, low: str, high: str) -> str:
+        """From one number to another."""
+        return self("{low} to {high}", low=self.number(low), high=self.number(high))
+
+    def angle(self, degrees: float) -> str:
+        """An angle of the ankle with its direction."""
+        text = self.number(f"{abs(degrees):g}°")
+        if degrees == 0.0:
+            return text
+        if degrees > 0.0:
+            return self("{angle} dorsiflexion", angle=text)
+        return self("{angle} plantarflexion", angle=text)
+
+    def measure(self, name: str) -> str:
+        """What a measure is called; its own name where the page has none."""
+        base = name.partition("@")[0]
+        return self(MEASURES[base], at=self.point(name)) if base in MEASURES else name
+
+    def point(self, name: str) -> str:
+        """The angle or the time at which a measure is given."""
+        at = name.partition("@")[2]
+        if at.endswith("deg"):
+            return self.angle(float(at.removesuffix("deg")))
+        return f"{at.removesuffix('s')} s"
+
+    def reason(self, reason: str) -> str:
+        """A reason against a fit in plain words."""
+        for part, plain in REASONS.items():
+            if part in reason:
+                return self(plain)
+        return self("the fit has a weakness, see the details in English")
+
+
+#: The messages of a language, read once.
+words_in = cache(Words)
+
+
+def catalogue(language: str) -> Traversable:
+    """Where the translations into a language are."""
+    return files("surae.report") / "locale" / language / "LC_MESSAGES" / "surae.po"

@@ -1,0 +1,181 @@
+"""The trials of a session as tables: what each is, how fits follow it, what was found in it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.assessment import Assessment
+from surae.formatting import NO_NUMBER, percentage, signed
+from surae.quality import Finding, Quality
+from surae.report.document import (
+    Block,
+    SectionBlock,
+    TableBlock,
+    TableCell,
+    TableRow,
+    TextBlock,
+    columns,
+    rows_of,
+)
+from surae.trials import Crossed, Trial
+
+_USES = {
+    "fit": "fitted",
+    "hold": "angle and torque of a hold",
+    "reference": "reference of EMG",
+    "none": "not used",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class TrialWords:
+    """One trial in words."""
+
+    what: str
+    why: str
+    use: str
+    problem: str
+
+
+def trial_words(trial: Trial) -> TrialWords:
+    """What a trial is and is used for; what is not known is left open."""
+    what = f"{trial.effort}, {'moves' if trial.moves else 'holds still'}"
+    what = what if trial.why else NO_NUMBER
+    return TrialWords(what, trial.why, _USES[trial.use], trial.problem)
+
+
+def trials_section(
+    trials: Sequence[Trial],
+    alone: Mapping[str, Assessment],
+    failed: Mapping[str, str],
+    quality: Mapping[str, Quality],
+    joint: Mapping[str, Crossed],
+) -> SectionBlock:
+    """What each trial is, how its own fit and that of all together follow it."""
+    rows = rows_of(
+        _trial(t, alone.get(t.name), joint.get(t.name), failed.get(t.name, ""), quality.get(t.name))
+        for t in trials
+    )
+    heads = columns("Trial", "What it is", "Used for", "Check", "Alone, R² [%]",
+                    "All together, R² [%]", numbers=(4, 5), wide=(1, 3),
+                    looks={0: "column", 1: "what"})  # fmt: skip
+    note = (
+        "R² is of the torque’s changes; a hold has none. A shaded cell is a trial that was in the "
+        "fit: following it proves nothing."
+    )
+    table = TableBlock("What each trial is, and how it is followed", heads, rows)
+    holds = [t for t in trials if t.hold is not None]
+    blocks: list[Block] = [table, TextBlock(note, "note")]
+    if holds:
+        heads = columns("Held", "Effort", "Angle [°]", "Torque [Nm]", "Predicted [Nm]",
+                        numbers=(2, 3, 4))  # fmt: skip
+        points = rows_of(_hold(t, joint.get(t.name)) for t in holds)
+        blocks.append(TableBlock("Torque of trials that hold still", heads, points))
+    return SectionBlock("Trials", tuple(blocks), "trials")
+
+
+def _trial(
+    trial: Trial,
+    alone: Assessment | None,
+    joint: Crossed | None,
+    failed: str,
+    checked: Quality | None,
+) -> TableRow:
+    words, worst = trial_words(trial), "" if checked is None else checked.worst
+    badge = (f"severity {worst}", worst) if worst in ("error", "warning") else None
+    r2 = TableCell(NO_NUMBER)
+    if alone is not None:
+        grade = str(alone.adequacy.grade)
+        r2 = TableCell(percentage(alone.adequacy.r2), grade, grade)
+    return (
+        trial.name,
+        TableCell(words.what, meaning=words.problem or failed or words.why),
+        words.use,
+        TableCell(badge=badge, meaning=NO_NUMBER if checked is None else checked.summary),
+        r2,
+        _cell(joint),
+    )
+
+
+def _hold(trial: Trial, crossed: Crossed | None) -> tuple[str, str, str, str, str]:
+    hold = trial.hold
+    assert hold is not None
+    bias = None if crossed is None else crossed.bias
+    return (
+        trial.name,
+        trial.effort,
+        signed(float(np.degrees(hold.angle)), 1),
+        f"{signed(hold.torque, 1)} ± {signed(hold.sd, 1)}",
+        NO_NUMBER if bias is None else signed(hold.torque - bias, 1),
+    )
+
+
+def crossed_section(
+    predictions: Mapping[str, Mapping[str, Crossed]],
+    joint: Mapping[str, Crossed],
+    trials: Sequence[Trial],
+) -> SectionBlock:
+    """How the fit of each trial predicts the others."""
+    note = (
+        "R² [%] with which the parameters of a row’s trial predict the torque of a column’s; below "
+        "it the mean of measured minus predicted torque. The zero of the sensor is that of the "
+        "row’s trial, so a drifted zero shows as bias. Adequate: as well as the fit promises; "
+        "doubtful, inadequate: less, or far less."
+    )
+    moving = [trial.name for trial in trials if trial.moves and not trial.problem]
+    heads = columns("Parameters of", *moving, looks={0: "column"} | {
+        k + 1: "number column" for k in range(len(moving))})  # fmt: skip
+    rows = rows_of((name, *cells) for name, cells in crossings(predictions, joint, trials))
+    table = TableBlock("Cross-prediction", heads, rows, "small", repeated=1)
+    return SectionBlock("Each predicted by the others", (TextBlock(note, "note"), table), "crossed")
+
+
+def crossings(
+    predictions: Mapping[str, Mapping[str, Crossed]],
+    joint: Mapping[str, Crossed],
+    trials: Sequence[Trial],
+) -> tuple[tuple[str, tuple[TableCell, ...]], ...]:
+    """Whose fit, and how it follows each trial that moves."""
+    names = [trial.name for trial in trials if trial.moves and not trial.problem]
+    rows = [
+        (n, tuple(_cell(row.get(predicted)) for predicted in names))
+        for n, row in predictions.items()
+    ]
+    if joint:
+        rows.append(("all together", tuple(_cell(joint.get(predicted)) for predicted in names)))
+    return tuple(rows)
+
+
+def _cell(crossed: Crossed | None) -> TableCell:
+    """How a trial is followed: R², or where its torque hardly changes nothing but the bias."""
+    if crossed is None or crossed.rmse is None:
+        return TableCell(NO_NUMBER, "" if crossed is None else crossed.reason)
+    bias = NO_NUMBER if crossed.bias is None else signed(crossed.bias, 1)
+    text = NO_NUMBER if crossed.r2 is None else percentage(crossed.r2)
+    under = ", ".join(filter(None, (crossed.grade, f"bias {bias} Nm")))
+    return TableCell(text, under, "own" if crossed.fitted else crossed.grade)
+
+
+def findings_section(quality: Mapping[str, Quality]) -> SectionBlock:
+    """Each finding once, with the trials that have it."""
+    found: dict[tuple[str, str], list[tuple[str, Finding]]] = {}
+    for trial, checked in quality.items():
+        for finding in checked.findings:
+            if finding.severity != "info":
+                found.setdefault((finding.severity, finding.code), []).append((trial, finding))
+    every = sorted(found.items(), key=lambda item: item[0])  # errors come before warnings
+    rows: list[TableRow] = []
+    for (severity, code), those in every:
+        names = list(dict.fromkeys(trial for trial, _ in those))
+        where = names[0] if len(names) == 1 else f"{len(names)} trials: {', '.join(names)}"
+        messages = dict.fromkeys(finding.message for _, finding in those)
+        first, *others = messages
+        more = f" (and {len(others)} alike)" if others else ""
+        mark = TableCell(code, kind="code", badge=(f"severity {severity}", severity), under=where)
+        rows.append((mark, TableCell(f"{first}{more}", why=those[0][1].advice)))
+    if not rows:
+        return SectionBlock("Checks", (TextBlock("Nothing was found."),), "checks")
+    table = TableBlock("What was found in the recordings", columns("", "", wide=(1,)),
+                       rows_of(rows), "findings")  # fmt: skip
+    return SectionBlock("Checks", (table,), "checks")
