@@ -92,8 +92,6 @@ from surae.protocol import write_protocol_csv as write_protocol_csv
 from surae.protocol import write_protocol_mat as write_protocol_mat
 from surae.protocol import write_protocol_target as write_protocol_target
 from surae.protocol.adaptation import peaks as peaks
-from surae.protocol.coverage import TricepsPath as TricepsPath
-from surae.protocol.coverage import triceps_path as triceps_path
 from surae.protocol.planning.demand import held_to_torque as held_to_torque
 from surae.protocol.planning.demand import requested_limits as requested_limits
 from surae.protocol.planning.expectation import Expectation as Expectation

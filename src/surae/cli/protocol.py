@@ -108,7 +108,7 @@ def command(
         if limits is not None and despite is None and not no_adapt:
             with compilation_notice():
                 trajectory, given_up = _held(settings)
-        table = _table(settings, trajectory, api.triceps_path(trajectory), given_up)
+        table = _table(settings, trajectory, given_up)
         model = "muscle"
     with compilation_notice():
         limits_checked = api.requested_limits(trajectory, model)
@@ -166,7 +166,6 @@ def file_kind(option: str, path: str, *allowed: str) -> str:
 def _table(
     settings: "api.Protocol",
     trajectory: "api.Trajectory",
-    path: "api.TricepsPath",
     given_up: tuple[str, ...],
 ) -> list[str]:
     """What the protocol asks for, in a few lines."""
@@ -180,8 +179,6 @@ def _table(
         velocity, acceleration = adaptation.peak_velocity[1], adaptation.peak_acceleration[1]
     amplitude = settings.chirp_amplitude if adaptation is None else adaptation.chirp_amplitude[1]
     chirp = f"{amplitude:.3g} rad, 0 to {settings.chirp_rate * settings.seconds:.3g} Hz"
-    slow, fast = float(path.velocity.min()), float(path.velocity.max())
-    lengths, speeds = path.coverage.length_edges, path.coverage.velocity_edges
     rows = {
         "motion": api.PROFILES[settings.profile].description,
         "effort": api.TASKS[settings.task].description,
@@ -192,10 +189,6 @@ def _table(
         "chirp": chirp if amplitude > 0.0 else "none",
         "peak velocity": f"{velocity:.3g} rad/s",
         "peak acceleration": f"{acceleration:.3g} rad/s²",
-        "triceps": f"{path.length.min():.2f} to {path.length.max():.2f} l0, {slow:.2f} to "
-        f"{fast:.2f} l0/s (l0 = {path.l0:g} m, rigid tendon)",
-        "coverage": f"{100 * path.coverage.share:.3g} % of the plane {lengths[0]:g} to "
-        f"{lengths[-1]:g} l0, {speeds[0]:g} to {speeds[-1]:g} l0/s",
     }
     if adaptation is not None:
         steps = (*adaptation.steps, *given_up) or ("nothing: the device follows it as it is.",)

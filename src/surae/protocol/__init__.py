@@ -1,7 +1,6 @@
-"""Measurement protocols: position profiles, effort tasks, device limits, coverage, files."""
+"""Measurement protocols: position profiles, effort tasks, device limits, files."""
 
 from surae.protocol.adaptation import Adaptation
-from surae.protocol.coverage import L0_TRI, Coverage, TricepsPath, coverage, triceps_path
 from surae.protocol.device import DEVICES, Device, allowed_range, named_device, read_device
 from surae.protocol.effort import DIRECTIONS, TASKS, Task
 from surae.protocol.export import (
@@ -17,27 +16,22 @@ from surae.protocol.protocol import Given, Protocol, Trajectory, generate
 __all__ = [
     "DEVICES",
     "DIRECTIONS",
-    "L0_TRI",
     "PROFILES",
     "TASKS",
     "Adaptation",
-    "Coverage",
     "Device",
     "Given",
     "Profile",
     "Protocol",
     "Task",
     "Trajectory",
-    "TricepsPath",
     "allowed_range",
     "chirp",
     "chirp_rate",
-    "coverage",
     "generate",
     "named_device",
     "read_device",
     "read_protocol",
-    "triceps_path",
     "write_protocol",
     "write_protocol_csv",
     "write_protocol_mat",

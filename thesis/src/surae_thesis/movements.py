@@ -5,18 +5,17 @@ from functools import cache
 import numpy as np
 
 from surae.protocol import (
-    L0_TRI,
     Adaptation,
     Trajectory,
     chirp,
     chirp_rate,
     generate,
-    triceps_path,
 )
 from surae.recording import MUSCLES
 from surae.report.figures import BLUE, GREY, INK, OCHRE, RED
 from surae.studies import POPULATIONS
 from surae_thesis.claims import Ruling, judge_all
+from surae_thesis.coverage import L0_TRI, triceps_path
 from surae_thesis.legs import motion, protocol
 from surae_thesis.plots import Panel, PlotLine, draw
 from surae_thesis.section import Context, Drawing, Result

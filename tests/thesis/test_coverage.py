@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from surae.errors import InputError
-from surae.protocol import coverage
+from surae.protocol import Protocol, generate
+from surae_thesis.coverage import L0_TRI, coverage, triceps_path
 
 
 def test_a_muscle_at_rest_visits_one_cell():
@@ -51,3 +52,20 @@ def test_wrong_arrays_are_refused():
         coverage(np.zeros(3), np.zeros(4))
     with pytest.raises(InputError, match="must be finite"):
         coverage(np.array([1.0, np.nan]), np.zeros(2))
+
+
+def test_the_path_of_the_triceps_is_that_of_equation_9() -> None:
+    trajectory = generate(Protocol(profile="multiple-holds", rate_hz=64.0))
+    path = triceps_path(trajectory, l0=0.05)
+    arm = 0.0480 - 0.0104 * trajectory.angle
+    np.testing.assert_allclose(path.length, (0.118 - 1.67 * arm) / 0.05, rtol=1e-12)
+    expected = 1.67 * 0.0104 * trajectory.velocity / 0.05
+    np.testing.assert_allclose(path.velocity, expected, atol=1e-12)
+    assert not path.length.flags.writeable
+    assert 0.0 < path.coverage.share < 1.0
+
+
+def test_the_ramp_and_hold_reaches_the_speed_of_figure_3() -> None:
+    path = triceps_path(generate(Protocol(profile="ramp-and-hold")))
+    assert path.l0 == L0_TRI
+    assert np.abs(path.velocity).max() == pytest.approx(0.35, abs=0.005)

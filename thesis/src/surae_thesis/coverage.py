@@ -6,8 +6,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.frozen import read_only
-from surae.model import ModelOptions
-from surae.protocol.protocol import Trajectory
+from surae.protocol import Trajectory
 from surae.units import FloatArray
 
 #: The axes of the thesis's figures, in cells of 0.05 l0 by 0.1 l0/s.
@@ -106,24 +105,8 @@ class TricepsPath:
     coverage: Coverage
 
 
-def triceps_path(
-    trajectory: Trajectory, *, l0: float = L0_TRI, options: ModelOptions | None = None
-) -> TricepsPath:
-    """Length and velocity of the triceps by the models' geometry, equation (9).
-
-    Parameters
-    ----------
-    trajectory : Trajectory
-        The motion.
-    l0 : float
-        The subject's optimal length [m].
-    options : ModelOptions, optional
-        Which geometry.
-    """
-    from surae.model.geometry import paths  # imports the compiler
-
-    triceps, _ = paths(
-        angle=trajectory.angle, velocity=trajectory.velocity, options=options or ModelOptions()
-    )
-    length, velocity = triceps.length / l0, triceps.speed / l0
+def triceps_path(trajectory: Trajectory, *, l0: float = L0_TRI) -> TricepsPath:
+    """Length and velocity of the triceps by equation (9); `l0` is its optimal length [m]."""
+    arm = 0.0480 - 0.0104 * trajectory.angle  # equation (4) [m]
+    length, velocity = (0.118 - 1.67 * arm) / l0, 1.67 * 0.0104 * trajectory.velocity / l0
     return TricepsPath(l0, read_only(length), read_only(velocity), coverage(length, velocity))
