@@ -6,7 +6,6 @@ import signal
 import sys
 import threading
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -73,30 +72,6 @@ def test_ctrl_c_ends_it_soon(fitted, workers, monkeypatch):
     assert time.process_time() - begin < 2.0
     assert set(found.profiles) | set(found.missing) == set(fitted.problem.free)
     assert len(found.missing) >= 8
-
-
-@pytest.mark.slow
-def test_stopped_profiles_go_on(fitted, tmp_path):
-    store = tmp_path / "p.profiles"
-
-    def stop(name, done, total):
-        raise KeyboardInterrupt
-
-    part = profiles(fitted, NAMES, workers=1, store=store, progress=stop)
-    told = []
-    rest = profiles(fitted, NAMES, store=store, progress=lambda *a: told.append(a))
-    assert {name for name, _, _ in told} == set(part.missing)
-    assert [done for _, done, _ in told] == list(range(len(part.profiles) + 1, 5))
-    for name in NAMES:
-        same(rest[name], profile(fitted, name))
-    wider = profiles(fitted, NAMES[:1], store=store, variance_inflation=2.0)
-    assert wider[NAMES[0]].variance_inflation == 2.0
-    with pytest.raises(InputError, match="holds profiles of another fit"):
-        profiles(
-            replace(fitted, sse=2.0 * fitted.sse, values={**fitted.values, "m": 1.0}),
-            NAMES,
-            store=store,
-        )
 
 
 def test_all_by_default(decided):

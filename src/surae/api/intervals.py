@@ -9,7 +9,6 @@ from surae.assessment.assess import variance_inflation
 from surae.assessment.likelihood.profile import profiled
 from surae.assessment.likelihood.profiles import Profiles, profiles
 from surae.assessment.posterior.sample import Posterior, sample
-from surae.files import PathLike
 from surae.progress import NamedProgress, Progress
 from surae.requests import PosteriorSettings, ProfileSettings
 from surae.setting import takes
@@ -20,7 +19,6 @@ def profile(
     fitted: Fit,
     names: str | Sequence[str] | None = None,
     *,
-    store: PathLike | None = None,
     progress: NamedProgress | None = None,
     **settings: Any,
 ) -> Profiles:
@@ -32,8 +30,6 @@ def profile(
         The fit.
     names : str or sequence of str, optional
         Parameters that it estimated; all of them by default.
-    store : path, optional
-        File that profiles are added to as they come, and from which stopped ones go on.
     progress : callable, optional
         Called after every profile with (parameter, profiles done, all profiles).
     {settings}
@@ -58,9 +54,8 @@ def profile(
         factors = {n: factor for n, factor in inflation.factors.items() if n in wanted}
         request = replace(request, variance_inflation=factors)
     return profiles(
-        fitted.result, wanted, **asdict(request), inflation_reason=reason, store=store,
-        progress=progress,
-    )  # fmt: skip
+        fitted.result, wanted, **asdict(request), inflation_reason=reason, progress=progress
+    )
 
 
 @takes(PosteriorSettings)

@@ -16,7 +16,7 @@ from surae.requests import ProfileSettings
 @click.argument("fitted", metavar="FIT.json")
 @click.argument("names", metavar="[NAME…]", nargs=-1)
 @settings_options(ProfileSettings)
-@click.option("--output", metavar="PROFILE.json", help="Write the profiles; makes it resumable.")
+@click.option("--output", metavar="PROFILE.json", help="Write the profiles.")
 @click.option("--figure", type=Picture(), metavar="PROFILE.svg|pdf|png", help="Draw them.")
 def command(
     fitted: str,
@@ -29,17 +29,15 @@ def command(
 
     The profile holds a parameter at value after value and fits all others again: its 95 % interval
     need not be symmetric, and may be open where the recordings set no limit. Without names, every
-    parameter that was estimated. Ctrl-C keeps the profiles that are complete; with --output P.json
-    they are also in P.json.profiles, and the same command makes only the others.
+    parameter that was estimated. Ctrl-C keeps the profiles that are complete.
     """
-    store = None if output is None else f"{output}.profiles"
-    check_outputs({"--output": output, "--figure": figure, "profiles": store}, [fitted])
+    check_outputs({"--output": output, "--figure": figure}, [fitted])
 
     fit = api.load(fitted)
     with work() as progress, compilation_notice():
         progress.describe("profiles")
         profiles = api.profile(
-            fit, names or None, **options, store=store,
+            fit, names or None, **options,
             progress=lambda name, done, total: progress.describe(
                 f"profiles: {done} of {total} done, {name} last"
             ),

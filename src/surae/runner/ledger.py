@@ -73,8 +73,8 @@ class Ledger:
 
     Parameters
     ----------
-    path : path or None
-        The file; None keeps what comes in memory.
+    path : path
+        The file.
     write : bool
         For the one run that adds to it, and makes it where it is missing; else only to read.
 
@@ -89,13 +89,8 @@ class Ledger:
     #: What is said of a file that nothing was planned in.
     _NOTHING = "nothing yet"
 
-    def __init__(self, path: PathLike | None, *, write: bool = False) -> None:
+    def __init__(self, path: PathLike, *, write: bool = False) -> None:
         self._run, self._lock = 0, None
-        if path is None:
-            self._path, self._name = None, "memory"
-            self._file = sqlite3.connect(":memory:", isolation_level=None)
-            database.make_tables(self._file, FORMAT)
-            return
         self._path, self._name = Path(os.path.realpath(path)), shown(path)
         if not write:
             if not self._path.is_file():
@@ -270,7 +265,7 @@ class Ledger:
             ).fetchall()
             run = self._row("SELECT started, how, process, host FROM run ORDER BY id DESC LIMIT 1")
             running, last = None, ""
-            if run and self._path is not None and database.is_locked(self._path):
+            if run and database.is_locked(self._path):
                 (added,) = self._row("SELECT count(*) FROM result WHERE finished >= ?", (run[0],))
                 running = Running(run[2], run[3], added, time.time() - run[0])
             elif run:

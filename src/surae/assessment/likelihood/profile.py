@@ -8,9 +8,9 @@ set no limit.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal, Self
+from typing import Literal
 
 import numpy as np
 
@@ -30,7 +30,6 @@ Status = Literal["closed", "open", "lower-minimum"]
 Stopped = Callable[[], bool] | None
 #: Makes what finds the minima with one parameter held, of its name.
 Surface = Callable[[str, Stopped], Conditional | ConditionalPosterior]
-_ARRAYS = ("values", "sse", "chi2", "path")
 
 
 @filed(
@@ -70,19 +69,6 @@ class ParameterProfile(Comparable):
     message: str  #: What a reader has to know.
     lower: Mapping[str, float] | None  #: Free parameters of the lower minimum.
     evaluations: int  #: Of the model and its Jacobian.
-
-    def plain(self) -> dict[str, Any]:
-        """Give its values as plain data, without loss."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        arrays = {name: values[name].tolist() for name in _ARRAYS}
-        return values | arrays | {"lower": None if self.lower is None else dict(self.lower)}
-
-    @classmethod
-    def of(cls, plain: Mapping[str, Any]) -> Self:
-        """The profile that `plain` made plain data of."""
-        arrays = {name: read_only(np.array(plain[name], dtype=float)) for name in _ARRAYS}
-        tuples = {name: tuple(plain[name]) for name in ("others", "interval", "reasons")}
-        return cls(**{**plain, **arrays, **tuples})
 
     @property
     def along(self) -> dict[str, list[float]]:

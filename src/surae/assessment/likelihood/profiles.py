@@ -2,12 +2,12 @@
 
 import threading
 import time
-from collections.abc import Generator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping, Sequence
+from contextlib import closing, suppress
 from dataclasses import dataclass
+from typing import Any
 
 from surae.assessment.assess import described
-from surae.assessment.fit_ledger import ledger_of
 from surae.assessment.likelihood.profile import (
     ParameterProfile,
     check_profiled,
@@ -18,16 +18,11 @@ from surae.assessment.likelihood.profile import (
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.filed import filed
-from surae.files import PathLike
-from surae.processes import Plain
 from surae.progress import NamedProgress
 from surae.records import Saved
-from surae.runner import Batch, Engine, cores, results
+from surae.runner import Engine, cores, results
 from surae.threads import one_blas_thread
 from surae.versions import versions
-
-#: What their file holds.
-_KIND = "profiles"
 
 
 @filed(inflation_reason="variance_inflation_reason")
@@ -75,15 +70,12 @@ def profiles(
     variance_inflation: float | Mapping[str, float] = 1.0,
     inflation_reason: str = "",
     workers: int | None = None,
-    store: PathLike | None = None,
     progress: NamedProgress | None = None,
 ) -> Profiles:
     """Profile several parameters of a fit, each in a thread of its own.
 
     `variance_inflation` divides Δχ², see `profile`: by parameter, 1 for those left out, or the same
-    for all; `inflation_reason` says why, for the reader. Profiles are added to the file `store` as
-    they come; those of the same fit that it already holds are not made again. All else is as of
-    `surae.profile`.
+    for all; `inflation_reason` says why, for the reader. All else is as of `surae.profile`.
     """
     wanted = profiled(result) if names is None else tuple(names)
     inflation = dict.fromkeys(wanted, 1.0)
@@ -102,29 +94,20 @@ def profiles(
     with one_blas_thread():
         over = surface_of(result)
 
-    def made(name: str) -> Plain:
+    def made(name: str) -> Any:
         return profile(
             result, name, variance_inflation=inflation[name], over=over, stopped=stop.is_set
-        ).plain()
+        )
 
-    def followed(batches: Generator[Batch]) -> Generator[Batch]:
-        for batch in batches:
-            yield batch
-            for key, _ in batch:
-                there.add(key)
-                if progress is not None:
-                    progress(names_by_key[key], len(there), len(wanted))
-
-    names_by_key = {f"{name} {inflation[name]!r}": name for name in wanted}
+    done: dict[str, Any] = {}
     threads = Engine("threads", cores() if workers is None else workers)
-    ledger, about = ledger_of(result, store, _KIND)
-    with ledger:
-        plan = list(names_by_key.items())
-        there = ledger.begin(_KIND, _KIND, about, plan) & set(names_by_key)
-        calls = {key: {"name": name} for key, name in plan if key not in there}
-        with suppress(KeyboardInterrupt):
-            ledger.keep(followed(results(made, calls, threads, stop)))
-        done = {name: ParameterProfile.of(plain) for name, plain in ledger.results()}
+    calls = {name: {"name": name} for name in wanted}
+    with suppress(KeyboardInterrupt), closing(results(made, calls, threads, stop)) as batches:
+        for batch in batches:
+            for name, found in batch:
+                done[name] = found
+                if progress is not None:
+                    progress(name, len(done), len(wanted))
     return Profiles(
         model=result.problem.spec.name,
         profiles={name: done[name] for name in wanted if name in done},
