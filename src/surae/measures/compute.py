@@ -1,8 +1,9 @@
 """From a fit to its measures: values, intervals through the whole covariance, verdicts."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -88,6 +89,7 @@ def measures_of_values(
     model: str,
     options: ModelOptions | None = None,
     angles: Sequence[float] = ANGLES,
+    only: Collection[str] = (),
 ) -> dict[str, float]:
     """Measures of a leg with known parameters: a pure function, those without recordings.
 
@@ -101,6 +103,8 @@ def measures_of_values(
         Its switches.
     angles : sequence of float
         Where [deg].
+    only : collection of str
+        Names of the measures to compute; empty computes all.
 
     Returns
     -------
@@ -118,7 +122,7 @@ def measures_of_values(
     leg = Leg(spec, options, dict(zip(spec.names, vector.tolist(), strict=True)))
     values_by_name = {}
     for point in points(angles):
-        if point.definition.of_recordings:
+        if point.definition.of_recordings or (only and point.name not in only):
             continue
         try:
             value = point.value(leg)
@@ -149,14 +153,20 @@ def measures(
 
 def judged_measures(
     result: FitResult, assessment: Assessment, spread: Spread, angles: Sequence[float]
-) -> list[tuple[Evaluated, Measure]]:
+) -> tuple[tuple[Evaluated, Measure], ...]:
     """All measures of a fit, each with its derivatives."""
-    wanted = points(angles)
+    return _judged(result, assessment, spread, points(angles))
+
+
+@lru_cache(maxsize=4)  # pages, comparisons and answers are often of the same fit
+def _judged(
+    result: FitResult, assessment: Assessment, spread: Spread, wanted: tuple[MeasurePoint, ...]
+) -> tuple[tuple[Evaluated, Measure], ...]:
     drawn = _drawn(result, spread, wanted)
-    return [
+    return tuple(
         (each, _measure(each, drawn.get(each.point.name), result, assessment, spread))
         for each in evaluate(result, spread, wanted)
-    ]
+    )
 
 
 def leg_of(result: FitResult) -> Leg:

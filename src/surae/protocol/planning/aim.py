@@ -77,10 +77,11 @@ def _measure_slopes(names: Sequence[str], legs: Legs, values: FloatArray) -> Flo
     model = legs.spec.name
 
     def measures_at(parameters: dict[str, float]) -> FloatArray:
-        measures = measures_of_values(parameters, model, legs.options, angles)
+        measures = measures_of_values(parameters, model, legs.options, angles, names)
         missing = [n for n in names if n not in measures]
         if missing:
-            known = ", ".join((*legs.own, *measures))
+            every = measures_of_values(parameters, model, legs.options, angles)
+            known = ", ".join((*legs.own, *every))
             raise InputError(f"--aim {missing[0]}: no such parameter or measure; known: {known}")
         return np.array([measures[n] for n in names])
 
