@@ -86,31 +86,6 @@ def test_two_recordings_are_one_joint_fit(inputs, path):
     assert len(joint.assessment.recordings) == 2
 
 
-def test_arguments_reach_the_fit(inputs):
-    seen = []
-    fitted = surae.fit(
-        inputs,
-        "muscle",
-        fixed={"beta": 1.0},
-        start={"f0": 3.0},
-        bounds={"m": (1.0, 2.9)},
-        starts=3,
-        seed=4,
-        progress=lambda *given: seen.append(given),
-        geometry="virtual-work",
-        theta_foot=0.1,
-    )
-    problem = fitted.result.problem
-    assert fitted.parameters["beta"].value == 1.0
-    assert "beta" not in problem.free
-    assert problem.start[problem.free.index("f0")] == 3.0
-    assert problem.upper[0] == 2.9
-    assert problem.options.geometry == "virtual-work"
-    assert problem.options.theta_foot == 0.1
-    assert [(done, starts) for done, starts, _ in seen] == [(1, 3), (2, 3), (3, 3)]
-    assert fitted.result.seed == 4
-
-
 def test_an_unknown_option_lists_the_known_ones(inputs, fit):
     message = r"unknown option 'geometri'; known options: geometry, tendon_strain"
     with pytest.raises(InputError, match=message):
@@ -253,14 +228,6 @@ def test_saved_and_loaded_it_does_the_same(fit, inputs, tmp_path):
     assert loaded.message == fit.message
     assert loaded.predict(inputs).vaf == fit.predict(inputs).vaf
     np.testing.assert_array_equal(loaded.correlation, fit.correlation)
-
-
-@pytest.mark.usefixtures("undrawn")
-def test_report(fit, tmp_path):
-    fit.report(tmp_path / "report.html")
-    text = (tmp_path / "report.html").read_text("utf-8")
-    assert text.lstrip().lower().startswith("<!doctype html")
-    assert "l0_tri" in text
 
 
 def test_a_recording_is_not_changed(inputs, fit):

@@ -276,17 +276,6 @@ def test_predict_needs_a_torque(fitted, noisy):
             predict(problem.spec, problem.options, fitted.values, [replace(noisy, torque=torque)])
 
 
-def test_half_the_noise_half_the_standard_error(subject, trajectory):
-    # Noise is what the standard error measures.
-    from surae.studies import virtual_trial
-
-    sems = []
-    for noise in (0.02, 0.01):
-        found = assess(quick([virtual_trial(subject, trajectory, noise=noise)]))
-        sems.append(np.array([p.sem / p.value for p in found.parameters.values()]))
-    np.testing.assert_allclose(sems[0] / sems[1], 2.0, rtol=0.2)
-
-
 def test_the_share_of_noise_is_finite_however_wide_an_interval_is():
     assert _noise_share(3.0, 1.0) == pytest.approx(9.0 / 16.0)
     assert _noise_share(3e200, 1e200) == pytest.approx(9.0 / 16.0)

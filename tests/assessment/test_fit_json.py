@@ -174,17 +174,6 @@ def test_a_start_without_a_sum_comes_back(result, tmp_path):
     assert load_saved(tmp_path / "fit.json").result.starts[-1].sse == math.inf
 
 
-@pytest.mark.parametrize("shape", [(0,), (1,), (7,), (3, 4), (5, 0)])
-def test_arrays_come_back_to_the_last_bit(shape):
-    rng = np.random.default_rng(0)
-    array = rng.standard_normal(shape) * 10.0 ** rng.integers(-300, 300, shape)
-    packed = json.loads(json.dumps(encode(array)))
-    found = decode(packed)
-    np.testing.assert_array_equal(found, array)
-    assert found.dtype == np.float64
-    assert not found.flags.writeable
-
-
 def test_arrays_keep_odd_numbers():
     array = np.array([0.0, -0.0, np.inf, -np.inf, np.nan, 5e-324, np.finfo(float).max])
     found = decode(encode(array))
@@ -230,18 +219,6 @@ def test_a_damaged_array_is_refused(change):
 
 def test_a_bomb_takes_no_more_memory_than_the_array_that_was_asked_for():
     packed = encode(np.zeros(1000)) | {"data": bomb(200 * 2**20)}
-    tracemalloc.start()
-    try:
-        with pytest.raises(ValueError, match="holds"):
-            decode(packed)
-        assert tracemalloc.get_traced_memory()[1] < 4 * 2**20
-    finally:
-        tracemalloc.stop()
-
-
-def test_a_huge_shape_takes_no_memory():
-    n = 10**13
-    packed = encode(np.zeros(1000)) | {"shape": [n]}
     tracemalloc.start()
     try:
         with pytest.raises(ValueError, match="holds"):
@@ -322,18 +299,6 @@ def test_truncated_files(text, tmp_path):
     for end in [0, 1, 2, *rng.integers(3, len(text) - 3, 60)]:
         with pytest.raises(InputError, match=r"fit\.json: "):
             load_text(text[:end], tmp_path)
-
-
-def test_files_with_flipped_bytes(text, tmp_path):
-    rng = np.random.default_rng(2)
-    raw = np.frombuffer(text.encode(), dtype=np.uint8)
-    refused = 0
-    for _ in range(100):
-        damaged = raw.copy()
-        where = rng.integers(len(raw), size=3)
-        damaged[where] = rng.integers(256, size=3)
-        refused += not survives(damaged.tobytes(), tmp_path)
-    assert refused > 20
 
 
 @pytest.mark.parametrize(

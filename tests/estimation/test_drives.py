@@ -83,12 +83,6 @@ def true_values(model: str = "muscle", seed: int = 3) -> dict[str, float]:
     return dict(virtual_subject(seed).truth(model, OPTIONS))
 
 
-def test_an_ordinary_problem_knows_no_drive(clean):
-    problem = make_problem([clean])
-    assert problem.spec is get_model("muscle")
-    assert len(problem.base) == 15
-
-
 @pytest.mark.parametrize(
     ("given", "drives", "free"),
     [

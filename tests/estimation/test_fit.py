@@ -29,12 +29,6 @@ def test_a_clean_trial_gives_the_truth(seed, trajectory):
     assert assess(result).vaf == pytest.approx(100.0, abs=1e-9)
 
 
-def test_a_patient_too(trajectory):
-    subject = virtual_subject(3, "patient")
-    result = fit_problem(make_problem([virtual_trial(subject, trajectory, noise=0.0)]), starts=2)
-    assert_truth(result, subject.parameters)
-
-
 @pytest.mark.parametrize("seed", [1, 2])
 def test_random_starts_find_the_truth(seed, clean, subject):
     # Without the default start: the scan and the projection have to do it.
@@ -57,12 +51,6 @@ def test_the_truth_with_parameters_fixed_at_it(clean, subject):
         assert result.values[name] == value
 
 
-def test_a_single_free_parameter(clean, subject):
-    fixed = {name: value for name, value in subject.parameters.items() if name != "l0_tri"}
-    result = fit_problem(make_problem([clean], fixed=fixed), starts=1)
-    assert_truth(result, subject.parameters)
-
-
 def test_all_linear_parameters_fixed(clean, subject):
     linear = ("m", "g1", "g2", "g3", "g4", "x0_tri", "x0_tib")
     fixed = {name: subject.parameters[name] for name in linear}
@@ -77,15 +65,6 @@ def test_zero_mass_fixed(trajectory):
     trial = virtual_trial(light, trajectory, noise=0.0)
     result = fit_problem(make_problem([trial], fixed={"m": 0.0}), starts=1)
     assert_truth(result, light.parameters)
-
-
-def test_other_options_have_their_own_truth(trajectory):
-    from surae.model import ModelOptions
-
-    options = ModelOptions(theta_foot=0.3, vmax_factor=10.0)
-    subject = virtual_subject(2)
-    trial = virtual_trial(subject, trajectory, noise=0.0, options=options)
-    assert_truth(fit_problem(make_problem([trial], options=options), starts=1), subject.parameters)
 
 
 def test_what_the_result_says_belongs_together(noisy):
@@ -129,17 +108,6 @@ def test_twice_the_same_recording_halves_the_variance(noisy):
         assert q.sem == pytest.approx(p.sem * np.sqrt(dof / 2), rel=0.03), name
     assert two.vaf == pytest.approx(one.vaf, abs=1e-4)
     np.testing.assert_array_equal(twice.residuals[0], twice.residuals[1])
-
-
-def test_the_order_of_recordings_does_not_matter(subject, trajectory):
-    trials = [virtual_trial(subject, trajectory, noise=0.03, seed=s) for s in (0, 1, 2)]
-    one = assess(fit_problem(make_problem(trials), starts=1))
-    other = assess(fit_problem(make_problem(trials[::-1]), starts=1))
-    for name, p in one.parameters.items():
-        assert other.parameters[name].value == pytest.approx(p.value, abs=0.2 * p.sem), name
-    assert [r.vaf for r in other.recordings][::-1] == pytest.approx(
-        [r.vaf for r in one.recordings], abs=1e-4
-    )
 
 
 def test_recordings_of_different_rates_and_lengths(subject, trajectory):
@@ -360,28 +328,6 @@ def test_a_muscle_tendon_fit_gives_the_truth(trajectory, subject):
     result = fit_problem(make_problem([trial], "muscle-tendon"), starts=1)
     assert result.status == "converged"
     assert_truth(result, subject.parameters, rtol=1e-4)
-
-
-def test_a_sharp_prior_holds_and_a_vague_one_does_not(noisy):
-    free = fit_problem(make_problem([noisy]), starts=1)
-    value = free.values["tau_rel"]
-    sharp = fit_problem(make_problem([noisy], priors={"tau_rel": (1.3 * value, 1e-4)}), starts=1)
-    assert sharp.values["tau_rel"] == pytest.approx(1.3 * value, rel=1e-2)
-    vague = fit_problem(make_problem([noisy], priors={"tau_rel": (1.3 * value, 100.0)}), starts=1)
-    assert vague.values["tau_rel"] == pytest.approx(value, rel=1e-2)
-    sem = assess(sharp).parameters["tau_rel"].sem
-    assert sem == pytest.approx(1e-4 * 1.3 * value, rel=0.05)
-
-
-def test_samples_of_no_weight_do_not_matter(noisy):
-    spoilt = noisy.torque.copy()
-    spoilt[1000:1200] += 500.0
-    weight = np.ones(noisy.n)
-    weight[1000:1200] = 0.0
-    plain = fit_problem(make_problem([replace(noisy, weight=weight)]), starts=1)
-    robust = fit_problem(make_problem([replace(noisy, torque=spoilt, weight=weight)]), starts=1)
-    assert robust.values == pytest.approx(plain.values, rel=1e-9)
-    assert robust.sse == pytest.approx(plain.sse, rel=1e-9)
 
 
 def test_weights_between_the_samples_that_thinning_keeps(trajectory, subject):

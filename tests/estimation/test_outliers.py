@@ -93,6 +93,7 @@ def test_without_outliers_a_loss_costs_little(noisy, reference):
     assert np.median(ratios) == pytest.approx(np.sqrt(1.05), abs=0.03)
 
 
+@pytest.mark.slow
 def test_efficiency_under_gaussian_noise_is_about_95_percent(clean, subject):
     free = ("k_tri", "g3", "l0_tri", "f0")
     fixed = {name: value for name, value in subject.parameters.items() if name not in free}

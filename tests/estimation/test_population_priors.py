@@ -110,16 +110,6 @@ def test_a_priors_logarithm_ends_where_the_parameter_does():
     assert np.isfinite(Prior(2.0, 0.5).row(0.0)).all()
 
 
-@pytest.mark.parametrize("wrong", [0.0, -0.5, np.inf, np.nan, True, "1"])
-def test_a_prior_is_of_numbers_above_zero(noisy, wrong):
-    for pair in ((wrong, 0.2), (1.0, wrong)):
-        with pytest.raises(InputError, match=r"prior of m is .* above zero"):
-            make_problem([noisy], priors={"m": pair})
-    for none in (1.0, (1.0,), (1.0, 0.2, 0.3)):
-        with pytest.raises(InputError, match="give its median and its spread"):
-            make_problem([noisy], priors={"m": none})
-
-
 def test_a_population_unknown(noisy):
     with pytest.raises(InputError, match="'athletes'; use one of: healthy, patient"):
         make_problem([noisy], population="athletes")

@@ -128,14 +128,6 @@ def test_two_recordings_that_prescribe_different_values(clean):
     assert "fixes m at 1.5, another recording at 0" in refused([one, two])
 
 
-def test_a_contradiction_is_settled_by_fixing_the_parameter(clean):
-    # The message says so itself.
-    one, two = (replace(clean, fixed={"m": value}) for value in (0.0, 1.5))
-    problem = make_problem([one, two], fixed={"m": 1.0})
-    assert problem.base[0] == 1.0
-    assert "m" not in problem.free
-
-
 def test_a_recording_prescribes_and_the_user_overrides(clean):
     prescribing = replace(clean, fixed={"m": 0.0})
     assert make_problem([prescribing]).base[0] == 0.0
@@ -236,15 +228,6 @@ def test_residuals_of_two_recordings(clean, noisy, subject):
     # Each part is what its recording alone gives, and the order is that of the recordings.
     alone = Residuals(make_problem([noisy], fixed={"beta": subject.parameters["beta"]}))
     np.testing.assert_array_equal(rows[:, clean.n :], alone.rows(truth))
-
-
-def test_residuals_are_model_minus_measurement(clean):
-    problem = make_problem([clean])
-    higher = make_problem([replace(clean, torque=clean.torque + 1.0)])
-    x = problem.start
-    np.testing.assert_allclose(
-        Residuals(higher).rows(x)[-1], Residuals(problem).rows(x)[-1] - 1.0, atol=1e-12
-    )
 
 
 def test_bounds_that_are_text(clean):

@@ -1,6 +1,5 @@
 """Muscle-tendon model, implicit: it is always solved, and its limits are the ones physics asks."""
 
-import time as clock
 from dataclasses import replace
 
 import numpy as np
@@ -164,17 +163,3 @@ def test_a_sample_that_cannot_be_solved_is_named(make_inputs) -> None:
     assert state.unsolved == (500, 500)
     assert np.isfinite(simulator.torque(vector())[:500]).all()
     assert np.isnan(simulator.torque(vector())[500:]).all()
-
-
-def test_cost_grows_linearly_with_the_samples(make_inputs) -> None:
-    seconds = []
-    for length in (8.0, 64.0):
-        simulator = MuscleTendonSimulator(make_inputs(1, seconds=length), ModelOptions())
-        simulator.torque_jacobian(vector(), ALL)
-        best = np.inf
-        for _ in range(7):
-            begin = clock.thread_time()
-            simulator.torque_jacobian(vector(), ALL)
-            best = min(best, clock.thread_time() - begin)
-        seconds.append(best)
-    assert seconds[1] < 2 * 8 * seconds[0]

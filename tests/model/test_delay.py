@@ -2,7 +2,6 @@
 
 import pickle
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -50,29 +49,6 @@ def driven(name: str, inputs, **values: float):
     spec = with_optional(get_model(name), values)
     p = spec.vector({q.name: q.start for q in MODELS[name].parameters} | values, OPTIONS)
     return spec.simulator(inputs, OPTIONS), p
-
-
-def test_no_delay_is_the_filter_as_it_is() -> None:
-    lags = ((1 - GAMMA) * DT, 0.0)
-    step = ActivationFilter(f0=F0, beta=BETA, dt=DT, lags=lags)
-    whole = filter_step(F0, BETA, DT)[0]
-    for emg in channels(seed=1):
-        plain, state = [0.0], np.zeros(2)
-        for before, now in pairwise(emg):
-            state = whole @ [*state, before, now]
-            plain.append(state[0])
-        alpha = step.active_state([Drive(emg)]).alpha
-        np.testing.assert_allclose(alpha[1], plain, rtol=0, atol=1e-13)
-        late = step.active_state([Drive(emg, delay=0.0)]).alpha
-        np.testing.assert_allclose(late, alpha, rtol=0, atol=1e-13)
-
-
-@pytest.mark.parametrize("samples", [1, 7])
-def test_whole_samples_shift_what_comes_in(samples) -> None:
-    emg = channels()
-    held = np.concatenate([np.repeat(emg[:, :1], samples, axis=1), emg[:, :-samples]], axis=1)
-    late = output(emg, samples * DT)
-    np.testing.assert_allclose(late, output(held, 0.0), rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("sixteenths", [1, 5, 16, 27, 40])
@@ -197,14 +173,6 @@ def test_the_explicit_scheme_takes_it_too(make_inputs) -> None:
     row = late.torque_jacobian(p, [len(p) - 1])[1][0]
     exact = implicit.torque_jacobian(p, [len(p) - 1])[1][0]
     assert np.corrcoef(row[200:], exact[200:])[0, 1] > 0.99
-
-
-@every_model
-def test_a_model_without_drives_is_itself(name) -> None:
-    spec = MODELS[name]
-    assert with_optional(spec, spec.names) is spec
-    assert with_optional(spec, ("anything",)) is spec
-    assert spec.optional == ()
 
 
 @every_model

@@ -176,12 +176,6 @@ def test_noise_of_the_emg_is_not_curved(inputs) -> None:
     assert abs(curved) < 2.0 * abs(plain)
 
 
-def test_shape_changes_nothing_at_the_reference_level(inputs) -> None:
-    steady = replace(inputs, emg=np.tile(LEVELS, (inputs.n, 1)))
-    changed = torque("muscle", steady, emg_shape=-2.0)
-    np.testing.assert_allclose(changed, torque("muscle", steady), rtol=0, atol=1e-10)
-
-
 def test_shape_needs_a_level_in_volts_only(inputs) -> None:
     with pytest.raises(InputError, match=r"emg_shape needs the EMG's reference level; give the op"):
         tied("muscle", inputs, ModelOptions(), emg_shape=-1.0)

@@ -15,7 +15,6 @@ from surae.signals import ModelInputs
 SPEC = get_model("muscle")
 NAMES = list(SPEC.names)
 ALL = range(len(NAMES))
-LINEAR = ["m", "g1", "g2", "g3", "g4"]
 
 HEALTHY = {
     "m": 2.0, "k_tri": 200.0, "k_tib": 110.0, "x0_tri": 0.018, "x0_tib": 0.055,
@@ -171,41 +170,6 @@ def test_jacobian_against_richardson(setup) -> None:
         assert np.abs(exact - numeric).max() < 1e-7 * np.abs(exact).max(), name
 
 
-@every_case
-def test_torque_is_linear_in_mass_and_weights(setup) -> None:
-    inputs, options, p = setup
-    simulator = MuscleSimulator(inputs, options)
-    linear = [NAMES.index(name) for name in LINEAR]
-    columns = simulator.torque_jacobian(p, linear)[1]
-    other = p.copy()
-    other[linear] = [0.0, 3e6, 0.0, 7e6, 1e5]
-    moved = simulator.torque(p) + (other - p)[linear] @ columns
-    assert simulator.torque(other) == pytest.approx(moved, abs=1e-11 * rms(moved))
-    # the columns do not depend on where in the linear parameters they are taken
-    again = simulator.torque_jacobian(other, linear)[1]
-    assert np.abs(again - columns).max() <= 1e-14 * np.abs(columns).max()
-    # and with all of them at zero only the passive tissue is left
-    other[linear] = 0.0
-    tissue = simulator.parts(p).tissue
-    assert simulator.torque(other) == pytest.approx(tissue, abs=1e-12 * rms(tissue))
-
-
-@every_case
-def test_tissue_is_linear_in_exp_of_minus_k_x0(setup) -> None:
-    inputs, options, p = setup
-    simulator = MuscleSimulator(inputs, options)
-    before = simulator.parts(p)
-    shifted = p.copy()
-    shifted[NAMES.index("x0_tri")] += 0.004
-    shifted[NAMES.index("x0_tib")] -= 0.003
-    after = simulator.parts(shifted)
-    tri = np.exp(-p[NAMES.index("k_tri")] * 0.004)
-    tib = np.exp(p[NAMES.index("k_tib")] * 0.003)
-    assert after.tissue_tri == pytest.approx(tri * before.tissue_tri, rel=1e-11, abs=1e-12)
-    assert after.tissue_tib == pytest.approx(tib * before.tissue_tib, rel=1e-11, abs=1e-12)
-    assert np.array_equal(after.neural, before.neural)
-
-
 def held(angle: float, seconds: float, rate_hz: float = 256.0) -> ModelInputs:
     n = round(seconds * rate_hz)
     zero = np.zeros(n)
@@ -220,15 +184,6 @@ def held(angle: float, seconds: float, rate_hz: float = 256.0) -> ModelInputs:
         emg_unit="V",
         torque=None,
     )
-
-
-def followed_by(first: ModelInputs, then: ModelInputs) -> ModelInputs:
-    joined = {
-        name: np.concatenate([getattr(first, name), getattr(then, name)])
-        for name in ("angle", "velocity", "acceleration", "emg")
-    }
-    time = np.arange(first.n + then.n) / first.rate_hz
-    return replace(first, time=time, **joined)
 
 
 def released(rate_hz: float = 256.0) -> ModelInputs:
@@ -289,61 +244,11 @@ def test_without_emg_there_is_no_neural_torque(make_inputs) -> None:
     assert not simulator.torque_jacobian(vector(), columns)[1].any()
 
 
-def test_without_weights_there_is_no_neural_torque_but_a_way_to_it(make_inputs) -> None:
-    simulator = MuscleSimulator(make_inputs(2), ModelOptions())
-    p = vector(g1=0.0, g2=0.0, g3=0.0, g4=0.0)
-    assert not simulator.parts(p).neural.any()
-    jacobian = simulator.torque_jacobian(p, ALL)[1]
-    for name in ("g1", "g2", "g3", "g4"):
-        assert np.abs(jacobian[NAMES.index(name)]).max() > 0
-    for name in ("l0_tri", "l0_tib", "f0", "beta"):
-        assert not jacobian[NAMES.index(name)].any()
-
-
-def test_each_channel_drives_its_own_muscle_only(make_inputs) -> None:
-    inputs = make_inputs(4)
-    for channel in range(4):
-        emg = np.zeros_like(inputs.emg)
-        emg[:, channel] = inputs.emg[:, channel]
-        parts = MuscleSimulator(replace(inputs, emg=emg), ModelOptions()).parts(vector())
-        assert parts.neural_tib.any() == (channel == 0)
-        assert parts.neural_tri.any() == (channel > 0)
-
-
-def test_torque_does_not_know_the_future(make_inputs) -> None:
-    inputs = make_inputs(5)
-    emg = inputs.emg.copy()
-    emg[700:] *= 3
-    angle = inputs.angle.copy()
-    angle[700:] += 0.1
-    before = MuscleSimulator(inputs, ModelOptions()).torque(vector())
-    after = MuscleSimulator(replace(inputs, emg=emg, angle=angle), ModelOptions()).torque(vector())
-    assert np.array_equal(before[:700], after[:700])
-    assert np.all(before[700:] != after[700:])
-
-
-def test_a_later_movement_is_the_same_torque_later(make_inputs) -> None:
-    movement = make_inputs(6)
-    start = movement.angle[0]
-    soon = followed_by(held(start, 0.5), movement)
-    late = followed_by(held(start, 2.5), movement)
-    torque_soon = MuscleSimulator(soon, ModelOptions()).torque(vector())
-    torque_late = MuscleSimulator(late, ModelOptions()).torque(vector())
-    assert torque_late[512:] == pytest.approx(torque_soon, abs=1e-10)
-    assert np.ptp(torque_late[: 512 + 128]) < 1e-10  # at rest until then
-
-
 def test_at_rest_the_torque_is_passive_and_gravity_by_hand() -> None:
     torque = MuscleSimulator(held(0.0, 0.1), ModelOptions()).torque(vector())
     tri = 0.048 * np.exp(200 * (0.03784 - 0.018)) / 1.4
     tib = 0.0393 * np.exp(110 * (0.074692 - 0.055)) / 1.4
     assert torque == pytest.approx(np.full(26, tri - tib + 2 * 9.81 * 0.15), rel=1e-12)
-
-
-def test_a_finer_rate_is_the_same_movement(make_inputs) -> None:
-    coarse = MuscleSimulator(make_inputs(7, rate_hz=128.0), ModelOptions()).torque(vector())
-    fine = MuscleSimulator(make_inputs(7, rate_hz=1024.0), ModelOptions()).torque(vector())
-    assert rms(coarse - fine[::8]) < 1e-3 * rms(fine)
 
 
 def test_overflow_shows_in_the_torque_and_in_the_jacobian(make_inputs) -> None:

@@ -28,7 +28,7 @@ def tables(draw):
     return {name: columns[name] for name in names}
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(columns=tables(), comments=st.lists(st.text(max_size=20), max_size=3))
 def test_round_trip(tmp_path, columns, comments):
     path = tmp_path / "out.csv"

@@ -11,11 +11,9 @@ from surae.studies import (
     POPULATIONS,
     Imperfections,
     realistic_imperfections,
-    virtual_recording,
     virtual_subject,
     virtual_trial,
 )
-from surae.studies.populations import stream
 
 SUBJECT = virtual_subject(4)
 SIZES = {
@@ -91,13 +89,6 @@ def test_one_does_not_move_the_draws_of_another(trajectory, other):
         np.testing.assert_array_equal(again, gains)
 
 
-def test_the_noise_of_the_thesis_has_draws_of_its_own(trajectory):
-    plain = trial(trajectory, noise=0.05).torque - trial(trajectory).torque
-    disturbed = trial(trajectory, noise=0.05, torque_noise=1.0).torque
-    added = disturbed - trial(trajectory, torque_noise=1.0).torque
-    np.testing.assert_allclose(added, plain, atol=1e-10)
-
-
 @pytest.mark.parametrize("name", ["torque_noise", "knee_motion", "effort_variation"])
 def test_seeds_are_those_of_subject_and_trial(trajectory, name):
     settings = Imperfections(**{name: SIZES[name]})
@@ -113,18 +104,6 @@ def test_seeds_are_those_of_subject_and_trial(trajectory, name):
     for other in (torque(4, 1), torque(0, 4), torque(4, 0, "patient")):
         assert abs(np.corrcoef(first, other)[0, 1]) < 0.5
         assert np.abs(first - other).max() > 0.05
-
-
-def test_streams_are_independent():
-    healthy, patient = virtual_subject(5), virtual_subject(5, "patient")
-    first = [
-        stream(subject, purpose, number).standard_normal()
-        for subject in (healthy, virtual_subject(0), patient)
-        for purpose in ("torque", "knee")
-        for number in (None, 0, 5)
-    ]
-    assert len(set(first)) == len(first)
-    assert stream(healthy, "torque", 1).random() == stream(healthy, "torque", 1).random()
 
 
 @pytest.mark.parametrize(
@@ -168,16 +147,3 @@ def test_all_of_them_go_together_with_tendons(trajectory):
     )  # fmt: skip
     assert np.isfinite(trial.torque).all()
     assert len(trial.steps) == 8
-
-
-def test_a_recording_has_them_too():
-    fast = generate(Protocol(profile="ramp-and-hold", rate_hz=1024.0))
-    ideal = virtual_recording(SUBJECT, fast)
-    for name, size in SIZES.items():
-        recording = virtual_recording(SUBJECT, fast, imperfections=Imperfections(**{name: size}))
-        torque = recording.channels["torque"].values - ideal.channels["torque"].values
-        emg = recording.channels["emg_sol"].values - ideal.channels["emg_sol"].values
-        assert (np.abs(torque).max() > 0.05) == (name != "crosstalk")
-        assert (np.abs(emg).max() > 1e-6) == (
-            name in ("crosstalk", "effort_variation", "reflex_gain")
-        )

@@ -9,7 +9,6 @@ from surae.protocol import Protocol, generate, named_device
 from surae.recording import csv_columns, write_csv
 from surae.signals import prepare
 from surae.studies import Imperfections, virtual_recording, virtual_subject, virtual_trial
-from surae.studies.disturbances import mixing
 
 SUBJECT = virtual_subject(2)
 
@@ -66,15 +65,6 @@ def test_the_model_explains_it_but_for_the_fluctuation_of_emg(recording):
     prepared = prepare(recording)
     error = simulate("muscle", SUBJECT.parameters, prepared) - prepared.torque
     assert 97.0 < 100 * (1 - (error**2).sum() / (prepared.torque**2).sum()) < 100.0
-
-
-def test_crosstalk_mixes_raw_signals(recording, trajectory):
-    mixed = virtual_recording(SUBJECT, trajectory, imperfections=Imperfections(crosstalk=0.1))
-    own, measured = (
-        np.column_stack([r.channels[f"emg_{m}"].values for m in ("ta", "gl", "sol", "gm")])
-        for r in (recording, mixed)
-    )
-    np.testing.assert_allclose(measured, own @ mixing(0.1), rtol=0, atol=1e-15)
 
 
 def test_raw_emg_has_draws_of_its_own_for_each_trial(recording, trajectory):

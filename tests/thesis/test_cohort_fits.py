@@ -15,7 +15,7 @@ from surae_thesis.section import Context
 def outcome():
     """The first subject's fits; few samples, as only their form is looked at."""
     patch = pytest.MonkeyPatch()
-    patch.setattr(work, "RATE_HZ", 40.0)
+    patch.setattr(work, "RATE_HZ", 20.0)
     yield work.member_job(seed=1, member=3, gain=0.0, repetitions=2, explicit=False)
     patch.undo()
 

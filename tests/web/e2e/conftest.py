@@ -30,7 +30,10 @@ FLAGS = [
     "--disable-sync",
     # One process draws all pages: else every page of every test starts another, and a spare one.
     "--renderer-process-limit=1",
-    "--disable-features=SpareRendererForSitePerProcess,Translate,MediaRouter,OptimizationHints",
+    "--disable-features=SpareRendererForSitePerProcess,Translate,MediaRouter,OptimizationHints,"
+    "ProactivelySwapBrowsingInstance,IsolateOrigins,site-per-process,BackForwardCache",
+    "--disable-site-isolation-trials",
+    "--in-process-gpu",
 ]
 #: Has a page complain that reads a field which an answer, or a thing in it, has not.
 HELD = """(() => {
