@@ -20,8 +20,6 @@ if TYPE_CHECKING:  # rich comes with the first table
 Columns = tuple[tuple[str, ...], list[tuple[str, ...]]]
 #: Style of a word that judges.
 _STYLES = {"good": "green", "weak": "yellow", "bad": "red", "quiet": "dim"}
-#: How steps begin that are shown: what the user asked for, not what every fit does.
-_REQUESTS = ("Weights: ", "Mass m ", "EMG normalised: ")
 #: Width where stdout is no terminal and COLUMNS is not set.
 _WIDTH = 132
 #: Widths from which the interval stays on one line, and from which meanings have room.
@@ -31,46 +29,26 @@ _SENTENCE, _ANY = 24, 10_000
 
 
 def show_fit(fit: "api.Fit") -> None:
-    """Parameters with intervals and verdicts, what to do, and how well the torque is followed."""
+    """What a fit is worth, its parameters with intervals and verdicts, and what to do."""
+    from rich.text import Text
+
     out = _console()
     wide, narrow = out.width >= _WIDE, out.width < _NARROW
-    heads = ["parameter", "value", "95 % interval", "unit", "rep." if narrow else "repeats",
-             "verdict", *["meaning"] * wide]  # fmt: skip
-    rows: list[tuple[str | Text, ...]] = []
-    for p in api.shown_parameters(fit.assessment):
-        text = api.estimate(p.value, p.trusted_sem, p.ci95)
-        rows.append((
-            p.name, text.value, text.interval, p.unit, api.repeatable(p), _verdict(str(p.verdict)),
-            *([p.meaning] if wide else []),
-        ))  # fmt: skip
-    show_line(fit.result.problem.spec.title)
-    show_adequacy(fit.adequacy)
-    right = {"value", "95 % interval"}
-    _show_table(out, heads, rows, {*heads} - right, {"95 % interval"} if narrow else ())
-    worded = fit.result.problem.options.anatomy.worded
-    for line in (*_notes(fit, out.width), *_unknown(fit, out.width)):
-        show_line(worded(line))
+    table = api.fit_table(fit.result, fit.assessment, out.width)
+    columns = [k for k, head in enumerate(table.heads) if wide or head != "meaning"]
+    heads = [table.heads[k] for k in columns]
+    rows = [
+        [_verdict(row[k]) if table.heads[k] == "verdict" else row[k] for k in columns]
+        for row in table.rows
+    ]
+    title, judged, *reasons = table.above
+    role = JUDGEMENTS[str(fit.adequacy.grade)].role
+    _print(out, Text(title), Text(judged, _STYLES[role]), *map(Text, reasons))
+    left, folded = {*heads} - {*table.numbers}, {"95 % interval"} if narrow else ()
+    _show_table(out, heads, rows, left, folded)
     _show_trials(fit, out)
-    for quality in fit.assessment.recordings:
-        show_line(
-            f"{quality.name}: VAF {api.percentage(quality.vaf)} %"
-            f"{_weighted(quality.vaf_weighted)}, centred R² {api.percentage(quality.r2)} %, "
-            f"RMSE {api.significant(quality.rmse, 3)} Nm, "
-            f"{quality.n} samples at {quality.rate_hz:g} Hz"
-        )
-        show_films(quality.name, quality.fascicles)
-    if len(fit.assessment.recordings) > 1:
-        show_line(f"all together: VAF {api.percentage(fit.vaf)} %{_weighted(fit.vaf_weighted)}")
-    for line in _requests(fit):
+    for line in table.below:
         show_line(line)
-    ipde = "none" if fit.ipde is None else f"{fit.ipde:.2f}"
-    note = f" ({fit.assessment.ipde_note})" if fit.assessment.ipde_note else ""
-    show_line(f"IPDE {ipde}{note}")
-    if fit.covariance.names:
-        note = fit.assessment.interval_note
-        which = {"robust": "robust standard errors, as ", "thesis": "equation (34), as "}
-        show_line(f"intervals: {which.get(fit.assessment.interval, '')}{note}")
-    show_line(f"{fit.status}: {fit.message} ({fit.result.seconds:.2f} s)")
 
 
 def _show_trials(fit: "api.Fit", out: "Console") -> None:
@@ -87,37 +65,6 @@ def _show_trials(fit: "api.Fit", out: "Console") -> None:
                 _show_table(out, heads, rows, heads[:2], heads)
             elif isinstance(block, api.TextBlock):
                 show_line("\n".join([*textwrap.wrap(block.text, out.width), ""]))
-
-
-def show_adequacy(adequacy: "api.Adequacy") -> None:
-    """What the whole fit is good for: a coloured sentence, and its reasons under it."""
-    from rich.padding import Padding
-    from rich.text import Text
-
-    words = api.adequacy_words(adequacy)
-    reasons = (Padding(Text(f"– {reason}"), (0, 0, 0, 2)) for reason in words.reasons)
-    _print(
-        _console(),
-        Text(f"{words.mark} {words.sentence}", _STYLES[JUDGEMENTS[words.grade].role]),
-        *reasons,
-    )
-
-
-def _weighted(vaf: float | None) -> str:
-    """The VAF with samples counted as in the fit, where that is another."""
-    return "" if vaf is None else f" (weighted {api.percentage(vaf)} %)"
-
-
-def _requests(fit: "api.Fit") -> list[str]:
-    """The settings in words: weights, the foot's mass, priors, the loss."""
-    result = fit.result
-    steps = (step for recording in result.problem.inputs for step in recording.steps)
-    lines = [step for step in dict.fromkeys(steps) if step.startswith(_REQUESTS)]
-    if result.problem.priors:
-        lines.append(f"Priors on {', '.join(result.problem.priors)}.")
-    if text := api.emphasis_text(result, fit.assessment):
-        lines.append(text)
-    return lines
 
 
 def show_predictions(predictions: "Sequence[api.Prediction]", paths: Sequence[str]) -> None:
@@ -138,9 +85,8 @@ def show_predictions(predictions: "Sequence[api.Prediction]", paths: Sequence[st
 
 def show_films(name: str, films: "Sequence[api.FascicleQuality]") -> None:
     """How well each film of a recording is followed."""
-    for film in films:
-        facts = ", ".join(f"{label} {text}" for label, text in api.film_facts(film))
-        show_line(f"{name}: {film.channel}: {facts}")
+    for line in api.film_lines(name, films):
+        show_line(line)
 
 
 def show_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
@@ -207,27 +153,6 @@ def show_files(paths: Mapping[str, str | None]) -> None:
     for what, path in paths.items():
         if path is not None:
             show_line(f"{what}: {shown(path)}")
-
-
-def _notes(fit: "api.Fit", width: int) -> list[str]:
-    """Why parameters are not identified and what to do, one line for each reason."""
-    reasons: dict[str, list[str]] = {}
-    for p in fit.parameters.values():
-        if p.verdict in ("weak", "undetermined", "at-bound"):
-            reasons.setdefault(p.note, []).append(p.name)
-    lines = []
-    for note, names in reasons.items():
-        lines += textwrap.wrap(f"{', '.join(names)}: {note}", width, subsequent_indent="    ")
-    return ["Not identified:", *lines, ""] if lines else []
-
-
-def _unknown(fit: "api.Fit", width: int) -> list[str]:
-    """What to measure to know more, and which model the data support, of a fit with model auto."""
-    helps = [f"– {line}" for line in api.what_would_help(fit.result, fit.assessment)]
-    family = api.family_text(fit.result, fit.assessment)
-    lines = [*(["What would help:"] if helps else []), *helps, *filter(None, [family])]
-    folded = [part for line in lines for part in textwrap.wrap(line, width, subsequent_indent="  ")]
-    return [*folded, ""] if folded else []
 
 
 def _verdict(text: str) -> "Text":

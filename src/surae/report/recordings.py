@@ -1,5 +1,7 @@
 """One recording in words: its facts, and what its figures show."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from surae.assessment import RecordingQuality, Whiteness
@@ -129,6 +131,15 @@ def film_facts(film: FascicleQuality) -> list[tuple[str, str]]:
         noise = f"{significant(film.noise_mm, 2)} mm from frame to frame"
         facts.append(("tracker noise", noise))
     return [*facts, ("frames", f"{film.n}")]
+
+
+def film_lines(name: str, films: Sequence[FascicleQuality]) -> list[str]:
+    """How well each film of a recording is followed, a line each."""
+    return [
+        f"{name}: {film.channel}: "
+        + ", ".join(f"{label} {text}" for label, text in film_facts(film))
+        for film in films
+    ]
 
 
 def film_block(name: str, film: Fascicles) -> SectionBlock:

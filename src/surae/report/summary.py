@@ -1,47 +1,106 @@
-"""A fit on one screen."""
+"""A fit on one screen: in a console, a notebook, and as `surae fit` shows it."""
 
-from surae.assessment import Assessment, ParameterEstimate
+import textwrap
+from collections.abc import Iterator
+from dataclasses import replace
+
+from surae.assessment import Assessment
 from surae.estimation import FitResult
 from surae.formatting import estimate, percentage, significant
+from surae.report.budget import what_would_help
 from surae.report.joint import reworded
-from surae.report.parameters import shown_parameters
+from surae.report.laboratory import family_text
+from surae.report.parameters import repeatable, shown_parameters
+from surae.report.provenance import emphasis_text
+from surae.report.recordings import film_lines
 from surae.report.wording import adequacy_words
 from surae.tables import TextTable
 
-_HEADS = ("parameter", "value", "95 % interval", "unit", "verdict", "meaning")
+_HEADS = ("parameter", "value", "95 % interval", "unit", "repeats", "verdict", "meaning")
+#: How steps begin that are shown: what the user asked for, not what every fit does.
+_REQUESTS = ("Weights: ", "EMG normalised: ")
 
 
-def fit_table(result: FitResult, assessment: Assessment) -> TextTable:
-    """What it is worth, its parameters, what came of the search: some thirty lines."""
-    words = adequacy_words(assessment.adequacy)
+def fit_table(result: FitResult, assessment: Assessment, width: int = 100) -> TextTable:
+    """What it is worth, its parameters, what to do, what came of the search.
+
+    Sentences are folded to `width` columns.
+    """
+    words, rows = adequacy_words(assessment.adequacy), []
+    for p in shown_parameters(assessment):
+        text = estimate(p.value, p.trusted_sem, p.ci95)
+        rows.append((
+            p.name, text.value, text.interval, p.unit, repeatable(p), str(p.verdict), p.meaning,
+        ))  # fmt: skip
+    groups = [_notes(assessment), _helps(result, assessment), _closing(result, assessment)]
     table = TextTable(
         _HEADS,
-        tuple(_row(p) for p in shown_parameters(assessment) if p.free),
+        tuple(rows),
         above=(
             result.problem.spec.title,
             f"{words.mark} {words.sentence}",
             *(f"  – {reason}" for reason in words.reasons),
         ),
-        below=tuple(_closing(result, assessment)),
+        below=tuple("\n".join(group) for group in groups if group),
         numbers=("value", "95 % interval"),
     )
-    return reworded(result.problem.options.anatomy, table)
+    table = reworded(result.problem.options.anatomy, table)
+    return replace(table, below=tuple(_folded(table.below, width)))
 
 
-def _row(p: ParameterEstimate) -> tuple[str, ...]:
-    text = estimate(p.value, p.trusted_sem, p.ci95)
-    return p.name, text.value, text.interval, p.unit, str(p.verdict), p.meaning
+def _folded(groups: tuple[str, ...], width: int) -> Iterator[str]:
+    """The lines of every group, an empty one between two."""
+    for number, group in enumerate(groups):
+        yield from [""] * (number > 0)
+        for line in group.splitlines():
+            yield from textwrap.wrap(line, width, subsequent_indent="    ")
+
+
+def _notes(assessment: Assessment) -> list[str]:
+    """Why parameters are not identified and what to do, one line for each reason."""
+    reasons: dict[str, list[str]] = {}
+    for p in assessment.parameters.values():
+        if p.verdict in ("weak", "undetermined", "at-bound"):
+            reasons.setdefault(p.note, []).append(p.name)
+    lines = [f"{', '.join(names)}: {note}" for note, names in reasons.items()]
+    return ["Not identified:", *lines] if lines else []
+
+
+def _helps(result: FitResult, assessment: Assessment) -> list[str]:
+    """What to measure to know more, and which model the data support, of a fit with model auto."""
+    helps = [f"– {line}" for line in what_would_help(result, assessment)]
+    family = family_text(result, assessment)
+    return [*(["What would help:"] if helps else []), *helps, *filter(None, [family])]
 
 
 def _closing(result: FitResult, assessment: Assessment) -> list[str]:
-    fixed = [p for p in shown_parameters(assessment) if not p.free]
+    """How well each recording is followed, what was asked for, and how the search ended."""
     lines = []
-    if fixed:
-        lines.append("fixed: " + ", ".join(f"{p.name} = {p.value:.4g}" for p in fixed))
-    lines += [
-        f"{each.name}: R² {percentage(each.r2)} %, VAF {percentage(each.vaf)} %, "
-        f"RMSE {significant(each.rmse, 3)} Nm"
-        for each in assessment.recordings
-    ]
-    lines.append(f"{result.status}: {result.message} ({result.seconds:.1f} s)")
+    for each in assessment.recordings:
+        lines.append(
+            f"{each.name}: VAF {percentage(each.vaf)} %{_weighted(each.vaf_weighted)}, centred R² "
+            f"{percentage(each.r2)} %, RMSE {significant(each.rmse, 3)} Nm, {each.n} samples at "
+            f"{each.rate_hz:g} Hz"
+        )
+        lines += film_lines(each.name, each.fascicles)
+    if len(assessment.recordings) > 1:
+        both = f"VAF {percentage(assessment.vaf)} %{_weighted(assessment.vaf_weighted)}"
+        lines.append(f"all together: {both}")
+    steps = (step for recording in result.problem.inputs for step in recording.steps)
+    lines += [step for step in dict.fromkeys(steps) if step.startswith(_REQUESTS)]
+    if result.problem.priors:
+        lines.append(f"Priors on {', '.join(result.problem.priors)}.")
+    lines += filter(None, [emphasis_text(result, assessment)])
+    ipde = "none" if assessment.ipde is None else f"{assessment.ipde:.2f}"
+    lines.append(f"IPDE {ipde}" + (f" ({assessment.ipde_note})" if assessment.ipde_note else ""))
+    if assessment.covariance.names:
+        which = {"robust": "robust standard errors, as ", "thesis": "equation (34), as "}
+        how = which.get(assessment.interval, "")
+        lines.append(f"intervals: {how}{assessment.interval_note}")
+    lines.append(f"{result.status}: {result.message} ({result.seconds:.2f} s)")
     return lines
+
+
+def _weighted(vaf: float | None) -> str:
+    """The VAF with samples counted as in the fit, where that is another."""
+    return "" if vaf is None else f" (weighted {percentage(vaf)} %)"
