@@ -194,41 +194,18 @@ def _csv_cell(cell: object) -> str:
 def write_table(
     path: PathLike, names: Sequence[str], rows: Sequence[Mapping[str, str | float | None]]
 ) -> None:
-    """Write rows as a table, as Parquet where the name ends so, else as CSV.
+    """Write rows as a table, in CSV.
 
     Numbers are written so that they are read back without loss; a missing one is an empty cell.
 
     Raises
     ------
     InputError
-        The file cannot be written, or Parquet is not installed.
+        The file cannot be written.
     """
-    if Path(path).suffix.lower() == ".parquet":
-        _write_parquet(path, names, rows)
-        return
     with atomic_file(path) as handle:
         handle.write(csv_row(names).encode())
         handle.writelines(csv_row(row.get(name) for name in names).encode() for row in rows)
-
-
-def _write_parquet(
-    path: PathLike, names: Sequence[str], rows: Sequence[Mapping[str, str | float | None]]
-) -> None:
-    try:
-        import pyarrow as pa
-        from pyarrow import parquet
-    except ImportError:
-        raise InputError(
-            "Parquet needs pyarrow: install it with `pip install 'surae[formats]'`, or write a .csv"
-        ) from None
-    content = {}
-    for name in names:
-        cells = [row.get(name) for row in rows]
-        # A column without any number is one of numbers all the same.
-        kind = pa.float64() if all(cell is None for cell in cells) else None
-        content[name] = pa.array(cells, type=kind)
-    with atomic_file(path) as handle:
-        parquet.write_table(pa.table(content), handle)
 
 
 def require_writable(path: PathLike) -> None:

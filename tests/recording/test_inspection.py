@@ -247,9 +247,10 @@ def test_whatever_the_names_a_mapping_is_toml(tmp_path):
 
 def test_as_plain_data(dynamometer):
     data = inspect(dynamometer).to_json()
-    assert data["roles"]["angle"] == {"file": str(dynamometer), "column": "Angle"}
-    assert data["channels"][1]["role"] == "torque"
-    assert data["channels"][3]["role"] is None
+    angle = data["roles"]["angle"]
+    assert (angle["file"], angle["column"]) == (str(dynamometer), "Angle")
+    assert data["channels"][1]["guess"]["roles"] == ["torque"]
+    assert data["channels"][3]["guess"] is None
     assert data["missing"] == ["emg_gl", "emg_sol", "emg_gm"]
 
 

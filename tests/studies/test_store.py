@@ -257,20 +257,3 @@ def test_missing_numbers_are_empty_cells(path, tmp_path) -> None:
     assert (fitted["status"], fitted["vaf"], fitted["ipde"]) == ("converged", "99.9", "")
     assert (fitted["m"], fitted["m_sem"], fitted["m_true"]) == ("0.3", "", "2.0")
     assert (lost["status"], lost["vaf"], lost["m"], lost["m_true"]) == ("failed", "", "", "")
-
-
-def test_parquet_holds_the_same(path, tmp_path) -> None:
-    parquet = pytest.importorskip("pyarrow.parquet")
-    fill(path, outcome=replace(DONE, ipde=None))
-    with Store(path) as store:
-        assert export_study(store, tmp_path / "t.parquet")[0] == 4
-        rows = list(study_table(store))
-    assert parquet.read_table(tmp_path / "t.parquet").to_pylist() == rows
-
-
-def test_without_pyarrow_parquet_is_refused_kindly(path, tmp_path, monkeypatch) -> None:
-    fill(path)
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with Store(path) as store, pytest.raises(InputError, match=r"pip install 'surae\[formats\]'"):
-        export_study(store, tmp_path / "t.parquet")
-    assert not (tmp_path / "t.parquet").exists()

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +23,6 @@ from surae.trials import Crossed, Trial, TrialSet, common_errors
 from surae.trials.folder import (
     INDEX,
     JOINT,
-    PARQUET,
     REPORT,
     TABLE,
     claimed,
@@ -122,7 +120,7 @@ class SessionResult:
         return frame(self.rows(), units)
 
     def write_table(self, path: PathLike) -> None:
-        """Write the table of `rows` as CSV, or as Parquet where the name ends so.
+        """Write the table of `rows` as CSV.
 
         Parameters
         ----------
@@ -281,8 +279,6 @@ def write_summary(result: SessionResult, root: Path) -> None:
     set_aside(root, _results(result))
     write_index(result, root)
     result.write_table(root / TABLE)
-    if find_spec("pyarrow") is not None:
-        result.write_table(root / PARQUET)
     result.report(root / REPORT)
 
 

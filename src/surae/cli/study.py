@@ -98,7 +98,7 @@ def status_command(store: str) -> None:
 
 @command.command("export", short_help="Write its table.")
 @click.argument("store", metavar="S.db")
-@click.option("--output", required=True, metavar="TABLE.csv", help="Or TABLE.parquet.")
+@click.option("--output", required=True, metavar="TABLE.csv")
 def export_command(store: str, output: str) -> None:
     """Write the table of a study: a row for each combination, as far as they are there."""
     check_outputs({"--output": output}, [store, f"{store}-wal", f"{store}-shm", f"{store}.lock"])

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from surae.recording.emg_kind import Look
 from surae.recording.roles import Guess, Side
+from surae.records import to_plain
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,43 +100,6 @@ class Inspection:
     advice: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
-        """Give the inspection as plain data."""
-        return {
-            "channels": [_channel_json(channel, self) for channel in self.channels],
-            "roles": {role: _address(channel) for role, channel in self.roles.items()},
-            "open": {
-                role: [_address(channel) for channel in some] for role, some in self.open.items()
-            },
-            "missing": list(self.missing),
-            "side": self.side,
-            "side_rule": self.side_rule or None,
-            "emg": self.emg,
-            "emg_rule": self.emg_rule or None,
-            "direction": self.direction or None,
-            "advice": list(self.advice),
-        }
-
-
-def _address(channel: InspectedChannel) -> dict[str, str]:
-    return {"file": channel.file, "column": channel.column}
-
-
-def _channel_json(channel: InspectedChannel, whole: Inspection) -> dict[str, Any]:
-    guess = channel.guess
-    return {
-        **_address(channel),
-        "format": whole.formats[channel.file],
-        "unit": channel.unit,
-        "rate_hz": channel.rate_hz,
-        "n": channel.n,
-        "start_s": channel.start_s,
-        "end_s": channel.end_s,
-        "min": channel.low,
-        "max": channel.high,
-        "role": next((role for role, c in whole.roles.items() if c is channel), None),
-        "could_be": [] if guess is None else list(guess.roles),
-        "confidence": None if guess is None else guess.confidence,
-        "rule": None if guess is None else guess.rule,
-        "side": None if guess is None else guess.side,
-        "remark": channel.remark or None,
-    }
+        """Give all of it as plain data."""
+        plain: dict[str, Any] = to_plain(self)
+        return plain

@@ -14,6 +14,7 @@ from surae.recording.inspection import inspect
 from surae.recording.mapping_reader import TRIAL
 from surae.recording.mapping_text import mapping_text
 from surae.recording.table import some
+from surae.records import to_plain
 
 #: Rates [Hz] that are the same but for rounding, relatively.
 _SAME_RATE = 1e-3
@@ -57,17 +58,9 @@ class InspectedTrials:
     folder: str = "session"
 
     def to_json(self) -> dict[str, Any]:
-        """Give the inspection as plain data: the typical trial's channels, and what differs."""
-        return {
-            **self.typical.to_json(),
-            "trials": list(self.trials),
-            "files": dict(self.files),
-            "differences": [
-                {"trial": each.trial, "text": each.text, "line": each.line or None}
-                for each in self.differences
-            ],
-            "directions": list(self.directions),
-        }
+        """Give all of it as plain data."""
+        plain: dict[str, Any] = to_plain(self)
+        return plain
 
 
 def inspect_trials(

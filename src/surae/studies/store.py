@@ -112,7 +112,7 @@ def export_study(store: Store, path: PathLike) -> tuple[int, str]:
     Raises
     ------
     InputError
-        The file cannot be written, or Parquet is not installed.
+        The file cannot be written.
     """
     names = study_columns(parse_study(store.text()))
     rows = list(study_table(store))

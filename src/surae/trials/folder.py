@@ -17,8 +17,8 @@ from surae.trials.sorting import Trial
 
 #: Names of what is in the folder.
 INDEX, JOINT, FITS, TRASH = "session.json", "joint.json", "fits", "trash"
-REPORT, TABLE, PARQUET = "report.html", "table.csv", "table.parquet"
-_SUMMARY = (INDEX, REPORT, TABLE, PARQUET)
+REPORT, TABLE = "report.html", "table.csv"
+_SUMMARY = (INDEX, REPORT, TABLE)
 #: What a run may move: fits of its own folder, nothing that a damaged index could name.
 _FIT = re.compile(rf"{FITS}/[\w.+-]+\.json|{re.escape(JOINT)}")
 
