@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 from scipy.stats import binom
 
 import surae
@@ -17,6 +18,7 @@ from surae.estimation.coordinates import is_straight
 from surae.estimation.each import trial_spread
 from surae.estimation.family import resumed
 from surae.estimation.latent import emg_noise
+from surae.estimation.learning import learnt_noise
 from surae.frozen import read_only
 from surae.model.laboratory import ALL, laboratory
 from surae.model.parameters import OPTIONAL
@@ -263,6 +265,48 @@ def test_a_search_goes_on_where_it_ended(fitted, tmp_path):
     away = mode.z - posterior.start(fitted.values)
     assert away @ np.linalg.solve(posterior.covariance(mode), away) < 1.0
     assert posterior.noise == fitted.family.noise
+
+
+def test_noise_behind_errors_of_the_drive_is_what_the_whole_fit_leaves(fitted):
+    """What parameters take of the noise is less where the drives err: all at once is the truth."""
+    posterior, mode = resumed(fitted)
+    posterior = posterior.having(fast=0.15)
+    mode = posterior.descend(mode.z, evaluations=10, tolerance=0.1)
+    rows = posterior.rows(mode, 0)[0]
+    fast = np.zeros((rows.whole.shape[1], len(rows.first)))
+    for k, (first, shape) in enumerate(zip(rows.first, rows.fast, strict=True)):
+        fast[first : first + len(shape), k] = shape[: len(fast) - first]
+    columns = np.column_stack([fast, rows.by_c.T, rows.by_z.T]) / np.sqrt(
+        posterior.noise[0].variance
+    )
+    (diagonal, *_, beside), _ = posterior.latents[0].fast.precision(0.15)
+    lag = len(posterior.latents[0].muscles)
+    band = np.diag(diagonal) + np.diag(beside[:-lag], -lag) + np.diag(beside[:-lag], lag)
+    prior = block_diag(band, posterior.precision(0), np.diag(posterior.weight**2))
+    products = columns.T @ columns
+    taken = np.trace(np.linalg.solve(products + prior, products)) / len(fast)
+    left = float(np.mean(rows.residual**2))
+    expected = left * (1.0 + taken + taken**2 + taken**3)
+    assert learnt_noise(posterior, mode)[0].variance == pytest.approx(expected, rel=0.03)
+
+
+def test_a_torque_of_inverse_dynamics_has_no_device(short):
+    """No plate gives way and no axis lies beside it where no device measured the torque."""
+    device = {"axis_forward", "plate_give", "plate_inertia"}
+    assert device <= set(laboratory())
+    assert not device & set(laboratory(mounted=False))
+    assert set(laboratory({"give": (0.0, 1e-3)}, mounted=False)) & device == {"plate_give"}
+    fit = solve(make_problem([replace(short.inputs, fixed={"m": 0.0})], "auto"))
+    assert "axis_forward" in solve(make_problem([short.inputs], "auto")).family.beliefs
+    assert not device & set(fit.family.beliefs)
+
+
+@pytest.mark.slow
+def test_one_walking_speed_predicts_another_better_than_the_rigid_model(shared):
+    walk, run = (shared / "gait" / f"{trial}.toml" for trial in ("walk36", "run81"))
+    for one, other in ((walk, run), (run, walk)):
+        own, rigid = (surae.fit(one, model=model, quality=()) for model in ("auto", "muscle"))
+        assert own.predict(other).vaf > rigid.predict(other).vaf > 0.0
 
 
 def test_a_value_that_no_leg_has_is_not_claimed(fitted):

@@ -109,6 +109,7 @@ class _Search:
                 problem.settings.nuisances,
                 quiet_levels(problem.inputs),
                 measured=problem.settings.geometry_of == "person",
+                mounted=not _of_inverse_dynamics(problem),
                 joint=problem.options.anatomy,
             ).items()
             if name not in held and not _needless(name, self._silent, filmed)
@@ -329,17 +330,29 @@ class _Search:
         self, own: LogPosterior, point: Point, sizes: Sequence[float]
     ) -> tuple[LogPosterior, Point]:
         """The errors of the drives, at the muscles' frequencies as great as the data ask for."""
-        best: tuple[float, LogPosterior, Point] | None = None
-        for size in (0.0, *sizes):
-            post = own.having(fast=size)
-            there = post.descend(point.z, point.c, evaluations=12, tolerance=0.1)
-            post, there = self._learnt(post, there, 2 if sizes else 1, evaluations=8)
-            evidence = post.evidence(there) if sizes else 0.0
-            if best is not None and evidence > best[0]:
-                break
-            best = (evidence, post, there)
-        assert best is not None
-        return best[1], best[2]
+        post = own.having(fast=0.0)
+        there = post.descend(point.z, point.c, evaluations=12, tolerance=0.1)
+        if not sizes:
+            return self._learnt(post, there, 1, evaluations=8)
+        tried = {0.0: (post.evidence(there), post, there)}
+
+        def better(size: float) -> bool:
+            """Whether this size is the best so far."""
+            # slow latents begin anew, for they have followed what is fast
+            post = own.having(fast=size, sizes=_BEGIN)
+            there = post.descend(point.z, evaluations=25, tolerance=0.1)
+            post, there = self._learnt(post, there, 2, evaluations=8)
+            tried[size] = (post.evidence(there), post, there)
+            return min(tried, key=lambda s: tried[s][0]) == size
+
+        low, middle, *high = sizes
+        better(middle)
+        if not better(high[0]):
+            better(low)
+        else:
+            better(high[1])
+        _, post, there = min(tried.values(), key=lambda each: each[0])
+        return post, there
 
 
 def _white(problem: FitProblem, part: float) -> tuple[NoiseModel, ...]:
@@ -358,6 +371,12 @@ def _searched(name: str, belief: Gaussian) -> Gaussian:
         return belief
     spread = float(np.sqrt(np.log1p((belief.sd / belief.mean) ** 2)))
     return Gaussian(float(np.log(belief.mean)) - 0.5 * spread**2, spread)
+
+
+def _of_inverse_dynamics(problem: FitProblem) -> bool:
+    """Whether inertia and weight were taken out of every torque: no device measured it."""
+    given = [{**trial.fixed, **problem.settings.fixed}.get("m") for trial in problem.inputs]
+    return all(mass == 0.0 for mass in given)
 
 
 def _needless(name: str, silent: frozenset[str], filmed: Collection[str]) -> bool:

@@ -128,9 +128,19 @@ def _covariance(posterior: LogPosterior, point: Point) -> FloatArray:
 
 
 def _taken(V: FloatArray, b: Block, rows: SensorRows, noise: NoiseModel) -> FloatArray:
-    """U with UᵀU = the hat matrix of z after latents, and of the latents; V the root of z's."""
-    of_z = V @ (rows.by_z - b.solved.T @ rows.by_c)
-    of_c = solve_triangular(b.factor[0], rows.by_c, trans="T", lower=False)
+    """U with UᵀU = the hat matrix of z after all latents, and of the slow ones after the fast.
+
+    V is the root of z's covariance.
+    """
+    by_z, by_c = rows.by_z, rows.by_c
+    if b.fast is not None:
+        assert rows.fast is not None
+        assert rows.first is not None
+        followed = np.zeros((rows.whole.shape[1], b.fast.shape[1]))
+        lifted(rows.fast, rows.first, np.ascontiguousarray(b.fast), followed)
+        by_z, by_c = by_z - followed[:, : len(by_z)].T, by_c - followed[:, len(by_z) :].T
+    of_z = V @ (by_z - b.solved.T @ by_c)
+    of_c = solve_triangular(b.factor[0], by_c, trans="T", lower=False)
     return np.asarray(np.concatenate([of_z, of_c]) / np.sqrt(noise.variance))
 
 

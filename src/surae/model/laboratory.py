@@ -43,6 +43,7 @@ def laboratory(
     quiet: Sequence[float] | None = None,
     *,
     measured: bool = False,
+    mounted: bool = True,
     joint: Joint = ANKLE,
 ) -> dict[str, Gaussian]:
     """The priors of all nuisances, by parameter.
@@ -52,11 +53,20 @@ def laboratory(
     `quiet` is the level of each electrode at its quietest, in the EMG's unit: the priors of EMG at
     rest are in parts of it. Where it is zero, or not given, that is taken for known.
     `measured`: the geometry is the person's own, so that its priors are narrower.
+    `mounted`: a device holds the foot; a torque of inverse dynamics has neither axis nor plate,
+    unless `nuisances` give them.
     A `joint` may have other priors; `nuisances` come before them.
     """
     if nuisances == NONE:
         return {}
     beliefs = {name: n.prior_of(name) for n in _NUISANCES.values() for name in n.parameters}
+    if not mounted:
+        beliefs |= {
+            name: Gaussian(0.0, 0.0)
+            for n in _NUISANCES.values()
+            if n.of_device
+            for name in n.parameters
+        }
     if measured:
         beliefs |= {name: b for n in _NUISANCES.values() for name, b in n.measured.items()}
     given: Mapping[str, tuple[float, float]] = {}

@@ -44,6 +44,8 @@ class Nuisance:
     #: What makes it another: the next trial, or electrodes and foot mounted anew.
     anew: Literal["never", "trial", "mounting"] = "never"
     of_leg: bool = False  #: Whether it belongs to the leg, and not to what measures it.
+    #: Whether it is of a device that holds the foot: torques of inverse dynamics have none.
+    of_device: bool = False
     #: Priors of single parameters that differ from `prior`.
     own: Mapping[str, Gaussian] = field(default_factory=FrozenDict)
     #: Priors where the geometry is the person's own, see `geometry_of` of a fit.
@@ -141,7 +143,7 @@ _SOURCES = (
         Fill("surface", "|"),
         Nuisance(
             "axis", OPTIONAL["axis"], Gaussian(0.0, 0.01), "m",
-            "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting",
+            "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting", of_device=True,
         ),
     ),
     UncertaintySource(
@@ -232,6 +234,7 @@ _SOURCES = (
         Nuisance(
             "plate", OPTIONAL["plate"], Gaussian(0.0, 5.0), "Nm",
             "plates of 1 to 3 kg, their centre 5 to 15 cm from the axis; assumed", departs=True,
+            of_device=True,
             own=FrozenDict({"plate_inertia": Gaussian(0.0, 0.03)}),
         ),
     ),
@@ -242,7 +245,7 @@ _SOURCES = (
         Nuisance(
             "give", OPTIONAL["plate_give"], Gaussian(0.0, 8e-4), "rad/Nm",
             "a heel lifts by 2 to 6° in strong contractions (Karamanidis et al. 2005)",
-            anew="mounting", departs=True,
+            anew="mounting", departs=True, of_device=True,
         ),
     ),
     UncertaintySource(
