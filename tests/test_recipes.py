@@ -20,12 +20,7 @@ ROOT = PACKAGE.parents[1]
 RECIPES = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 FRICTION = """    UncertaintySource(
         "friction", "friction", "what the bearings of the device take",
-        Text(
-            "Run the device without a foot, and take its friction away.",
-            "Laat het apparaat zonder voet lopen, en trek de wrijving af.",
-            "Das Gerät ohne Fuß bewegen und die Reibung abziehen.",
-            "Faire tourner l’appareil sans pied, et soustraire le frottement.",
-        ),
+        N_("Run the device without a foot, and take its friction away."),
         Fill("ink", "\\\\"),
         Nuisance(
             "friction", OPTIONAL["friction"], Gaussian(0.0, 1.0), "Nm", "up to 1 Nm; assumed",
