@@ -13,7 +13,7 @@ from surae.estimation import FitResult, fit_problem, make_problem
 from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
 from surae.recording import SourceFile
-from surae.report.rendering import fit_report
+from surae.report.fit import fit_report
 from surae.signals import ModelInputs
 from undrawn import blank_figures
 

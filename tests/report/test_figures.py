@@ -5,14 +5,11 @@ import numpy as np
 import pytest
 
 from surae.assessment import whiteness
-from surae.report.figures import (
-    correlation_figure,
-    fit_figure,
-    png,
-    residual_figure,
-    torque_figure,
-    write_figure,
-)
+from surae.report.figures.correlation import correlation_figure
+from surae.report.figures.residual import residual_figure
+from surae.report.figures.style import png, write_figure
+from surae.report.figures.torque import torque_figure
+from surae.report.figures.torques import fit_figure
 from surae.report.traces import traces_of
 
 

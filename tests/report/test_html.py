@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from surae.report.explore import signals_of
-from surae.report.rendering import fit_report
+from surae.report.fit import fit_report
 from surae.report.traces import traces_of
 from surae.report.wording import adequacy_words
 from undrawn import blank_figures

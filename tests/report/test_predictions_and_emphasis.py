@@ -11,8 +11,8 @@ from surae.assessment import assess
 from surae.assessment.validation import predict_others
 from surae.estimation import fit_problem, fit_robust, make_problem
 from surae.frozen import read_only
-from surae.report.figures import prediction_figure
-from surae.report.rendering import fit_report
+from surae.report.figures.torques import predictions_figure
+from surae.report.fit import fit_report
 from surae.report.sections import predictions_section
 from surae.signals import Weighting, weighted
 from undrawn import blank_figures
@@ -112,11 +112,11 @@ def section_of(page, name):
     return page.split(f'id="{name}"')[1].split("</section>")[0]
 
 
-def test_predictions_have_a_section_a_table_and_a_figure_each(plain, page):
+def test_predictions_have_a_section_a_table_and_a_figure(plain, page):
     section = section_of(page, "predictions")
     assert "Predicting other recordings" in section
     assert section.count("<tr>") == 4  # heading, two recordings, together
-    assert section.count("data:image/png") == 2
+    assert section.count("data:image/png") == 1
     assert "<b>shifted</b>" not in section
     assert "&lt;b&gt;shifted&lt;/b&gt;" in section
     assert "carry over only in part" in section
@@ -130,13 +130,10 @@ def test_a_good_prediction_is_not_warned_of(plain, predictions):
     assert predictions_section(plain.assessment, []) == ()
 
 
-def test_the_figure_shows_both_torques_and_their_difference(predictions):
-    above, below = prediction_figure(predictions[0]).axes
-    measured, predicted = above.get_lines()
+def test_the_figure_shows_both_torques_of_each_recording(predictions):
+    first, second = predictions_figure(predictions).axes
+    measured, predicted = first.get_lines()
     np.testing.assert_array_equal(measured.get_ydata(), predictions[0].measured)
     np.testing.assert_array_equal(predicted.get_ydata(), predictions[0].torque)
-    (difference,) = below.get_lines()
-    np.testing.assert_allclose(
-        difference.get_ydata(), predictions[0].measured - predictions[0].torque
-    )
-    assert [p for p in above.patches if p.get_hatch()]
+    assert [p for p in first.patches if p.get_hatch()]
+    assert not [p for p in second.patches if p.get_hatch()]

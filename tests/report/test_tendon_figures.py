@@ -6,7 +6,8 @@ import pytest
 from surae.estimation import fit_problem, make_problem
 from surae.formatting import significant
 from surae.frozen import read_only
-from surae.report.figures import png, tendon_figure
+from surae.report.figures.style import png
+from surae.report.figures.tendon import tendon_figure
 from surae.report.recordings import tendon_rows, warnings_of
 from surae.report.traces import traces_of
 
@@ -107,9 +108,7 @@ def test_the_table_has_the_extremes(traces):
 def test_the_page_shows_them_with_words_for_the_figure(elastic):
     assert elastic.words.count("<h4>Muscles and tendons</h4>") == 1
     section = parts.section(content_of(elastic), "Muscles and tendons")
-    picture = section.blocks[1]
-    for group, row in parts.rows(section).items():
-        assert f"{group}: muscle length {row['Muscle length [l0]'].text} l0" in picture.alt
+    for row in parts.rows(section).values():
         assert row["Tendon force [N]"].text in elastic.words
     assert warnings_of(traces_of(elastic.result)[0]) == ()
 

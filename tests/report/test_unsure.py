@@ -14,6 +14,7 @@ from surae.estimation.result import OfRecording
 from surae.model.sources import SOURCES
 from surae.report.budget import budget_of, budget_section, what_to_measure, what_would_help
 from surae.report.document import TableBlock
+from surae.report.fit import fit_report
 from surae.report.laboratory import (
     family_section,
     family_text,
@@ -21,7 +22,6 @@ from surae.report.laboratory import (
     trials_section,
 )
 from surae.report.parameters import parameters_section, repeatable, shown_parameters
-from surae.report.rendering import fit_report
 
 from . import parts
 

@@ -137,13 +137,13 @@ from surae.report import part_of as part_of
 from surae.report import style as style
 from surae.report.document import TableBlock as TableBlock
 from surae.report.document import TextBlock as TextBlock
-from surae.report.figures import png as png
-from surae.report.figures import predictions_figure as predictions_figure
-from surae.report.figures import svg as svg
-from surae.report.figures import write_figure as write_figure
 from surae.report.figures.intervals import profile_figure as profile_figure
 from surae.report.figures.protocol import protocol_figure as protocol_figure
 from surae.report.figures.style import new_figure as new_figure
+from surae.report.figures.style import png as png
+from surae.report.figures.style import svg as svg
+from surae.report.figures.style import write_figure as write_figure
+from surae.report.figures.torques import predictions_figure as predictions_figure
 from surae.report.laboratory import trials_section as trials_section
 from surae.report.leg import first_answer as first_answer
 from surae.report.output import write_blocks as write_blocks

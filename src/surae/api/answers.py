@@ -213,7 +213,7 @@ def predictions_part(fit: Fit, predictions: "Sequence[Prediction]") -> str:
         HTML.
     """
     from surae.report import part_of
-    from surae.report.rendering import predictions_report  # matplotlib
+    from surae.report.fit import predictions_report  # matplotlib
 
     return part_of(**predictions_report(fit.assessment, predictions).plain())
 

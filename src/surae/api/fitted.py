@@ -307,7 +307,8 @@ class Fit(Tabular):
         InputError
             The file cannot be written.
         """
-        from surae.report.figures import fit_figure, predictions_figure, write_figure
+        from surae.report.figures.style import write_figure
+        from surae.report.figures.torques import fit_figure, predictions_figure
 
         inches = width / 25.4
         if validation:
@@ -335,7 +336,7 @@ class Fit(Tabular):
     def _report(self, predictions: Sequence[Prediction] = ()) -> "Report":
         from datetime import datetime
 
-        from surae.report.rendering import fit_report  # matplotlib, only when one is made
+        from surae.report.fit import fit_report  # matplotlib, only when one is made
 
         now, versions = datetime.now().astimezone(), self.result.versions
         return fit_report(

@@ -62,7 +62,6 @@ class TableCell:
     why: str = ""  #: Words behind the text.
     meaning: str = ""  #: What a name stands for.
     bar: IntervalBar | None = None  #: An interval, drawn before all else.
-    span: tuple[float, float] | None = None  #: Begin and width of a stretch of the trial, parts.
     pairs: tuple[tuple[str, str], ...] = ()  #: Names, each with its value.
 
 
@@ -98,7 +97,7 @@ class TableBlock:
 
 @dataclass(frozen=True, slots=True)
 class TextBlock:
-    """Text: plain, a ``note``, a ``warning``, an ``answer`` or a ``question``."""
+    """Text: plain, a ``note``, a ``warning``, ``say`` (an answer), ``choose`` (on screen alone)."""
 
     text: str
     look: str = ""
@@ -206,7 +205,6 @@ class Document:
     blocks: tuple[Block, ...]
     footer: str = ""
     language: str = "en"
-    look: str = ""  #: ``sheet`` prints on one A4.
 
 
 def columns(

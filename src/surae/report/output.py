@@ -11,7 +11,8 @@ from typing import Any
 from surae.files import PathLike, template, write_atomic
 from surae.report.document import Document
 from surae.report.explore import explorer, signals_of
-from surae.report.figures import Figure, data_url, png, svg
+from surae.report.figures import Figure
+from surae.report.figures.style import data_url, png, svg
 from surae.report.traces import Traces
 from surae.report.typeset import check_report, is_pdf, typeset
 
@@ -20,7 +21,7 @@ __all__ = ["Report", "page_of", "paper_of", "write_blocks"]
 #: Resolution of figures that are no lines [dots per inch].
 _DPI = 150
 #: Figures with many lines; all others have few lines and many letters, and stay sharp at any size.
-_MANY_LINES = ("torque-", "residual-", "tendon-", "prediction-")
+_MANY_LINES = ("torque-", "residual-", "tendon-", "predictions")
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,38 +34,23 @@ class Report:
 
     def page(self) -> str:
         """The page as HTML."""
-        return page_of(self.document, self._urls(), signals_of(self.traces))
+        plain = self.plain()
+        return page_of(self.document, plain["images"], plain["signals"])
 
-    def plain(self) -> dict[str, Any]:
-        """Plain data for `surae.report.part_of` and `write_blocks`."""
-        images, signals = self._urls(), signals_of(self.traces)
-        return asdict(self.document) | {"images": images, "signals": signals}
-
-    def write(self, path: PathLike) -> None:
-        """Write the page, or a PDF where `path` ends in ``.pdf``.
-
-        Raises
-        ------
-        InputError
-            The file cannot be written, or a PDF needs typst.
-        ComputationError
-            Typst cannot set the PDF.
-        """
-        check_report(path)
-        if is_pdf(path):
-            drawn = {name: svg(figure) for name, figure in self.figures}
-            write_atomic(path, paper_of(asdict(self.document), drawn))
-        else:
-            write_atomic(path, self.page())
-
-    def _urls(self) -> dict[str, str]:
-        """Figures as data URLs."""
-        return {
+    def plain(self, *, lines: bool = False) -> dict[str, Any]:
+        """Plain data for `surae.report.part_of` and `write_blocks`; all figures may be `lines`."""
+        images = {
             name: data_url(png(figure, _DPI), "png")
-            if name.startswith(_MANY_LINES)
+            if name.startswith(_MANY_LINES) and not lines
             else data_url(svg(figure))
             for name, figure in self.figures
         }
+        return asdict(self.document) | {"images": images, "signals": signals_of(self.traces)}
+
+    def write(self, path: PathLike) -> None:
+        """Write the page, or a PDF where `path` ends in ``.pdf``; see `write_blocks`."""
+        check_report(path)
+        write_blocks(path, **self.plain(lines=is_pdf(path)))
 
 
 def page_of(

@@ -15,11 +15,10 @@ from surae.report.document import (
     TableCell,
     TableColumn,
     TextBlock,
-    paragraphs,
     verdict,
 )
 from surae.report.provenance import prior_note, prior_span
-from surae.report.wording import caution
+from surae.report.wording import FAILED, intervals
 
 #: Titles of the groups of parameters.
 _GROUPS = {
@@ -78,12 +77,9 @@ def parameters_section(
         tuple((_GROUPS.get(group, group), tuple(rows)) for group, rows in groups.items()),
         "parameters",
     )
-    warning = caution(result, assessment)
-    blocks: tuple[Block, ...] = (
-        TextBlock(note, "note"),
-        *paragraphs(filter(None, [warning]), "warning"),
-        table,
-    )
+    failed = result.status == "failed"
+    allowed = TextBlock(FAILED, "warning") if failed else TextBlock(intervals(assessment), "note")
+    blocks: tuple[Block, ...] = (TextBlock(note, "note"), *([allowed] * bool(allowed.text)), table)
     return SectionBlock("Parameters", blocks, "parameters", "page")
 
 

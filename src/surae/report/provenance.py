@@ -161,17 +161,13 @@ def provenance_section(
 
 
 def _source(recording: ModelInputs) -> SectionBlock:
-    """A recording's files, which of its samples count, and what was done to it."""
-    facts: list[tuple[str, tuple[str, ...]]] = [
-        ("Samples", (f"{recording.n} at {short(recording.rate_hz)} Hz",))
-    ]
-    if excluded := excluded_text(recording.time, recording.weight):
-        facts.append(("Left out of the fit", (excluded,)))
-    facts += [("File", (f"{file.name}, SHA-256 {file.sha256}",)) for file in recording.files]
-    if not recording.files:
-        facts.append(("File", ("none: the recording was made in memory",)))
-    facts.append(("Preparation", recording.steps or ("none recorded",)))
-    return SectionBlock(recording.name, (FactsBlock(tuple(facts), "settings"),), look="source")
+    """A recording's files, and what was done to it."""
+    files = tuple(f"{file.name}, SHA-256 {file.sha256}" for file in recording.files)
+    facts = (
+        ("Files", files or ("none: the recording was made in memory",)),
+        ("Preparation", recording.steps or ("none recorded",)),
+    )
+    return SectionBlock(recording.name, (FactsBlock(facts, "settings"),), look="source")
 
 
 def _starts(result: FitResult) -> str:

@@ -163,11 +163,6 @@ def film_block(name: str, film: Fascicles) -> SectionBlock:
 def _tendons(number: int, traces: Traces, state: TendonState) -> SectionBlock:
     """What muscle and tendon of each group do: ranges, and their figure."""
     rows = tendon_rows(traces, state)
-    text = " ".join(
-        f"{group}: muscle length {length} l0, velocity {velocity} l0/s; tendon elongation "
-        f"{elongation} mm, force {force} N, end of toe {toe}."
-        for group, length, velocity, elongation, force, toe in rows
-    )
     table = TableBlock(
         "Ranges of muscle and tendon in this recording",
         columns("Muscle group", "Muscle length [l0]", "Muscle velocity [l0/s]",
@@ -178,8 +173,7 @@ def _tendons(number: int, traces: Traces, state: TendonState) -> SectionBlock:
     picture = PictureBlock(
         f"tendon-{number}",
         "Muscle length and velocity in optimal lengths, tendon elongation and tendon force "
-        "against time, and force against elongation of the fitted tendon, for both groups. "
-        f"{text}",
+        "against time, and force against elongation of the fitted tendon, for both groups.",
         "Muscle length and velocity in optimal lengths l0, and what they would be on a rigid "
         "tendon (wide, pale); elongation and force of the tendon, with the force at which its toe "
         "ends. Bottom: the tendon’s force against its elongation, equation (18), with the range "

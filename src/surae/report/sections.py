@@ -8,18 +8,15 @@ from surae.assessment import Assessment, Prediction, pooled
 from surae.estimation import FitResult
 from surae.formatting import NO_NUMBER, percentage, signed, significant
 from surae.model.joint import ANKLE
-from surae.quality import Quality
 from surae.report.document import (
     Block,
     PictureBlock,
     SectionBlock,
     TableBlock,
-    TableCell,
     TextBlock,
     columns,
     rows_of,
 )
-from surae.report.traces import Traces
 
 #: Correlation from which a pair of parameters is named.
 _STRONG = 0.9
@@ -183,69 +180,11 @@ def predictions_section(
             for name, vaf, rmse, bias in rows
         ),
     )
-    pictures = (
-        PictureBlock(
-            f"prediction-{number}",
-            f"Measured and predicted torque against time, VAF {percentage(p.vaf)} %, and their "
-            f"difference, RMS {significant(p.rmse, 3)} Nm.",
-            f"{p.name}: torque measured (wide, pale) and predicted with the parameters of this fit "
-            "(thin, dark); below, their difference.",
-            width=85,
-        )
-        for number, p in enumerate(predictions)
+    picture = PictureBlock(
+        "predictions",
+        "Measured and predicted torque of each recording against time.",
+        "Torque measured (wide, pale) and predicted with the parameters of this fit (thin, dark).",
+        width=85,
     )
-    blocks: tuple[Block, ...] = (TextBlock(text), table, *pictures)
+    blocks: tuple[Block, ...] = (TextBlock(text), table, picture)
     return (SectionBlock("Predicting other recordings", blocks, "predictions", "page"),)
-
-
-def quality_section(
-    quality: Sequence[Quality], traces: Sequence[Traces]
-) -> tuple[SectionBlock, ...]:
-    """What was found in each recording before the fit; nothing where nobody looked.
-
-    Marks are drawn on the span of the recordings' `traces`.
-    """
-    if not quality:
-        return ()
-    note = TextBlock(
-        "What was found in the recordings before they were fitted. An error makes estimates wrong, "
-        "a warning makes them doubtful. The bar is the trial from its beginning to its end; the "
-        "dark part is what a finding is about.",
-        "note",
-    )
-    each = (_checked(checked, trace) for checked, trace in zip(quality, traces, strict=False))
-    return (SectionBlock("Recording quality", (note, *each), "quality", "quality"),)
-
-
-def _checked(quality: Quality, trace: Traces) -> SectionBlock:
-    """The findings of one recording, and the checks that could not be made."""
-    ends = [float(trace.time[0]), float(trace.time[-1])]
-    ends += [f.start_s for f in quality.findings] + [f.end_s for f in quality.findings]
-    first, length = min(ends), max(max(ends) - min(ends), 1e-9)
-    rows = [
-        (
-            TableCell(
-                finding.code,
-                kind="code",
-                badge=(f"severity {finding.severity}", finding.severity),
-                meaning=finding.channel or "",
-            ),
-            TableCell(
-                f"{finding.start_s:.4g} to {finding.end_s:.4g} s",
-                span=((finding.start_s - first) / length,
-                      (finding.end_s - finding.start_s) / length),
-            ),
-            TableCell(finding.message, why=finding.advice),
-        )
-        for finding in quality.findings
-    ]  # fmt: skip
-    blocks: list[TableBlock | TextBlock] = []
-    if rows:
-        heads = columns("Finding", "When", "What, and what to do", wide=(2,), looks={1: "when"})
-        blocks.append(
-            TableBlock(f"Findings in {quality.recording}", heads, rows_of(rows), "findings")
-        )
-    if quality.skipped:
-        skipped = "; ".join(f"{check.check} ({check.reason})" for check in quality.skipped)
-        blocks.append(TextBlock(f"Not checked: {skipped}", "note"))
-    return SectionBlock(f"{quality.recording}: {quality.summary}", tuple(blocks))

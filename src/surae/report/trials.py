@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.assessment import Assessment
 from surae.formatting import NO_NUMBER, percentage, signed
-from surae.quality import Finding, Quality
+from surae.quality import SEVERITIES, Finding, Quality
 from surae.report.document import (
     Block,
     SectionBlock,
@@ -158,24 +158,27 @@ def _cell(crossed: Crossed | None) -> TableCell:
 
 
 def findings_section(quality: Mapping[str, Quality]) -> SectionBlock:
-    """Each finding once, with the trials that have it."""
-    found: dict[tuple[str, str], list[tuple[str, Finding]]] = {}
-    for trial, checked in quality.items():
+    """Each finding once, with the recordings that have it; and what could not be checked."""
+    found: dict[tuple[int, str], list[tuple[str, Finding]]] = {}
+    for name, checked in quality.items():
         for finding in checked.findings:
-            if finding.severity != "info":
-                found.setdefault((finding.severity, finding.code), []).append((trial, finding))
-    every = sorted(found.items(), key=lambda item: item[0])  # errors come before warnings
+            place = SEVERITIES.index(finding.severity)
+            found.setdefault((-place, finding.code), []).append((name, finding))
     rows: list[TableRow] = []
-    for (severity, code), those in every:
-        names = list(dict.fromkeys(trial for trial, _ in those))
-        where = names[0] if len(names) == 1 else f"{len(names)} trials: {', '.join(names)}"
-        messages = dict.fromkeys(finding.message for _, finding in those)
-        first, *others = messages
-        more = f" (and {len(others)} alike)" if others else ""
-        mark = TableCell(code, kind="code", badge=(f"severity {severity}", severity), under=where)
-        rows.append((mark, TableCell(f"{first}{more}", why=those[0][1].advice)))
-    if not rows:
-        return SectionBlock("Checks", (TextBlock("Nothing was found."),), "checks")
+    for (_, code), those in sorted(found.items(), key=lambda item: item[0]):
+        names, first = list(dict.fromkeys(name for name, _ in those)), those[0][1]
+        where = f"{len(names)} trials: {', '.join(names)}"
+        if len(those) == 1:
+            where = f"{names[0]}, {first.start_s:.4g} to {first.end_s:.4g} s"
+        others = len({finding.message for _, finding in those}) - 1
+        more = f" (and {others} alike)" if others else ""
+        badge = (f"severity {first.severity}", first.severity)
+        mark = TableCell(code, kind="code", badge=badge, under=where, meaning=first.channel or "")
+        rows.append((mark, TableCell(f"{first.message}{more}", why=first.advice)))
     table = TableBlock("What was found in the recordings", columns("", "", wide=(1,)),
                        rows_of(rows), "findings")  # fmt: skip
-    return SectionBlock("Checks", (table,), "checks")
+    blocks: list[Block] = [table if rows else TextBlock("Nothing was found.")]
+    skipped = {f"{s.check} ({s.reason})": None for each in quality.values() for s in each.skipped}
+    if skipped:
+        blocks.append(TextBlock(f"Not checked: {'; '.join(skipped)}", "note"))
+    return SectionBlock("Checks", tuple(blocks), "checks")

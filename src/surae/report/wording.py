@@ -1,8 +1,7 @@
 """The plain-language summary and the adequacy: what may be taken from a fit, and what not."""
 
-from surae.assessment import Assessment, Interval, ParameterEstimate, Verdict
+from surae.assessment import Assessment, Interval, Verdict
 from surae.assessment.adequacy import Adequacy, Grade
-from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
 from surae.formatting import listed, percentage, significant
 from surae.report.document import AdequacyWords
@@ -52,19 +51,11 @@ FAILED = (
 )
 
 
-def summary(result: FitResult, assessment: Assessment, rms: float) -> tuple[str, ...]:
-    """The summary, one paragraph an entry.
-
-    `rms` is the root mean square of the measured torque of all recordings [Nm].
-    """
+def summary(result: FitResult, assessment: Assessment) -> tuple[str, ...]:
+    """What to know before the numbers are used, one paragraph an entry."""
     if result.status == "failed":
         return (FAILED,)
-    texts = [
-        _following(result, assessment, rms),
-        _counted(assessment),
-        emphasis_text(result, assessment),
-        _intervals(assessment),
-    ]
+    texts = [_advice(assessment), emphasis_text(result, assessment)]
     if result.family is None and len(result.starts) > 1 and result.agreeing == 1:
         texts.append(
             f"Only one of {len(result.starts)} starts reached this solution. There may be a better "
@@ -73,81 +64,37 @@ def summary(result: FitResult, assessment: Assessment, rms: float) -> tuple[str,
     return tuple(text for text in texts if text)
 
 
-def caution(result: FitResult, assessment: Assessment) -> str:
-    """What to know before reading the parameter table; empty where there is nothing."""
-    if result.status == "failed":
-        return FAILED
-    if assessment.interval is not Interval.ROBUST:
-        return ""
-    return (
-        f"Intervals and verdicts rest on the robust SEM, because {assessment.interval_note}; the "
-        f"SEM of equation (34) is {_ratio(assessment)}."
-    )
-
-
 def closeness(r2: float) -> str:
     """How closely a model with this centred R² [%] follows the torque, in words."""
     return next((word for limit, word in _CLOSENESS if r2 >= limit), "to an unknown degree")
 
 
-def _following(result: FitResult, assessment: Assessment, rms: float) -> str:
-    r2 = assessment.adequacy.r2
-    return (
-        f"The {result.problem.spec.title} follows the changes of the measured torque "
-        f"{closeness(r2)}: it explains {_in_words(r2)} % of their variance (centred R²). Of the "
-        f"torque’s mean square, its mean included, it accounts for {_in_words(assessment.vaf)} % "
-        f"(VAF). What it misses is {significant(assessment.rmse, 3)} Nm, where the torque itself "
-        f"is {significant(rms, 3)} Nm (both root mean square)."
-    )
-
-
-def _in_words(vaf: float) -> str:
-    return percentage(vaf).replace("> ", "more than ")
-
-
-def _counted(assessment: Assessment) -> str:
-    """How many parameters are known, and what to do about the others."""
-    free = [p for p in assessment.parameters.values() if p.free]
-    identified = _of(assessment, Verdict.IDENTIFIED)
-    bound = _of(assessment, Verdict.AT_BOUND)
-    weak = _of(assessment, Verdict.WEAK)
-    unknown = [p.name for p in _of(assessment, Verdict.UNDETERMINED)]
-    limit = f"a 95 % interval within ±{100 * IDENTIFIED:g} % of the value"
+def _advice(assessment: Assessment) -> str:
+    """What to do about the parameters that are not identified; of an inadequate fit none is."""
     if assessment.adequacy.grade is Grade.INADEQUATE:
-        text = f"No parameter is identified, not even with {limit}: the fit is inadequate."
-    else:
-        text = f"{_share(len(identified), len(free))} identified, which takes {limit}."
+        return ""
+    weak, bound, unknown = (
+        [p.name for p in assessment.parameters.values() if p.verdict is verdict]
+        for verdict in (Verdict.WEAK, Verdict.AT_BOUND, Verdict.UNDETERMINED)
+    )
+    texts = []
     if weak:
-        subject = "The weak one is" if len(weak) == 1 else f"The {len(weak)} weak ones are"
-        text += (
-            f" {subject} an indication, not a measurement: fix what is known otherwise, or measure "
-            "a more informative movement."
+        texts.append(
+            f"{listed(weak)}: an indication, not a measurement. Fix what is known otherwise, or "
+            "measure a more informative movement."
         )
     if unknown:
-        text += f" This torque leaves {listed(unknown)} undetermined: fix what is known."
+        texts.append(f"This torque leaves {listed(unknown)} undetermined: fix what is known.")
     if bound:
-        subject = (
-            "The value at a bound was" if len(bound) == 1 else
-            f"The {len(bound)} values at a bound were"
-        )  # fmt: skip
-        text += (
-            f" {subject} set by the bound, not by the data: see whether the bound is right, or fix "
-            "the parameter."
+        texts.append(
+            f"{listed(bound)}: set by the bound, not by the data. See whether the bound is right, "
+            "or fix the parameter."
         )
-    adequate = assessment.adequacy.grade is not Grade.INADEQUATE
-    if assessment.interval is Interval.MARGINAL and adequate:
-        repeatable = sum(p.repeatable for p in free)
-        text += (
-            f" {_share(repeatable, len(free))} repeatable: a second trial of this leg "
-            "should give the same value, and both could be biased."
-        )
-    if weak or unknown or bound:
-        text += " The parameter table says what to do about each."
-    return text
+    return " ".join(texts)
 
 
-def _intervals(assessment: Assessment) -> str:
-    """What the intervals allow for."""
+def intervals(assessment: Assessment) -> str:
+    """What the intervals allow for, and what not; empty where there is none."""
     if not any(p.ci95 for p in assessment.parameters.values()):
         return ""
     if assessment.interval is Interval.MARGINAL:
@@ -161,19 +108,10 @@ def _intervals(assessment: Assessment) -> str:
             f"The intervals are those of white noise, equation (34): {assessment.interval_note}. "
             "They do not cover errors of the model itself."
         )
-    if all(whiteness.white for whiteness in assessment.whiteness):
-        return (
-            f"The intervals and verdicts rest on the robust SEM, because "
-            f"{assessment.interval_note}. They do not cover errors of the model itself."
-        )
-    worst = max(assessment.whiteness, key=lambda w: w.statistic)
     return (
-        "The residuals are not white noise: neighbouring samples correlate by "
-        f"{significant(worst.lag1, 2)}, and it takes {significant(worst.fall_s, 2)} s to fall to "
-        "the level of white noise. The intervals and verdicts allow for that; the standard errors "
-        f"of equation (34), which assume white noise, are {_ratio(assessment)}. What correlates "
-        "may be something that the model leaves out; that may also shift the values, which no "
-        "interval covers."
+        f"The intervals and verdicts rest on the robust SEM, because {assessment.interval_note}; "
+        f"the SEM of equation (34) is {_ratio(assessment)}. They do not cover errors of the model "
+        "itself, which may also shift the values."
     )
 
 
@@ -188,15 +126,3 @@ def _ratio(assessment: Assessment) -> str:
     if middle >= 1:
         return f"too small by a factor of {significant(middle, 2)} (median of the parameters)"
     return f"too large by a factor of {significant(1 / middle, 2)} (median of the parameters)"
-
-
-def _of(assessment: Assessment, verdict: Verdict) -> list[ParameterEstimate]:
-    return [p for p in assessment.parameters.values() if p.verdict is verdict]
-
-
-def _share(part: int, whole: int) -> str:
-    """The beginning of a sentence about some of all estimated parameters."""
-    if part == whole:
-        return f"All {whole} estimated parameters are" if whole > 1 else "The one parameter is"
-    verb = "is" if part == 1 else "are"
-    return f"{part or 'None'} of the {whole} estimated parameters {verb}"

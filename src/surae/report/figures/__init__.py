@@ -37,7 +37,6 @@ from surae.report.figures.torque import torque_figure
 from surae.report.figures.torques import (
     TorquePanel,
     fit_figure,
-    prediction_figure,
     predictions_figure,
     torques_figure,
 )
@@ -64,7 +63,6 @@ __all__ = [
     "new_figure",
     "pdf",
     "png",
-    "prediction_figure",
     "predictions_figure",
     "residual_figure",
     "shared_legend",

@@ -15,8 +15,6 @@ from surae.report.figures.style import (
     MUTED,
     WIDTH,
     dress,
-    heading,
-    legend,
     new_figure,
     shade_excluded,
     shared_legend,
@@ -91,9 +89,7 @@ def fit_figure(result: FitResult, notes: Sequence[str] = (), *, width: float = W
 
 
 def predictions_figure(predictions: Sequence[Prediction], *, width: float = WIDTH) -> Figure:
-    """The figure of a validation: of one what is left over too, of several a panel each."""
-    if len(predictions) == 1:
-        return prediction_figure(predictions[0], width=width)
+    """The figure of a validation: measured and predicted torque, a panel for each recording."""
     panels = [
         TorquePanel(
             each.name, each.time, each.measured, each.torque, f"VAF {percentage(each.vaf)} %",
@@ -102,23 +98,3 @@ def predictions_figure(predictions: Sequence[Prediction], *, width: float = WIDT
         for each in predictions
     ]  # fmt: skip
     return torques_figure(panels, "predicted", width=width)
-
-
-def prediction_figure(prediction: Prediction, *, width: float = WIDTH) -> Figure:
-    """Two panels against time: both torques, and measured minus predicted."""
-    figure = new_figure(4.2, width=width)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
-    time, spans = prediction.time, excluded_spans(prediction.weight)
-    dress(above, "Torque [Nm]")
-    heading(above, "Torque, triceps positive")
-    trace(above, time, prediction.measured, label="measured", color=GREY, linewidth=3.0)
-    trace(above, time, prediction.torque, label="predicted", color=BLUE, linewidth=1.0)
-    shade_excluded(above, time, spans)
-    legend(above, 3)
-    dress(below, "Torque [Nm]", "Time [s]")
-    heading(below, "Measured minus predicted")
-    trace(below, time, prediction.measured - prediction.torque, color=INK, linewidth=0.7)
-    shade_excluded(below, time, spans)
-    below.set_xlim(float(time[0]), float(time[-1]))
-    figure.align_ylabels()
-    return figure

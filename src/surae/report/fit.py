@@ -1,15 +1,18 @@
-"""What a report of a fit says, section by section."""
+"""The report of a fit: what it is worth, its numbers, its recordings, and how it came about."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
+from itertools import chain
 
 import numpy as np
 
-from surae.assessment import Assessment, Interval, Prediction, Verdict
+from surae.assessment import Assessment, Prediction, Verdict
+from surae.assessment.parameter import IDENTIFIED, percent
 from surae.estimation import FitResult
 from surae.formatting import NO_NUMBER, estimate, percentage, short, significant
+from surae.model import GeometryTable
 from surae.quality import Quality
-from surae.report.budget import NEXT, BudgetTable, budget_section
+from surae.report.budget import NEXT, BudgetTable, budget_of, budget_section
 from surae.report.document import (
     Block,
     Document,
@@ -23,19 +26,31 @@ from surae.report.document import (
     rows_of,
     verdict,
 )
+from surae.report.figures import Figure
+from surae.report.figures.budget import budget_figure
+from surae.report.figures.correlation import correlation_figure
+from surae.report.figures.film import film_figure
+from surae.report.figures.geometry import geometry_figure
+from surae.report.figures.joint import relabelled
+from surae.report.figures.residual import residual_figure
+from surae.report.figures.tendon import tendon_figure
+from surae.report.figures.torque import torque_figure
+from surae.report.figures.torques import predictions_figure
 from surae.report.identifiability import identifiability_section
+from surae.report.joint import reworded
 from surae.report.laboratory import family_section, laboratory_section, trials_section
+from surae.report.output import Report
 from surae.report.parameters import parameters_section, shown_parameters
 from surae.report.provenance import provenance_section
-from surae.report.recordings import recording_section
+from surae.report.recordings import GROUPS, recording_section
 from surae.report.sections import (
     correlation_section,
     geometry_section,
     predictions_section,
-    quality_section,
     starts_section,
 )
-from surae.report.traces import Traces
+from surae.report.traces import Traces, traces_of
+from surae.report.trials import findings_section
 from surae.report.wording import adequacy_words, closeness, summary
 
 _STATUS = {
@@ -45,22 +60,22 @@ _STATUS = {
 }
 
 
-def fit_document(
+def fit_report(
     result: FitResult,
     assessment: Assessment,
-    traces: tuple[Traces, ...],
-    budget: BudgetTable,
+    predictions: Sequence[Prediction] = (),
     *,
     versions: Mapping[str, str],
     created: datetime,
-    predictions: Sequence[Prediction] = (),
     quality: Sequence[Quality] = (),
-) -> Document:
-    """Put a fit and its assessment into words.
+) -> Report:
+    """The report of a fit.
 
-    `versions` are those of the programs that made the fit; `predictions` are of other recordings;
-    `quality` is what was found in each recording before the fit.
+    `versions` are those of the programs that made the fit, `created` is when the report is made,
+    `predictions` are of other recordings, `quality` is what was found in each recording before it
+    was fitted. The same arguments give the same report.
     """
+    traces, budget = traces_of(result), budget_of(result, assessment)
     names = [recording.name for recording in assessment.recordings]
     several = f", {len(names)} recordings in one joint fit" if len(names) > 1 else ""
     recordings = (
@@ -69,7 +84,24 @@ def fit_document(
             zip(assessment.recordings, traces, assessment.whiteness, strict=True)
         )
     )
-    return Document(
+    found = {checked.recording: checked for checked in quality}
+    details = (
+        parameters_section(result, assessment, next_anchor=NEXT if budget.helps else ""),
+        *([findings_section(found)] if found else []),
+        *recordings,
+    )
+    research = (
+        budget_section(budget),
+        *laboratory_section(result, assessment),
+        *family_section(result, assessment),
+        *trials_section(result, assessment),
+        correlation_section(assessment),
+        identifiability_section(result, assessment),
+        *geometry_section(result),
+        starts_section(result),
+        provenance_section(result, assessment, versions),
+    )
+    document = Document(
         kicker="Ankle muscle parameters",
         heading=" + ".join(names),
         under=(
@@ -80,34 +112,8 @@ def fit_document(
         blocks=(
             _summary(result, assessment, traces),
             *predictions_section(assessment, predictions),
-            SectionBlock(
-                "Details",
-                (
-                    parameters_section(
-                        result, assessment, next_anchor=NEXT if budget.helps else ""
-                    ),
-                    *quality_section(quality, traces),
-                    *recordings,
-                ),
-                "details",
-                "more",
-            ),
-            SectionBlock(
-                "Research",
-                (
-                    budget_section(budget),
-                    *laboratory_section(result, assessment),
-                    *family_section(result, assessment),
-                    *trials_section(result, assessment),
-                    correlation_section(assessment),
-                    identifiability_section(result, assessment),
-                    *geometry_section(result),
-                    starts_section(result),
-                    provenance_section(result, assessment, versions),
-                ),
-                "research",
-                "more",
-            ),
+            SectionBlock("Details", details, "details", "more"),
+            SectionBlock("Research", research, "research", "more"),
         ),
         footer=(
             "Made by surae for research. VAF is the part of the torque’s mean square that the "
@@ -115,6 +121,49 @@ def fit_document(
             "those of the thesis Estimating ankle muscle parameters (van de Poll, 2015)."
         ),
     )
+    figures = _figures(budget, traces, assessment, predictions)
+    joint = result.problem.options.anatomy
+    if isinstance(result.problem.options.geometry, GeometryTable):
+        figures = chain(figures, [("geometry", geometry_figure(result.problem.options, GROUPS))])
+    return Report(reworded(joint, document), relabelled(joint, figures), traces)
+
+
+def predictions_report(assessment: Assessment, predictions: Sequence[Prediction]) -> Report:
+    """How other recordings are predicted, to be a part of a page."""
+    drawn = [("predictions", predictions_figure(predictions))]
+    return Report(Document("", "", "", "", predictions_section(assessment, predictions)), drawn)
+
+
+def _figures(
+    budget: BudgetTable,
+    traces: Sequence[Traces],
+    assessment: Assessment,
+    predictions: Sequence[Prediction],
+) -> Iterator[tuple[str, Figure]]:
+    """Name and figure, such as ``"torque-0"``; the same on the page and on paper."""
+    for number, (trial, white) in enumerate(zip(traces, assessment.whiteness, strict=True)):
+        yield f"torque-{number}", torque_figure(trial)
+        residual = residual_figure(trial.time, trial.residual, white, trial.excluded)
+        yield f"residual-{number}", residual
+        if trial.tendon is not None:
+            yield f"tendon-{number}", tendon_figure(trial, trial.tendon)
+        for place, film in enumerate(trial.films):
+            yield f"film-{number}-{place}", film_figure(trial, film)
+    if predictions:
+        yield "predictions", predictions_figure(predictions)
+    if budget.rows:
+        yield "budget", budget_figure(budget)
+    estimated = assessment.covariance
+    if len(estimated.names) > 1:
+        group = {p.name: p.group for p in assessment.parameters.values()}
+        passive, active = (
+            [name for name in estimated.names if group[name] == part]
+            for part in ("passive", "active")
+        )
+        yield (
+            "correlation",
+            correlation_figure(estimated.names, estimated.correlation, passive, active),
+        )
 
 
 def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]) -> SectionBlock:
@@ -131,7 +180,7 @@ def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]
         adequacy_words(assessment.adequacy),
         status,
         _key(result, assessment, rms),
-        *paragraphs(summary(result, assessment, rms)),
+        *paragraphs(summary(result, assessment)),
         _glance(assessment),
     )
     return SectionBlock("Summary", blocks, "summary")
@@ -142,15 +191,8 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
     free = sum(p.free for p in parameters)
     identified = sum(p.verdict is Verdict.IDENTIFIED for p in parameters)
     failed = result.status == "failed"
-    robust = assessment.interval is Interval.ROBUST and not failed
-    coloured = not all(whiteness.white for whiteness in assessment.whiteness)
     followed = f"{closeness(assessment.adequacy.r2)}; with its mean, VAF "
     followed = "no minimum reached" if failed else f"{followed}{percentage(assessment.vaf)} %"
-    allowed = ""
-    if result.family is not None:
-        allowed = "measurement errors accounted for"
-    elif robust:
-        allowed = "correlation of the residual allowed for" if coloured else "robust errors"
     if result.family is not None:
         repeatable = sum(p.repeatable for p in parameters)
         last = (
@@ -165,7 +207,8 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
     return KeyFigures((
         ("Torque’s changes followed, R²", f"{r2} %", followed),
         ("Root mean square error", f"{rmse} Nm", f"torque itself {significant(rms, 3)} Nm"),
-        ("Parameters identified", NO_NUMBER if failed else f"{identified} of {free}", allowed),
+        ("Parameters identified", NO_NUMBER if failed else f"{identified} of {free}",
+         f"95 % interval within ±{percent(IDENTIFIED)}"),
         last,
     ))  # fmt: skip
 
