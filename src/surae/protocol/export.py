@@ -5,10 +5,12 @@ import io
 import numpy as np
 
 from surae.errors import InputError
-from surae.files import PathLike, read_bytes, shown, write_atomic
+from surae.files import PathLike, shown, write_atomic
 from surae.frozen import read_only
 from surae.protocol.protocol import Given, Trajectory
 from surae.recording import MUSCLES
+from surae.recording.formats import open_table
+from surae.recording.source import open_source
 from surae.signals.kinematics import derivatives
 
 #: Column names: the position to follow and the effort to show to the subject.
@@ -132,27 +134,19 @@ def read_protocol(path: PathLike) -> Trajectory:
     InputError
         It cannot be read, lacks a column, or is no uniformly sampled protocol.
     """
-    where = shown(path)
-    lines = read_bytes(path).decode("utf-8", "replace").splitlines()
-    lines = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
-    names = [name.strip() for name in lines[0].split(",")] if lines else []
-    missing = [name for name in COLUMNS if name not in names]
+    source = open_source(path)
+    table, where = open_table(source), source.shown
+    missing = [name for name in COLUMNS[1:] if name not in table.names]
     if missing:
         raise InputError(
             f"{where}: no column {', '.join(missing)}; a protocol has {', '.join(COLUMNS)} "
             "(the effort from 0 to 1), as `surae protocol` writes them"
         )
-    few = InputError(f"{where}: needs 16 samples or more, all of them numbers")
-    if len(lines) <= 16:
-        raise few
-    try:
-        table = np.loadtxt(lines[1:], delimiter=",", ndmin=2, usecols=range(len(names)))
-    except ValueError as error:
-        raise InputError(f"{where}: not a table of numbers ({error})") from None
-    columns = {name: table[:, names.index(name)] for name in COLUMNS}
-    if not np.isfinite(table).all():
-        raise few
-    time, angle = columns["time_s"], columns["angle_rad"]
+    loaded = table.load(COLUMNS[1:])
+    time, angle = loaded["angle_rad"].time, loaded["angle_rad"].values
+    columns = {name: column.values for name, column in loaded.items()}
+    if len(time) < 16 or not all(np.isfinite(each).all() for each in (time, *columns.values())):
+        raise InputError(f"{where}: needs 16 samples or more, all of them numbers")
     step = float(time[-1] - time[0]) / (len(time) - 1)
     if not step > 0.0 or np.abs(np.diff(time) - step).max() > 0.01 * step:
         raise InputError(f"{where}: time_s must rise in equal steps; sample it uniformly")

@@ -8,13 +8,14 @@ import numpy as np
 from surae.errors import InputError
 from surae.files import PathLike
 from surae.frozen import read_only
+from surae.protocol import read_protocol
 from surae.quality.commanded import Commanded
 from surae.quality.finding import Finding, Quality, Skipped
 from surae.quality.kinds import make_finding
 from surae.quality.registry import CHECKS, check_recording, ordered
 from surae.quality.timing import axis_findings
 from surae.recording import MUSCLES, Channel, Recording
-from surae.recording.channels import Scaling, channel, settle_unit
+from surae.recording.channels import Scaling, channel
 from surae.recording.formats import open_table
 from surae.recording.reading import read_described, recording_of_table
 from surae.recording.roles import NAMES
@@ -58,7 +59,7 @@ def recording_or_findings(path: PathLike) -> tuple[Recording | Quality, Commande
 
 
 def commanded_file(path: PathLike) -> Commanded:
-    """The commanded motion, and the effort if it is there, of a protocol's file.
+    """The commanded motion and effort of a protocol's file.
 
     Parameters
     ----------
@@ -68,26 +69,10 @@ def commanded_file(path: PathLike) -> Commanded:
     Raises
     ------
     InputError
-        The file cannot be read, or has no angle.
+        It is no protocol, see `surae.protocol.read_protocol`.
     """
-    source = open_source(path)
-    table = open_table(source)
-    role = next((n for n in table.names if NAMES.get(plain(n), ("", ""))[0] == "angle"), None)
-    if role is None:
-        raise InputError(
-            f"{source.shown}: no column angle_rad; give the CSV that `surae protocol` wrote"
-        )
-    efforts = [f"emg_{muscle}" for muscle in MUSCLES]
-    there = all(name in table.names for name in efforts)
-    columns = table.load([role, *(efforts if there else [])])
-    unit = settle_unit(table, "angle", role, NAMES[plain(role)][1], source.shown)
-    angle = channel("angle", columns[role], Scaling(unit), table)
-    effort = None
-    if there:
-        effort = read_only(np.column_stack([columns[name].values for name in efforts]))
-        if not np.isfinite(effort).all():
-            raise InputError(f"{source.shown}: an effort is not a finite number")
-    return Commanded("the commanded profile", angle.time, angle.values, effort)
+    made = read_protocol(path)
+    return Commanded("the commanded profile", made.time, made.angle, made.effort)
 
 
 def _commanded_column(table: Table) -> Commanded | None:
