@@ -210,23 +210,24 @@ def test_a_broken_off_upload_leaves_nothing(server, caplog) -> None:
 def test_a_mapping_of_other_files_reaches_none(browser) -> None:
     text = """
         name = 1979-05-27
-        emg = [1]
-        [fixed]
-        m = nan
         [channels.angle]
         file = "/etc/passwd"
         column = "x"
         [channels.torque]
         file = "../../project.db"
         column = "x"
-        scale = inf
     """
     id_ = browser.post("/api/uploads", params={"name": "m.toml"}, content=text.encode()).json()
     answer = browser.get(f"/api/uploads/{id_['id']}/inspect")
     assert answer.status_code == 200, answer.text
     assert answer.json()["mapping"]["channels"] == {}
-    assert answer.json()["mapping"]["fixed"] == {}
     assert not answer.json()["ready"]
+    for wrong in ("scale = inf", "sign = 2", "[fixed]\nm = nan", "[more]"):
+        content = f"{text}\n{wrong}\n".encode()
+        id_ = browser.post("/api/uploads", params={"name": "m.toml"}, content=content).json()
+        answer = browser.get(f"/api/uploads/{id_['id']}/inspect")
+        assert answer.status_code == 400
+        assert answer.json()["error"].startswith("m.toml: ")
 
 
 @pytest.mark.parametrize("code", ["a\u2028b", "a\u202eb", "a\x85b", "a\x1bb", "a\nb"])

@@ -4,8 +4,9 @@ from surae.errors import InputError
 from surae.files import PathLike
 from surae.recording import hdf5, opensim
 from surae.recording.channels import Scaling, channel, settle_unit
+from surae.recording.described import MappedRecording
 from surae.recording.formats import open_table
-from surae.recording.mapping import read_mapping, recognises
+from surae.recording.mapping import Description, read_mapping, recognises
 from surae.recording.recording import Recording, SourceFile
 from surae.recording.roles import NAMES, TIMES, role_and_unit
 from surae.recording.source import Source, open_source
@@ -69,6 +70,11 @@ def open_mapping(path: PathLike) -> Source:
             "writes one"
         )
     return source
+
+
+def mapped_recording(path: PathLike) -> MappedRecording:
+    """What a TOML mapping says of one recording, or of every trial of a session."""
+    return Description.of(open_mapping(path)).mapped()
 
 
 def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = ()) -> Recording:

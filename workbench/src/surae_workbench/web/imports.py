@@ -9,7 +9,6 @@ import os
 import re
 import shutil
 import tempfile
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, replace
@@ -78,9 +77,8 @@ def inspected(files: Sequence[Upload]) -> dict[str, Any]:
     with _folder(files) as names:
         first = names[files[0]["id"]]
         ids = {name: id_ for id_, name in names.items()}
-        source = api.open_source(first)
-        if api.is_mapping(source):
-            return _of_mapping(source.data, first, ids)
+        if api.is_mapping(api.open_source(first)):
+            return _of_mapping(first, ids)
         return _of_data(list(names.values()), ids)
 
 
@@ -144,52 +142,46 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
     }
 
 
-def _of_mapping(data: bytes, name: str, ids: Mapping[str, str]) -> dict[str, Any]:
+def _of_mapping(name: str, ids: Mapping[str, str]) -> dict[str, Any]:
     """A mapping that was uploaded, its files found among the uploads."""
-    try:
-        table = tomllib.loads(data.decode())
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{name}: not valid TOML: {error}") from None
-    entries = table.get("channels")
-    _refuse_what_no_form_shows(table, name)
+    mapped = api.mapped_recording(name)
+    if mapped.trials:  # the form describes one recording
+        raise InputError(
+            f"{name}: [trials] says what differs in trials, which this form cannot keep: drop the "
+            "trials alone and change what differs on each recording's page; `surae session` and "
+            "`surae convert --mapping` read it as it is"
+        )
     channels, missing = {}, []
-    for role, entry in (entries if isinstance(entries, dict) else {}).items():
-        file = entry.get("file") if isinstance(entry, dict) else None
-        if not isinstance(file, str) or file_name(file) not in ids:
-            missing.append(str(file))
+    for role, own in mapped.channels.items():
+        if own.file is None or file_name(own.file) not in ids:
+            missing.append(str(own.file))
             continue
-        channels[role] = {
-            "upload": ids[file_name(file)],
-            "column": str(entry.get("column", "")),
-            "unit": _said(entry.get("unit"), None),
-            "sign": -1 if entry.get("sign") == -1 else 1,
-            "scale": _number(entry.get("scale"), 1.0),
-            "offset": _number(entry.get("offset"), 0.0),
-            **{key: entry[key] for key in CLOCK if key in entry},
-        }
-    lacking = ", ".join(dict.fromkeys(missing))
+        kept = {key: getattr(own, key) for key in ("column", "unit", "sign", "scale", "offset")}
+        clock = {key: at for key in CLOCK if (at := getattr(own, key)) is not None}
+        channels[role] = {"upload": ids[file_name(own.file)], **kept, **clock}
     mapping = {
-        "name": _said(table.get("name"), None) or Path(name).stem,
-        "emg": _said(table.get("emg"), "raw"),
-        "side": _said(table.get("side"), None),
+        "name": mapped.name or Path(name).stem,
+        "emg": mapped.emg,
+        "side": mapped.side,
         "channels": channels,
-        "fixed": _plain(table.get("fixed")),
-        "prepare": _plain(table.get("prepare")),
+        "fixed": dict(mapped.fixed),
+        "prepare": dict(mapped.prepare),
     }
-    notes = (
-        [] if missing else _zeros(table, name, mapping, {id_: file for file, id_ in ids.items()})
-    )
+    if missing:
+        notes = [f"upload the files it names too: {', '.join(dict.fromkeys(missing))}"]
+    else:
+        notes = _zeros(mapped.channels, name, mapping, {id_: file for file, id_ in ids.items()})
     return {
         "format": "TOML mapping",
         "columns": [],
         "mapping": mapping,
-        "notes": [f"upload the files it names too: {lacking}"] if missing else notes,
+        "notes": notes,
         "ready": bool(channels) and not missing,
     }
 
 
 def _zeros(
-    table: Mapping[str, Any], name: str, mapping: Mapping[str, Any], names: Mapping[str, str]
+    described: Mapping[str, Any], name: str, mapping: Mapping[str, Any], names: Mapping[str, str]
 ) -> list[str]:
     """Put the offset that each `zero` means into the form's mapping; a sentence on each."""
     channels, notes = mapping["channels"], []
@@ -200,8 +192,8 @@ def _zeros(
         Path(_MAPPING).write_text(_toml(every, names), encoding="utf-8")
         return float(api.read(_MAPPING).channels[role].values[0])
 
-    for role, entry in table["channels"].items():
-        zero = entry.get("zero")
+    for role, own in described.items():
+        zero = own.zero
         if zero is None:
             continue
         if isinstance(zero, str) and (zero := file_name(zero)) not in names.values():
@@ -213,38 +205,6 @@ def _zeros(
         where = zero if isinstance(zero, str) else f"{zero[0]:g} to {zero[1]:g} s"
         notes.append(f"{role}: its zero is that of {where}, an offset of {offset:.4g}")
     return notes
-
-
-def _refuse_what_no_form_shows(table: Mapping[str, Any], name: str) -> None:
-    """Refuse what would be lost: the form describes one recording."""
-    if "trials" in table:
-        raise InputError(
-            f"{name}: [trials] says what differs in trials, which this form cannot keep: drop the "
-            "trials alone and change what differs on each recording's page; `surae session` and "
-            "`surae convert --mapping` read it as it is"
-        )
-
-
-def _said(value: object, otherwise: str | None) -> str | None:
-    """A text of a mapping that a user wrote, which may hold anything."""
-    return value[:200] if isinstance(value, str) else otherwise
-
-
-def _number(value: object, otherwise: float) -> float:
-    good = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e12
-    return float(value) if good and isinstance(value, int | float) else otherwise
-
-
-def _plain(table: object) -> dict[str, bool | float | str]:
-    """What of a table a form can show: texts, switches and finite numbers."""
-    if not isinstance(table, dict):
-        return {}
-    return {
-        key: value
-        for key, value in table.items()
-        if isinstance(value, str | bool)
-        or (isinstance(value, int | float) and _number(value, float("nan")) == value)
-    }
 
 
 def imported(
