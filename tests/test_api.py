@@ -161,13 +161,6 @@ def test_a_parameter_left_out(fit, inputs):
         surae.simulate("muscle", values, inputs)
 
 
-def test_simulate_without_a_torque(fit, inputs):
-    np.testing.assert_array_equal(
-        surae.simulate("muscle", fit.values, replace(inputs, torque=None)),
-        surae.simulate("muscle", fit.values, inputs),
-    )
-
-
 def test_predict_and_validate(fit, inputs):
     other = trial(seed=1, noise=0.05)
     predicted = fit.predict(other)
@@ -218,16 +211,6 @@ def test_a_muscle_whose_weight_was_estimated_must_be_there(fit, inputs):
 def test_predict_without_a_torque(fit, inputs):
     with pytest.raises(InputError, match="no torque"):
         fit.predict(replace(inputs, torque=None))
-
-
-def test_saved_and_loaded_it_does_the_same(fit, inputs, tmp_path):
-    fit.save(tmp_path / "fit.json")
-    loaded = surae.load(tmp_path / "fit.json")
-    same(loaded, fit)
-    assert loaded.vaf == fit.vaf
-    assert loaded.message == fit.message
-    assert loaded.predict(inputs).vaf == fit.predict(inputs).vaf
-    np.testing.assert_array_equal(loaded.correlation, fit.correlation)
 
 
 def test_a_recording_is_not_changed(inputs, fit):

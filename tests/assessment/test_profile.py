@@ -296,15 +296,6 @@ def tibialis(fitted):
     return profile(fitted, "k_tib")
 
 
-def test_near_the_minimum_it_agrees_with_the_covariance(fitted):
-    found = profile(fitted, "m")
-    assert found.status == "closed"
-    assert found.interval == pytest.approx(found.from_covariance, rel=1e-3)
-    near = found.chi2 < 1.5 * found.threshold
-    parabola = ((found.values - found.value) / found.sem) ** 2
-    np.testing.assert_allclose(found.chi2[near], parabola[near], atol=0.3)
-
-
 @pytest.mark.slow
 def test_it_equals_independent_refits_with_many_starts(fitted, tibialis):
     problem = fitted.problem

@@ -1,4 +1,3 @@
-import json
 import re
 import signal
 from collections.abc import Sequence
@@ -94,22 +93,6 @@ def test_outputs_appear_and_load(run, files) -> None:
     page = (files / "r.html").read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>") or page.startswith("<!doctype html>")
     assert "l0_tri" in page
-
-
-def test_options_reach_the_fit(run, files) -> None:
-    done = run(
-        *FIT, "--fixed", "beta=1", "--fixed", "m=2", "--bound", "f0=1:4", "--start", "f0=3",
-        "--geometry", "virtual-work", "--vmax-factor", "10", "--output", "f.json",
-    )  # fmt: skip
-    assert done.code in (0, 1)
-    content = json.loads((files / "f.json").read_text(encoding="utf-8"))
-    parameters = content["parameters"]
-    assert (parameters["beta"]["value"], parameters["beta"]["verdict"]) == (1.0, "fixed")
-    assert (parameters["m"]["value"], parameters["m"]["free"]) == (2.0, False)
-    assert (parameters["f0"]["lower"], parameters["f0"]["upper"]) == (1.0, 4.0)
-    assert content["starts"]["all"][0]["initial"]["f0"] == 3.0
-    assert content["options"]["geometry"] == "virtual-work"
-    assert content["options"]["vmax_factor"] == 10.0
 
 
 def test_two_recordings_are_one_fit(run, edit) -> None:

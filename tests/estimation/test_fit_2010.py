@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import lsq_linear
 
 from surae.assessment import assess
 from surae.errors import InputError
@@ -20,9 +19,7 @@ TRUTH = {
     "m": 2.1, "k_tri": 200.0, "x0_tri": 0.017, "e1": 5e5, "e2": 9e5, "e3": 1.3e6, "e4": 1e6,
     "f": 2.0, "b_tri": 800.0, "F0": -12.0,
 }  # fmt: skip
-LONGER = TRUTH | {"k_tri": 60.0, "x0_tri": 0.03, "b_tri": 300.0}
 THESIS, VIRTUAL_WORK = ModelOptions(), ModelOptions(geometry="virtual-work")
-EIGHT = (*SPEC.linear, *SPEC.slack)
 
 
 def own(inputs, truth=TRUTH, options=THESIS, noise=0.0, seed=0):
@@ -57,17 +54,6 @@ def test_a_clean_trial_gives_the_truth(trial):
     assert_truth(fit_problem(make_problem([trial], MODEL), starts=1))
 
 
-def test_in_the_other_geometry_too(clean):
-    trial = own(clean, LONGER, VIRTUAL_WORK)
-    problem = make_problem([trial], MODEL, options=VIRTUAL_WORK)
-    assert_truth(fit_problem(problem, starts=1), LONGER)
-
-
-def test_a_positive_shift_too(clean):
-    truth = TRUTH | {"F0": 25.0, "b_tri": 0.5}
-    assert_truth(fit_problem(make_problem([own(clean, truth)], MODEL), starts=1), truth)
-
-
 def test_every_random_start_finds_the_truth(trial):
     result = fit_problem(make_problem([trial], MODEL), starts=12, seed=5)
     for start in result.starts:
@@ -87,11 +73,6 @@ def test_with_noise_all_starts_agree_and_the_truth_is_within_the_errors(noisy_tr
         assert abs(p.value - value) < 0.25 * abs(value), name
 
 
-def test_a_joint_fit(clean, trial):
-    result = fit_problem(make_problem([trial, own(clean)], MODEL), starts=1)
-    assert_truth(result)
-
-
 def test_only_stiffness_and_cut_off_are_searched(trial):
     problem = make_problem([trial], MODEL)
     rng = np.random.default_rng(0)
@@ -101,38 +82,6 @@ def test_only_stiffness_and_cut_off_are_searched(trial):
     solved, sse = solve_linear(problem, Residuals(problem).data_rows, x)
     np.testing.assert_allclose(solved, list(TRUTH.values()), rtol=1e-6)
     assert sse < 1e-12 * float(trial.torque @ trial.torque)
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_as_low_as_scipy_within_the_bounds(seed, clean, noisy):
-    # On a trial of model 1.0, so that bounds are in the way.
-    problem = make_problem([noisy], MODEL)
-    rng = np.random.default_rng(seed)
-    x = problem.lower + (problem.upper - problem.lower) * rng.random(10)
-    rows = Residuals(problem).data_rows
-    solved, sse = solve_linear(problem, rows, x)
-    assert np.all((solved >= problem.lower) & (solved <= problem.upper))
-    assert sse == pytest.approx(float(np.sum(rows(solved)[-1] ** 2)), rel=1e-8)
-    # The same by scipy, in units of the tissue's factor at the upper bound of x0.
-    base = problem.upper.copy()
-    for name in ("k_tri", "f"):
-        base[problem.free.index(name)] = x[problem.free.index(name)]
-    J = rows(base)[:-1].copy()
-    k, j = base[problem.free.index("k_tri")], problem.free.index("x0_tri")
-    low, high, columns = [], [], []
-    for i, name in enumerate(problem.free):
-        if name in EIGHT:
-            columns.append(J[i] / -k if i == j else J[i])
-            low.append(1.0 if i == j else problem.lower[i])
-            reach = problem.upper[i] - problem.lower[i]
-            high.append(np.exp(k * reach) if i == j else problem.upper[i])
-    A = np.array(columns).T
-    scale = np.linalg.norm(A, axis=0)
-    found = lsq_linear(
-        A / scale, noisy.torque, (np.array(low) * scale, np.array(high) * scale),
-        method="bvls", tol=1e-15,
-    )  # fmt: skip
-    assert sse == pytest.approx(2 * found.cost, rel=1e-6)
 
 
 def test_nothing_is_scanned(noisy_trial):
@@ -156,14 +105,6 @@ def test_old_and_new_on_a_trial_of_the_new(noisy, subject):
         assert was.parameters[name].value == pytest.approx(subject.parameters[name], rel=0.05)
     assert was.parameters["F0"].value < -10
     assert "b_tri" in old.at_bound
-
-
-def test_new_and_old_on_a_trial_of_the_old(noisy_trial):
-    old, new = (
-        assess(fit_problem(make_problem([noisy_trial], name), starts=4))
-        for name in (MODEL, "muscle")
-    )
-    assert new.vaf < old.vaf - 0.3
 
 
 def test_a_muscle_without_emg_needs_its_own_weight_fixed(trial):

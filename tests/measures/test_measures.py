@@ -10,6 +10,7 @@ import surae
 from surae.assessment import Verdict
 from surae.errors import InputError
 from surae.measures import measures_of_values
+from surae.measures.spread import spread_of
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
 
@@ -79,6 +80,16 @@ def test_a_measure_of_fixed_parameters_has_no_interval() -> None:
     bandwidth = fit.measures()["bandwidth"]
     assert bandwidth.verdict is Verdict.FIXED
     assert bandwidth.ci95 is None
+
+
+def test_a_measure_that_bends_has_the_interval_of_legs_that_the_data_allow(noisy) -> None:
+    fit, name = surae.fit(noisy, "muscle", starts=1, quality=()), "passive_stiffness_tib@10deg"
+    bent, spread = fit.measures()[name], spread_of(fit.result, fit.assessment)
+    legs = (dict(zip(spread.names, leg, strict=True)) for leg in spread.draws(1000, seed=1))
+    allowed = [measures_of_values(leg, "muscle", only=[name])[name] for leg in legs]
+    low, high = np.percentile(allowed, [2.5, 97.5])
+    assert bent.ci95 == pytest.approx((low, high), abs=0.15 * (high - low))
+    assert bent.value - low > 1.5 * (high - bent.value)
 
 
 def test_files(still, tmp_path) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from surae.errors import InputError
 from surae.model import MODELS, ModelOptions, check_value, get_model, with_optional
-from surae.model.activation import ActivationFilter, Drive, filter_step
+from surae.model.activation import ActivationFilter, Drive
 from surae.model.compliant import GAMMA
 from surae.model.parameters import OPTIONAL, OPTIONAL_PARAMETERS
 
@@ -61,11 +61,6 @@ def test_between_samples_it_is_that_of_a_rate_at_which_it_falls_on_one(sixteenth
     late = output(emg, sixteenths * DT / 16, lag=lag)
     exact = output(fine, sixteenths * DT / 16, dt=DT / 16, lag=lag)[:, ::16]
     np.testing.assert_allclose(late, exact, rtol=0, atol=1e-12)
-
-
-def test_what_never_changes_is_not_moved() -> None:
-    still = np.ones((1, 300))
-    np.testing.assert_allclose(output(still, 0.0731), output(still, 0.0), rtol=0, atol=1e-14)
 
 
 def test_longer_than_the_recording_only_the_start_is_left() -> None:
@@ -209,10 +204,3 @@ def test_no_negative_delay() -> None:
     spec = with_optional(get_model("muscle"), ("emd",))
     with pytest.raises(InputError, match=r"^muscle: emd is -0.01 s; it must be zero or more$"):
         check_value(spec.parameters[-1], -0.01, spec)
-
-
-def test_filter_step_is_exact_over_a_tiny_part_of_a_sample() -> None:
-    # What the delay rests on: hardly any time passed, hardly anything changed.
-    step, by_f0, by_beta = filter_step(F0, BETA, 1e-14)
-    np.testing.assert_allclose(step[:, :2], np.eye(2), atol=1e-12)
-    assert np.isfinite([by_f0, by_beta]).all()

@@ -47,13 +47,6 @@ def codes(quality: Quality) -> list[str]:
     return [finding.code for finding in quality.findings]
 
 
-def test_a_clean_trial_has_no_findings(recording) -> None:
-    quality = check_recording(recording)
-    assert quality.findings == ()
-    assert quality.clean
-    assert quality.worst is None
-
-
 def test_every_finding_is_one_sentence_each_and_has_a_known_code(planted) -> None:
     for name in ("emg-flat", "torque-sign", "time-gap", "trial-too-short"):
         plant, needs = planted.FAULTS[name]
