@@ -195,6 +195,7 @@ def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkey
     assert [card["title"] for card in first["blocks"]] == list(QUESTIONS)
     assert first["blocks"][3]["blocks"][0]["grade"] == str(result.joint.adequacy.grade)
     sections = {b["title"]: b["blocks"] for part in (details, research) for b in part["blocks"]}
+    assert sections["The fit"][0]["reasons"] == list(result.joint.adequacy.reasons)
     ((_, rows),) = sections["Trials"][0]["groups"]
     assert [row[0] for row in rows] == [t.name for t in result.session.trials]
     said = [trial.why for trial in result.session.trials if trial.why]

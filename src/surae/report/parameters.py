@@ -44,7 +44,6 @@ def parameters_section(
         groups.setdefault(p.group, []).append(row[:3] + row[5:] if marginal else row)
     if marginal:
         note = (
-            "The 95 % interval accounts for measurement errors and for the choice of the model. "
             "Repeatable: another trial of this leg would give the same within 10 %; below it, "
             "where its value would lie (95 %). What all trials of the leg share, such as "
             "crosstalk, is not in that."
@@ -54,8 +53,8 @@ def parameters_section(
         note = (
             "SEM (34): standard error of the mean, equation (34), which assumes a white residual. "
             "Robust SEM: the same for a residual that is correlated as this one is. The 95 % "
-            f"interval is Student’s t times the {sem} on either side; of the laboratory it holds "
-            "nothing. Repeatable: that interval is within 10 % of the value."
+            f"interval is Student’s t times the {sem} on either side. Repeatable: it is within "
+            "10 % of the value."
         )
     note += (
         " Bar: the estimate (dark mark) and its interval (band) between the bounds; an arrow says "

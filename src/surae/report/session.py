@@ -39,6 +39,7 @@ from surae.report.parameters import parameters_section
 from surae.report.recordings import film_block
 from surae.report.traces import traces_of
 from surae.report.trials import crossed_section, findings_section, trials_section
+from surae.report.wording import adequacy_words
 from surae.trials import Crossed, Trial, common_errors
 from surae.words import JUDGEMENTS
 
@@ -174,6 +175,7 @@ def _details(
         r2 = [f"R² {percentage(each.r2)} %" for each in shown[1].recordings]
         figures["torques"] = fit_figure(shown[0], r2)
         details.append(_torques_section())
+        details.append(SectionBlock("The fit", (adequacy_words(shown[1].adequacy),), "fit"))
         if answers.measures is not None:
             details.append(_in_words(answers.measures, answers.at, _))
             research.append(_other_measures(answers.measures))
