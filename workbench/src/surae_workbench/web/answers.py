@@ -301,6 +301,70 @@ class Part(BaseModel):
     html: str
 
 
+class Me(BaseModel):
+    """Who a browser is to the server, and the token that its requests must carry."""
+
+    csrf: str
+    version: str
+    project: dict[str, str]
+    limits: dict[str, int]
+
+
+class Damaged(BaseModel):
+    """What cannot be used: its kind, its id, and the problem."""
+
+    damaged: list[dict[str, str]]
+
+
+class Described(BaseModel):
+    """Recordings that were described anew."""
+
+    recordings: list[Recording]
+
+
+class Description(BaseModel):
+    """How a recording is described, the columns to choose from, and others of its kind."""
+
+    mapping: dict[str, Any]
+    version: int
+    whole: bool  #: Whether the files that it was made of are still there.
+    files: list[dict[str, Any]]
+    alike: list[dict[str, str]]
+
+
+class Models(BaseModel):
+    """What may drive the muscles, and the settings of a fit."""
+
+    drives: list[dict[str, Any]]
+    settings: list[dict[str, Any]]
+
+
+class Choices(BaseModel):
+    """What protocols are made of, and what the page opens on."""
+
+    profiles: list[dict[str, Any]]
+    tasks: list[dict[str, str]]
+    devices: list[dict[str, Any]]
+    populations: list[str]
+    models: list[dict[str, str]]
+    settings: list[dict[str, Any]]
+    start: dict[str, Any]
+
+
+class Motion(BaseModel):
+    """A protocol over time [s, rad, rad/s], its limits, and what a fit of it would know."""
+
+    t: list[float]
+    angle: list[float]
+    velocity: list[float]
+    effort: list[list[float]]
+    seconds: float
+    limits: list[dict[str, Any]]
+    adaptation: list[str] | None
+    prediction: dict[str, Any]
+    milliseconds: float
+
+
 def _list(name: str, kind: type[Answer], **more: Any) -> Any:
     """A list of entries under its name."""
     fields: dict[str, Any] = {name: (GenericAlias(list, (kind,)), ...)} | more
