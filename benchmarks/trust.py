@@ -8,7 +8,7 @@ The scorer of `legs/` counts, the worst family first: what is identified and how
 intervals that hold the truth, and values called repeatable that the other trial repeats. With
 `--joint 3` three trials of other movement are one visit, fitted jointly. With
 `--changes` each leg is measured mounted anew and treated as well, and `surae.change` compares all
-trials with the first. Families a to j and p may be looked at while `auto` is made, l-1 to l-20 not.
+trials with the first. Families a to k and p may be looked at while `auto` is made, l-1 to l-20 not.
 """
 
 import argparse
@@ -73,7 +73,7 @@ def write(path: Path, head: tuple[str, ...], rows: list[list[object]]) -> Path:
 def main() -> None:
     """Make legs, fit them, and count."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--families", default="a,b,c,d,e,f,g,h,i,j,p")
+    parser.add_argument("--families", default="a,b,c,d,e,f,g,h,i,j,k,p")
     parser.add_argument("--seeds", type=numbers, default=numbers("11-14"), metavar="11-14")
     parser.add_argument("--changes", action="store_true", help="count changes too")
     parser.add_argument("--model", default="auto")

@@ -73,7 +73,7 @@ def test_nothing_false_is_claimed_of_a_leg_that_resists_and_answers(tmp_path) ->
 @pytest.mark.slow
 def test_what_is_identified_of_foreign_legs_is_true(tmp_path) -> None:
     own, every = Count(), Count()
-    for family in "paefi":
+    for family in "paefik":
         for seed in (41, 42, 43):
             count = judged(tmp_path, family, seed)
             every += count

@@ -165,6 +165,21 @@ class Fluctuation(Departure):
             run.seen[i] *= np.interp(run.times, run.times[::FINE], factor)
 
 
+@dataclass(frozen=True)
+class Release(Departure):
+    """k: muscles let go more slowly than they take hold (Zajac 1989)."""
+
+    hold: float = between(0.01, 0.02)  # [s]
+    let_go: float = between(0.04, 0.08)  # [s]
+
+    def excite(self, run: Run) -> None:
+        taken = [-np.expm1(-run.step / max(t, 1e-6)) for t in (self.hold, self.let_go)]
+        state = run.excitation[:, 0].copy()
+        for i, goal in enumerate(run.excitation.T.copy()):
+            state = state + (goal - state) * np.where(goal > state, *taken)
+            run.excitation[:, i] = state
+
+
 def curve(rng: np.random.Generator, strength: float) -> tuple[Departure, ...]:
     """Draw b."""
     if rng.random() < 0.5:
@@ -188,5 +203,6 @@ FAMILIES: dict[str, Draw] = {
     "h": drawn(Untared),
     "i": mixture,
     "j": drawn(Fluctuation),
+    "k": drawn(Release),
     "p": drawn(),
 }

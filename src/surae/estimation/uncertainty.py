@@ -19,9 +19,10 @@ from surae.model.sources import source_of
 from surae.units import FloatArray
 
 #: By how much a filter of the second order is not what excites a muscle, on the logarithm of what
-#: EMG is filtered by, the same where the drive errs at the muscles' frequencies, and by how much
-#: muscles without an electrode move that: all were set on virtual legs (decision 16).
-_DYNAMICS, _ORDER, _ERRING, _UNHEARD = ("f0", "beta"), 0.02, 0.05, 0.10
+#: EMG is filtered by, the same where the drive errs at the muscles' frequencies, where force falls
+#: later than it rises, and by how much muscles without an electrode move that: all were set on
+#: virtual legs (decision 16).
+_DYNAMICS, _ORDER, _ERRING, _RELEASED, _UNHEARD = ("f0", "beta"), 0.02, 0.05, 0.10, 0.10
 #: What the latents are called among the sources.
 _CALLED = {"gain": "emg_gain", "drift": "torque_drift", "misfit": "left_out", "film": "film_drift"}
 #: Weight below which a set of departures is not looked at.
@@ -83,7 +84,8 @@ def dynamics(posterior: LogPosterior, V: FloatArray, *, unheard: bool) -> FloatA
     hears the EMG of others stands for theirs, and they act a little earlier or later. No residual
     tells that from another filter. The other values follow along their valleys.
     """
-    size = _UNHEARD if unheard else _ERRING if posterior.fast else _ORDER
+    own = _RELEASED if "release" in posterior.names else _ERRING if posterior.fast else _ORDER
+    size = _UNHEARD if unheard else own
     ways = [posterior.names.index(name) for name in _DYNAMICS if name in posterior.names]
     return np.asarray([size * V[j] / V[j, j] for j in ways]).reshape(len(ways), len(V))
 

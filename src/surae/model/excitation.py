@@ -8,16 +8,20 @@ Every muscle's own envelope ê is that of its electrode but for what the laborat
 a level at rest r (`emg_rest_…`), a contact that drifts by d from the recording's begin to its end
 (`emg_drift_…`), what electrodes hear of other muscles (`xt_ta_gl`: that of the tibialis of the
 gastrocnemius lateralis), and a force that does not grow as EMG does (`emg_shape` A, Lloyd and
-Besier 2003; −3 to 0 there, 0 is linear; and `emg_power` P, 0 is linear):
+Besier 2003; −3 to 0 there, 0 is linear; and `emg_power` P, 0 is linear) and falls later than it
+rises, by ρ (`release`; Zajac 1989):
 
-    u = M⁻¹·(1 − d·τ)·(e − r),   ê = u·e_ref/s·(exp(A·s/e_ref) − 1)/(exp(A) − 1)·(s/e_ref)^P
+    u = M⁻¹·(1 − d·τ)·(e − r)
+    ê = u·e_ref/s·(exp(A·s/e_ref) − 1)/(exp(A) − 1)·(s/e_ref)^P + ½·ρ·|dε/dt|
 
 τ goes from −½ to ½ over the whole recording; M is 1 on its diagonal; s is u made of envelopes that
 are as smooth as effort is (`surae.signals.smooth_effort`): rectified EMG fluctuates by as much as
-itself, and force is curved over effort, not over noise. Nothing is clipped: a muscle that is less
-active than its electrode's rest has a small negative ê. The weights keep their unit, for ê = u at
-s = 0 and at the reference level e_ref (`ModelOptions.emg_ref`; 1 for a normalised EMG). A muscle
-without EMG hears nothing and is not heard.
+itself, and force is curved over effort, not over noise. ε is the electrode's own smooth envelope:
+to first order force is half of ρ ahead where it grows, and as much behind where it falls. Nothing
+is clipped: a muscle that is less active than its electrode's rest has a small negative ê. The
+weights keep their unit, for ê = u at s = 0 and at the reference level e_ref
+(`ModelOptions.emg_ref`; 1 for a normalised EMG). A muscle without EMG hears nothing and is not
+heard.
 
 lmt is the muscle-tendon unit's length: with it lengthens the muscle on a rigid tendon, and what a
 compliant tendon leaves to the muscle is not known before the force is. `reflex_delay` is all of the
@@ -25,6 +29,8 @@ time from stretch to the filter's input, the loop's and the muscle's own; `emd` 
 
 References
 ----------
+F. E. Zajac (1989). Muscle and tendon: properties, models, scaling, and application to biomechanics
+and motor control. Critical Reviews in Biomedical Engineering 17(4):359-411.
 D. G. Lloyd, T. F. Besier (2003). An EMG-driven musculoskeletal model to estimate muscle forces and
 knee joint moments in vivo. Journal of Biomechanics 36(6):765-776.
 """
@@ -88,6 +94,11 @@ class Excitation:
     ) -> None:
         elapsed = np.linspace(-0.5, 0.5, inputs.n)
         curved = "emg_shape" in at or "emg_power" in at
+        #: ∂ê/∂ρ, shape (4, n); None where there is no release.
+        self._by_release: FloatArray | None = None
+        if "release" in at:
+            smooth = smooth_effort(emg, inputs.rate_hz)
+            self._by_release = 0.5 * np.abs(np.gradient(smooth, 1.0 / inputs.rate_hz, axis=1))
         if curved:
             emg = np.concatenate([emg, smooth_effort(emg, inputs.rate_hz)], axis=1)
         self._emg = np.array(emg, dtype=np.float64, order="C")
@@ -134,15 +145,18 @@ class Excitation:
                 mixing[hears, of] = self._present[hears] * self._value(values, name)
             unmixing = np.asarray(np.linalg.inv(mixing), dtype=np.float64)
             own = np.einsum("ij,jn->in", unmixing, own)
+        later: FloatArray | float = 0.0
+        if self._by_release is not None:
+            later = self._value(values, "release") * self._by_release
         if self._reference is None:
-            return _Envelopes(own, own, active, gain, unmixing)
+            return _Envelopes(own + later, own, active, gain, unmixing)
         n = own.shape[1] // 2
         curved, by_own, by_smooth, by_shape, by_power = shaped(
             np.ascontiguousarray(own[:, :n]), np.ascontiguousarray(own[:, n:]), self._reference,
             self._value(values, "emg_shape"), self._value(values, "emg_power"),
         )  # fmt: skip
         steep = np.concatenate([by_own, by_smooth], axis=1)
-        return _Envelopes(curved, own, active, gain, unmixing, steep, by_shape, by_power)
+        return _Envelopes(curved + later, own, active, gain, unmixing, steep, by_shape, by_power)
 
     def weighted(self, values: FloatArray) -> FloatArray:
         """What each of the four muscles adds to its group's excitation [N], shape (4, n)."""
@@ -165,7 +179,11 @@ class Excitation:
             for column, envelope in zip(columns, weighted, strict=True)
             if column in wanted
         ]
-        for name, by in (("emg_shape", envelopes.by_shape), ("emg_power", envelopes.by_power)):
+        for name, by in (
+            ("emg_shape", envelopes.by_shape),
+            ("emg_power", envelopes.by_power),
+            ("release", self._by_release),
+        ):
             if by is not None and at.get(name, -1) in wanted:
                 own = by[channels] if grown is None else by[channels] * grown
                 slopes.append((at[name], np.einsum("c,cn->n", weights, own)))

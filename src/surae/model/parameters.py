@@ -364,6 +364,10 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
         _M("fv_stretch", "-", "logarithm of the force gained in stretch", -1.0, 1.0, _ANGLES),
     ),
     "emg_power": (_M("emg_power", "-", "power of force over EMG, less one", -0.7, 1.0, _LEVELS),),
+    "release": (
+        _M("release", "s", "time by which force falls later than it rises", -0.05, 0.15,
+           "bursts of effort that end as fast as they begin"),
+    ),
     **{
         f"film_{at}": tuple(
             _M(f"film_{name}_{at}", unit, f"{meaning}, {muscle}", -limit, limit,

@@ -172,6 +172,16 @@ _SOURCES = (
         ),
     ),
     UncertaintySource(
+        "release", "release", "how much slower muscles let go than they take hold",
+        N_("Ask for bursts of effort that end as fast as they begin."),
+        Fill("series-2", "x"),
+        Nuisance(
+            "release", OPTIONAL["release"], Gaussian(0.03, 0.03), "s",
+            "10 to 15 ms to activate, 40 to 50 to deactivate (Zajac 1989; Thelen 2003)",
+            of_leg=True, departs=True,
+        ),
+    ),
+    UncertaintySource(
         "tendon", "tendons", "how far they stretch, and where their force curve becomes straight",
         N_("Measure the tendon’s strain by ultrasound."),
         Fill("surface", "\\"),

@@ -27,7 +27,7 @@ from surae_workbench.web.workbench import Workbench
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
 
 
-@router.get("/recordings/{id}/description", response_model=answers.Description)
+@router.get("/recordings/{id}/description")
 def get_description(id: PathId, bench: Bench) -> dict[str, Any]:
     """How it is described now, the columns to choose from, and what else is of the same kind."""
     row = bench.project.need("recording", id)
@@ -71,7 +71,7 @@ def preview_description(body: DescriptionRequest, bench: Bench) -> dict[str, Any
     return {**result, "findings": proposals(result["findings"], shown)}
 
 
-@router.post("/descriptions", response_model=answers.Described)
+@router.post("/descriptions")
 def post_description(body: DescriptionRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Describe recordings anew, all or none; one step that can be undone."""
     rows = [bench.project.need("recording", id_) for id_ in dict.fromkeys(body.recordings)]

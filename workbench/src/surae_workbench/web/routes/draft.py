@@ -20,7 +20,7 @@ from surae_workbench.web.sliders import live
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["session"])
 
 
-@router.get("/session", response_model=answers.Me)
+@router.get("/session")
 def get_session(request: Request, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Who this browser is to the server, and the token that its requests must carry."""
     from surae._version import __version__
@@ -96,7 +96,7 @@ def get_parameters(bench: Bench, browser: Browser) -> dict[str, Any]:
     }
 
 
-@router.get("/models", response_model=answers.Models)
+@router.get("/models")
 def get_models() -> dict[str, Any]:
     """What may drive the muscles, and the settings of a fit."""
     return {

@@ -51,7 +51,7 @@ _START = ProtocolPreview(
 )
 
 
-@router.get("/choices", response_model=answers.Choices)
+@router.get("/choices")
 def get_choices() -> dict[str, Any]:
     """The profiles, tasks and devices."""
     return {
@@ -80,7 +80,7 @@ def get_choices() -> dict[str, Any]:
     }
 
 
-@router.post("/preview", response_model=answers.Motion)
+@router.post("/preview")
 def post_preview(body: ProtocolPreview) -> dict[str, Any]:
     """The motion, the effort, the limits, the coverage, and the standard errors to expect."""
     begin, settings = time.perf_counter(), body.settings

@@ -33,7 +33,7 @@ router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
 Instant = Annotated[float | None, Query(allow_inf_nan=False, ge=-1e9, le=1e9)]
 
 
-@router.get("/damaged", response_model=answers.Damaged)
+@router.get("/damaged")
 def get_damaged(bench: Bench) -> dict[str, Any]:
     """What of the project's database cannot be used, and why; all else is as it was."""
     return {"damaged": bench.database.damaged()}
