@@ -144,6 +144,17 @@ def test_a_zero_of_one_recording_is_odd_though_their_mean_is_not(fitted):
     assert judged.reasons[0].startswith("zero of the torque (torque_zero): farther")
 
 
+def test_with_a_value_at_its_bound_nothing_is_identified_and_that_is_why(fitted):
+    top = {"k_rel": float(fitted.problem.upper[fitted.problem.free.index("k_rel")])}
+    worth = assess(replace(fitted, values={**fitted.values, **top}))
+    assert worth.adequacy.grade == "doubtful"
+    others = [p for p in worth.parameters.values() if p.ci95]
+    assert {p.note.partition(";")[0] for p in others} == {
+        "nothing is identified with k_rel at a bound"
+    }
+    assert not any(p.verdict is Verdict.IDENTIFIED for p in others)
+
+
 def test_a_laboratory_can_be_told():
     assert laboratory("none") == {}
     told = laboratory({"zero": (1.0, 0.5), "emd": (0.0, 0.0)})

@@ -32,8 +32,10 @@ def marginal(
     adequacy: Adequacy,
 ) -> dict[str, ParameterEstimate]:
     """The estimated parameters of the leg with everything that makes them unsure."""
-    at_bound = any(p.at_bound for p in table.values() if group_of(p.name) is None)
-    withheld = adequacy.grade is Grade.INADEQUATE or at_bound
+    bounds = [p.name for p in table.values() if p.at_bound and group_of(p.name) is None]
+    withheld = f"nothing is identified with {', '.join(bounds)} at a bound" if bounds else ""
+    if adequacy.grade is Grade.INADEQUATE:
+        withheld = "the fit is inadequate: what it says of a parameter means nothing"
     judged = {}
     longest = {x0: length for _, x0, length in stiffness_valleys(problem)}
     for name, budget in budgets(family, problem.free).items():
@@ -109,15 +111,14 @@ def _interval(p: ParameterEstimate, sd: float, longest: float | None) -> tuple[f
 
 
 def _judge(
-    p: ParameterEstimate, half: float, budget: Budget, *, repeatable: bool, withheld: bool
+    p: ParameterEstimate, half: float, budget: Budget, *, repeatable: bool, withheld: str
 ) -> tuple[Verdict, str]:
     """Verdict, and what is missing and would help."""
     relative = half / abs(p.value) if p.value else np.inf
     within_bounds = half < 0.45 * (p.upper - p.lower)
     if withheld:
-        if relative <= 1.0 and within_bounds:
-            return Verdict.WEAK, "the fit is inadequate: what it says of a parameter means nothing"
-        return Verdict.UNDETERMINED, "the fit is inadequate"
+        weak = relative <= 1.0 and within_bounds
+        return (Verdict.WEAK if weak else Verdict.UNDETERMINED), withheld
     if relative <= IDENTIFIED:
         return Verdict.IDENTIFIED, f"known to ±{percent(relative)}"
     if half >= 0.499999 * (p.upper - p.lower):
