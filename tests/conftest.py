@@ -1,7 +1,6 @@
 """What every test shares: virtual trials; where the data are, or why a test is skipped."""
 
 import gc
-import importlib.util
 import os
 import sys
 import tempfile
@@ -97,16 +96,6 @@ def shared() -> Path:
     if not SHARED.is_dir():
         pytest.skip("no reference data: the folder ../shared/data is not beside the repository")
     return SHARED
-
-
-@pytest.fixture(scope="session")
-def sampler() -> None:
-    """What the posterior needs beside surae: never missing where the tests are run for all."""
-    missing = [name for name in ("nutpie", "arviz_stats") if importlib.util.find_spec(name) is None]
-    if missing and os.environ.get("CI"):
-        pytest.fail(f"not installed: {', '.join(missing)}")
-    if missing:
-        pytest.skip(f"POSTERIOR NOT TESTED, not installed: {', '.join(missing)} (extra bayes)")
 
 
 @pytest.fixture(scope="session")

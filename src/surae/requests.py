@@ -44,14 +44,13 @@ class PosteriorSettings(Request):
     """How a posterior is drawn from; see `surae.posterior`."""
 
     draws: int = setting(
-        1000, "Draws of each chain that are kept.", least=10, most=_MOST_FITS,
-        help="Draws of each chain.",
+        1000, "Draws that are kept, of equal weight.", least=10, most=_MOST_FITS,
+        help="Draws that are kept.",
     )  # fmt: skip
-    tune: int = setting(
-        300, "Draws of each chain that tune the sampler before.", least=10, most=_MOST_FITS,
-        help="Draws that tune the sampler first.",
+    evaluations: int = setting(
+        3600, "Evaluations of the posterior, in six rounds.", least=600, most=_MOST_FITS,
+        help="Evaluations of the posterior.",
     )  # fmt: skip
-    chains: int = setting(4, "Number of chains.", least=2, most=100, help="Number of chains.")
     seed: int = _seed("draws", 2**63)
     priors: Mapping[str, tuple[float, float]] | None = setting(
         None, "Priors in place of the fit's own, which stand in place of the wide defaults of "
@@ -67,7 +66,7 @@ class PosteriorSettings(Request):
         "than for most get too narrow an interval, which their profile or `ci95` does not.",
         above=0.0, metavar="F", help=_INFLATION,
     )  # fmt: skip
-    cores: int | None = _workers("Chains")
+    cores: int | None = _workers("Evaluations")
 
 
 def _model(default: str, what: str) -> Any:

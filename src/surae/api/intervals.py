@@ -62,15 +62,16 @@ def profile(
 def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any) -> Posterior:
     """Draws from the posterior: what recordings and prior knowledge say together.
 
-    Needs the extra: ``pip install "surae[bayes]"``. The same seed gives the same draws on any
-    number of cores.
+    Draws of the Laplace approximation, weighted by the posterior itself. Where the weights show
+    that this does not do, `status` is ``"not reliable"`` and there are no intervals: see `profile`.
+    The same seed gives the same draws on any number of cores.
 
     Parameters
     ----------
     fitted : Fit
         The fit.
     progress : callable, optional
-        Called now and then with (iterations done, all iterations).
+        Called now and then with (evaluations done, all that are allowed).
     {settings}
 
     Returns
@@ -81,8 +82,7 @@ def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any)
     Raises
     ------
     InputError
-        The sampler is not installed, a setting or prior is impossible, or the fit has no residual
-        to draw from.
+        A setting or prior is impossible, or the fit has no residual to draw from.
     """
     request, reason = PosteriorSettings(**settings), "given"
     if request.variance_inflation is None:

@@ -24,8 +24,8 @@ _AGREE = 0.25
 def command(fitted: str, output: str | None, options: dict[str, Any]) -> None:
     """Draw from the posterior of a fit: its recordings and prior knowledge together.
 
-    Priors take the place of the fit's bounds; POSTERIOR.json says which. Needs the extra bayes:
-    pip install "surae[bayes]". Ctrl-C keeps what is drawn.
+    Priors take the place of a named model's bounds; POSTERIOR.json says which. Ctrl-C keeps what is
+    drawn.
     """
     check_outputs({"--output": output}, [fitted])
 
@@ -46,21 +46,18 @@ def command(fitted: str, output: str | None, options: dict[str, Any]) -> None:
     show_files({"posterior": output})
     if not drawn.whole:
         raise StoppedError("stopped by the user; what was drawn is shown")
-    if drawn.status != "converged":
-        raise ComputationError(f"not converged: {drawn.message}")
+    if drawn.status != "reliable":
+        raise ComputationError(f"not reliable: {drawn.message}")
 
 
 def _table(drawn: "api.Posterior") -> Columns:
-    """The intervals of posterior and covariance beside each other, and diagnostics."""
-    heads = ("parameter", "median", "95 % credible", "95 % covariance", "R-hat", "draws", "unit")
+    """The intervals of posterior and covariance beside each other."""
+    heads = ("parameter", "median", "95 % credible", "95 % covariance", "unit")
     rows: list[tuple[str, ...]] = []
     for name, marginal in drawn.marginals.items():
-        seen = marginal.convergence
         rows.append((
-            name, api.significant(marginal.median, 4),
-            ends_text(marginal.ci95), ends_text(marginal.from_covariance),
-            api.NO_NUMBER if seen.rhat is None else f"{seen.rhat:.3f}",
-            f"{min(seen.ess_bulk or 0.0, seen.ess_tail or 0.0):.0f}", marginal.unit,
+            name, api.NO_NUMBER if marginal.median is None else api.significant(marginal.median, 4),
+            ends_text(marginal.ci95), ends_text(marginal.from_covariance), marginal.unit,
         ))  # fmt: skip
     return heads, rows
 

@@ -47,7 +47,8 @@ class Coordinates:
         for j in np.flatnonzero(self._log):
             self.lower[j] = np.log(max(self.lower[j], _FLOOR * np.exp(self.mean[j])))
             self.upper[j] = np.log(self.upper[j])
-        self._valleys = [
+        #: Positions of a stiffness k and slack length x0 that trade off; the longest muscle [m].
+        self.valleys = [
             (self.names.index(k), self.names.index(x0), longest)
             for k, x0, longest in stiffness_valleys(problem)
             if k in self.names and x0 in self.names
@@ -91,7 +92,7 @@ class Coordinates:
     def curved(self, z: FloatArray, step: FloatArray) -> FloatArray:
         """A step along the valley of k and x0, in which φ = k·(x_ref − x0) moves straight."""
         moved = z + step
-        for j_k, j_x0, x_ref in self._valleys:
+        for j_k, j_x0, x_ref in self.valleys:
             k, reach = np.exp(z[j_k]), x_ref - z[j_x0]
             phi = k * (reach + reach * step[j_k] - step[j_x0])
             moved[j_x0] = x_ref - phi / np.exp(min(moved[j_k], z[j_k] + 2.0))

@@ -49,6 +49,12 @@ class Block:
             return w
         return np.asarray(w - self.step - self.fast @ by)
 
+    @property
+    def log_width(self) -> float:
+        """Logarithm of the determinant of the latents' part, lost by integrating over them."""
+        width = 2.0 * float(np.log(np.abs(np.diag(self.factor[0]))).sum())
+        return width if self.band is None else width + 2.0 * float(np.log(self.band[0]).sum())
+
 
 @dataclass(frozen=True, slots=True)
 class Point:
@@ -130,11 +136,11 @@ class LogPosterior(Coordinates):
             films = self.latents[number].films
             counts = self.problem.inputs[number].n, *(len(film.length) for film in films)
             total += float(np.dot(counts, np.log(self.variances(number))))
-            total += 2.0 * float(np.log(np.abs(np.diag(b.factor[0]))).sum())
+            total += b.log_width
             total -= np.linalg.slogdet(self._precisions[number])[1]
             if b.band is not None:
                 prior = cholesky_banded(self._fast[number][0], lower=True)
-                total += 2.0 * float(np.log(b.band[0]).sum() - np.log(prior[0]).sum())
+                total -= 2.0 * float(np.log(prior[0]).sum())
         return float(total)
 
     def rows(self, point: Point, number: int) -> list[SensorRows]:

@@ -11,7 +11,7 @@ from surae.errors import InputError
 
 def frame(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> Any:
     """Rows as a pandas DataFrame, the units of its columns in ``attrs["units"]``."""
-    table = _library("pandas", "a DataFrame").DataFrame(list(rows))
+    table = library("pandas", "a DataFrame").DataFrame(list(rows))
     table.attrs["units"] = dict(units)
     return table
 
@@ -26,7 +26,7 @@ def channels_frame(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any
     for role, name in names.items():
         columns[name] = np.full(len(every), np.nan)
         columns[name][np.searchsorted(every, channels[role].time)] = channels[role].values
-    table = _library("pandas", "a DataFrame").DataFrame(columns)
+    table = library("pandas", "a DataFrame").DataFrame(columns)
     units = {name: channels[role].unit for role, name in names.items()}
     table.attrs = {
         **about, **({} if alike else {"times": "own"}), "units": {"time_s": "s", **units},
@@ -45,10 +45,10 @@ def channels_dataset(channels: Mapping[str, Any], about: Mapping[str, str]) -> A
             axes.append((name, channel.time))
         variables[role] = (name, channel.values, {"units": channel.unit, "source": channel.source})
     coordinates = {name: (name, time, {"units": "s"}) for name, time in axes}
-    return _library("xarray", "a Dataset").Dataset(variables, coordinates, dict(about))
+    return library("xarray", "a Dataset").Dataset(variables, coordinates, dict(about))
 
 
-def _library(name: str, purpose: str) -> Any:
+def library(name: str, purpose: str) -> Any:
     """A library of the extra ``notebook``, loaded only where it is used."""
     try:
         return importlib.import_module(name)

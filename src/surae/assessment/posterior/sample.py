@@ -6,6 +6,8 @@ the starts of the fit to find.
 """
 
 import json
+import os
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -13,16 +15,8 @@ from typing import Any, Literal
 import numpy as np
 
 from surae.assessment.assess import described
-from surae.assessment.posterior.chains import (
-    EXACT,
-    Convergence,
-    convergence,
-    require_sampler,
-    run_chains,
-    verdict,
-)
-from surae.assessment.posterior.density import SampledTarget, SamplingPrior, beliefs, make_target
-from surae.assessment.posterior.of_family import FamilyTarget, family_target
+from surae.assessment.posterior.density import SamplingPrior, make_target
+from surae.assessment.posterior.importance import ENOUGH, Weighted, weighted_draws
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width
 from surae.errors import InputError
 from surae.estimation import FitResult
@@ -31,19 +25,19 @@ from surae.files import PathLike, write_atomic
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
 from surae.progress import Progress
+from surae.recording.frames import library
 from surae.records import to_plain
 from surae.units import FloatArray
 from surae.versions import versions
 
-Status = Literal["converged", "not converged"]
+Status = Literal["reliable", "not reliable"]
 #: Width of a posterior, as a part of its prior's, from which the data are said to add little.
 _LITTLE = 0.7
-#: Part of the steps to be accepted where gradients are only good to a percent: shorter steps would
-#: not help.
-_ROUGH = 0.6
+#: Proposals.
+_ROUNDS = 6
 
 
-@filed("name", "convergence")
+@filed("name")
 @dataclass(frozen=True, slots=True)
 class Marginal:
     """The posterior of one parameter."""
@@ -52,25 +46,26 @@ class Marginal:
     name: str
     unit: str
     value: float  #: Estimate of the fit, which knows nothing of the wide defaults.
-    median: float  #: Median of the draws.
-    #: 95 % credible interval, its ends the 2.5 and 97.5 % quantiles of the draws.
-    ci95: tuple[float, float]
+    #: Median of the draws; None where they cannot be believed, which the posterior's message says.
+    median: float | None
+    #: 95 % credible interval, its ends the 2.5 and 97.5 % quantiles of the draws, or None likewise.
+    ci95: tuple[float, float] | None
     #: The 95 % interval of the covariance, widened as the posterior is; None where there is none.
     from_covariance: tuple[float, float] | None
     prior: SamplingPrior  #: What was known beforehand.
-    #: Width of the posterior as a part of its prior's: near 1 the recordings added nothing.
-    prior_part: float
-    convergence: Convergence  #: Whether its draws can be believed.
+    #: Width of the posterior as a part of its prior's: near 1 the recordings added nothing. None
+    #: without an interval.
+    prior_part: float | None
 
     @property
     def of_prior(self) -> bool:
         """Whether the recordings add little to the prior."""
-        return self.prior_part > _LITTLE
+        return self.prior_part is not None and self.prior_part > _LITTLE
 
     @property
     def off_covariance(self) -> float | None:
         """How far the covariance's ends lie from the credible ones, in half-widths of these."""
-        if self.from_covariance is None:
+        if self.from_covariance is None or self.ci95 is None:
             return None
         ends = zip(self.ci95, self.from_covariance, strict=True)
         return 2 * max(abs(a - b) for a, b in ends) / (self.ci95[1] - self.ci95[0])
@@ -95,32 +90,35 @@ class Posterior(Comparable):
         Name of the model.
     names : tuple of str
         The free parameters.
-    draws : ndarray, shape (chains, draws, p)
-        Their values.
+    draws : ndarray, shape (draws, p)
+        Their values, of equal weight; some are there more than once.
     marginals : mapping of str to Marginal
         By parameter.
     covariance : Covariance
         Of the fit, for comparison, widened by the variance inflation.
-    status : {"converged", "not converged"}
+    status : {"reliable", "not reliable"}
         Whether the draws can be believed.
     message : str
         Why, with advice where they cannot.
-    divergences : int
-        Draws at which the sampler went astray: near them the posterior may be incomplete.
+    k_hat : float or None
+        Shape of the distribution of the largest importance weights: above 0.7 no number of draws
+        would do. None where no weight is finite.
+    effective : float
+        Independent draws that the weighted ones are worth.
     evaluations : int
-        Of the model and its Jacobian, without those of the tuning.
+        Of the density.
     variance_inflation : float
         By how much the variance of the noise counts more than that of white noise would.
     inflation_reason : str
         Why.
-    seed, tune : int
-        Of the sampler.
+    seed : int
+        Of the draws.
     seconds : float
-        Wall time of the sampler.
+        Wall time.
     whole : bool
         False when the user stopped it before its end.
     versions : mapping of str to str
-        Versions of surae, of the sampler and of what the numbers depend on.
+        Versions of surae and of what the numbers depend on.
     """
 
     model: str
@@ -130,12 +128,12 @@ class Posterior(Comparable):
     covariance: Covariance
     status: Status
     message: str
-    divergences: int
+    k_hat: float | None
+    effective: float
     evaluations: int
     variance_inflation: float
     inflation_reason: str
     seed: int
-    tune: int
     seconds: float
     whole: bool
     versions: Mapping[str, str]
@@ -146,8 +144,7 @@ class Posterior(Comparable):
     @property
     def correlation(self) -> FloatArray:
         """Correlation of the draws, shape (p, p)."""
-        flat = self.draws.reshape(-1, len(self.names))
-        return np.atleast_2d(np.corrcoef(flat, rowvar=False))
+        return np.atleast_2d(np.corrcoef(self.draws, rowvar=False))
 
     @property
     def noise(self) -> str:
@@ -155,22 +152,34 @@ class Posterior(Comparable):
         return described({"all": self.variance_inflation}, self.inflation_reason)
 
     def of(self, name: str) -> FloatArray:
-        """All draws of one parameter, chain after chain."""
-        return self.draws[..., self.names.index(name)].ravel()
+        """All draws of one parameter."""
+        return self.draws[:, self.names.index(name)]
+
+    def to_inference_data(self) -> Any:
+        """The draws for ArviZ, as one chain, units and the status as attributes.
+
+        Returns
+        -------
+        xarray.DataTree
+            InferenceData as ArviZ 1.0 has it, its group ``posterior`` by (chain, draw); older ones
+            take it as ``arviz.InferenceData.from_datatree(...)``.
+
+        Raises
+        ------
+        InputError
+            The package xarray is not installed.
+        """
+        return inference_data(self)
 
     def as_dict(self) -> dict[str, Any]:
         """The posterior as plain data, as it is saved."""
         return {
             "surae": self.versions["surae"],
             **to_plain(self),
-            "parameters": {
-                name: {**to_plain(marginal), **to_plain(marginal.convergence)}
-                for name, marginal in self.marginals.items()
-            },
+            "parameters": {name: to_plain(marginal) for name, marginal in self.marginals.items()},
             "correlation": {"names": list(self.names), "matrix": self.correlation.tolist()},
-            "chains": self.draws.shape[0],
-            "draws": self.draws.shape[1],
-            "samples": {name: self.draws[..., j].tolist() for j, name in enumerate(self.names)},
+            "draws": len(self.draws),
+            "samples": {name: self.of(name).tolist() for name in self.names},
         }
 
     def save(self, path: PathLike) -> None:
@@ -185,12 +194,30 @@ class Posterior(Comparable):
         write_atomic(path, text + "\n")
 
 
+def inference_data(posterior: Posterior) -> Any:
+    """See `Posterior.to_inference_data`."""
+    xarray = library("xarray", "InferenceData")
+    variables = {
+        name: (("chain", "draw"), posterior.of(name)[None], {"units": marginal.unit})
+        for name, marginal in posterior.marginals.items()
+    }
+    about = {
+        "inference_library": "surae",
+        "inference_library_version": posterior.versions["surae"],
+        "status": posterior.status,
+        "message": posterior.message,
+    }
+    along = {"chain": [0], "draw": np.arange(len(posterior.draws))}
+    return xarray.DataTree.from_dict(
+        {"/": xarray.Dataset(attrs=about), "/posterior": xarray.Dataset(variables, along, about)}
+    )
+
+
 def sample(
     result: FitResult,
     *,
     draws: int,
-    tune: int,
-    chains: int,
+    evaluations: int,
     seed: int = 0,
     priors: Mapping[str, tuple[float, float]] | None = None,
     variance_inflation: float = 1.0,
@@ -200,78 +227,81 @@ def sample(
 ) -> Posterior:
     """Draw from the posterior of a fit's free parameters.
 
-    Fixed parameters stay fixed and weights hold; priors take the place of bounds: those of
-    `priors`, else the fit's own, else the wide defaults of `beliefs`. Of a fit with `model="auto"`
-    it is the posterior that was fitted, films included. Else the likelihood takes the noise for
-    white; a residual that is correlated over time holds fewer independent samples than it
+    Fixed parameters stay fixed and weights hold. Of a fit with `model="auto"` it is the posterior
+    that was fitted, films and bounds included. Else priors take the place of bounds: those of
+    `priors`, else the fit's own, else the wide defaults of `beliefs`; and the likelihood takes the
+    noise for white: a residual that is correlated over time holds fewer independent samples than it
     has, so the variance of the noise counts `variance_inflation` times: n/n_effective is a rough
     value, the ratio of the squared standard errors with and without the correlation one for a
     parameter. All else is as of `surae.posterior`.
     """
-    require_sampler()
     if not 0 < variance_inflation < np.inf:
         raise InputError(f"variance inflation is {variance_inflation!r}; give a number above zero")
     if not (np.isfinite(result.sse) and np.isfinite(result.R).all()):
         raise InputError("the fit failed without a finite torque: it has no posterior")
     if result.sse == 0:
         raise InputError("the fit leaves no residual: without noise there is no posterior")
+    begin = time.perf_counter()
     problem = result.problem
-    target: SampledTarget | FamilyTarget
-    if result.family is not None:
-        target = family_target(result, priors or {}, variance_inflation)
-        known = target.priors
-    else:
-        known = beliefs(problem, priors)
-        target = make_target(result, known, variance_inflation)
-    sampled = run_chains(
-        target.density,
-        len(target.root),
-        draws=draws,
-        tune=tune,
-        chains=chains,
+    target = make_target(result, priors, variance_inflation)
+    weighted = weighted_draws(
+        [target.density() for _ in range(cores or os.cpu_count() or 1)],
+        len(target.mode),
+        rounds=_ROUNDS,
+        size=evaluations // _ROUNDS,
         seed=seed,
-        cores=cores,
         progress=progress,
-        accepted=_ROUGH if result.family is not None else EXACT,
     )
-    values = read_only(target.parameters(sampled.draws))
+    points = weighted.resampled(draws, np.random.default_rng([seed, 1]))
+    values = read_only(target.parameters(points))
+    reliable, message = _verdict(weighted)
     white = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
     wide = replace(
         white,
         matrix=variance_inflation * white.matrix,
         sigma2=variance_inflation * white.sigma2,
     )
-    marginals = _marginals(result, values, known, wide)
-    believed, message = verdict(
-        {name: marginal.convergence for name, marginal in marginals.items()},
-        sampled.diverging,
-        values.shape[:2],
-    )
-    if not sampled.whole:
-        message += "; stopped by the user"
     return Posterior(
         model=problem.spec.name,
         names=problem.free,
         draws=values,
-        marginals=marginals,
+        marginals=_marginals(result, values if reliable else None, target.priors, wide),
         covariance=wide,
-        status="converged" if believed else "not converged",
+        status="reliable" if reliable else "not reliable",
         message=message,
-        divergences=sampled.diverging,
-        evaluations=sampled.evaluations,
+        k_hat=weighted.k_hat if np.isfinite(weighted.k_hat) else None,
+        effective=weighted.effective,
+        evaluations=weighted.evaluations,
         variance_inflation=float(variance_inflation),
         inflation_reason=inflation_reason,
         seed=seed,
-        tune=tune,
-        seconds=sampled.seconds,
-        whole=sampled.whole,
-        versions=versions() | dict(sampled.versions),
+        seconds=time.perf_counter() - begin,
+        whole=weighted.whole,
+        versions=versions(),
     )
+
+
+def _verdict(weighted: Weighted) -> tuple[bool, str]:
+    """Whether draws can be believed, and a sentence that says why or what to do."""
+    shape = f"k-hat of the weights {weighted.k_hat:.2f}"
+    worth = f"{weighted.effective:.0f} effective draws"
+    stopped = "" if weighted.whole else "; stopped by the user"
+    if not weighted.k_hat <= weighted.limit:
+        return False, (
+            f"the posterior is not near enough to a Gaussian ({shape}, at most "
+            f"{weighted.limit:.2f} wanted): profile the parameters instead{stopped}"
+        )
+    if weighted.effective < ENOUGH:
+        return False, (
+            f"only {worth}, {ENOUGH} wanted: allow more evaluations, or profile the "
+            f"parameters{stopped}"
+        )
+    return True, f"{worth}, {shape}{stopped}"
 
 
 def _marginals(
     result: FitResult,
-    values: FloatArray,
+    values: FloatArray | None,
     known: Mapping[str, SamplingPrior],
     estimated: Covariance,
 ) -> dict[str, Marginal]:
@@ -283,18 +313,21 @@ def _marginals(
     }
     marginals = {}
     for j, name in enumerate(problem.free):
-        drawn, prior, value = values[..., j], known[name], result.values[name]
-        low, median, high = np.quantile(drawn, [0.025, 0.5, 0.975]).tolist()
-        width = np.std(np.log(drawn) if prior.log else drawn)
+        prior, value = known[name], result.values[name]
+        median = ci95 = part = None
+        if values is not None:
+            drawn = values[:, j]
+            low, median, high = np.quantile(drawn, [0.025, 0.5, 0.975]).tolist()
+            ci95 = low, high
+            part = float(np.std(np.log(drawn) if prior.log else drawn) / prior.spread)
         marginals[name] = Marginal(
             name=name,
             unit=table[name].unit,
             value=value,
             median=median,
-            ci95=(low, high),
+            ci95=ci95,
             from_covariance=(value - half[name], value + half[name]) if name in half else None,
             prior=prior,
-            prior_part=float(width / prior.spread),
-            convergence=convergence(drawn),
+            prior_part=part,
         )
     return marginals
