@@ -86,3 +86,14 @@ def test_no_draw_is_beyond_a_bound(fits) -> None:
     assert inside.shape == (20, len(problem.free))
     assert (inside >= problem.lower).all()
     assert (inside <= problem.upper).all()
+
+
+@pytest.mark.slow
+def test_draws_of_auto_end_and_give_intervals_only_where_they_can_be_believed(fits) -> None:
+    found = surae.posterior(fits[1], draws=50, evaluations=600)
+    assert found.evaluations == 600
+    assert found.draws.shape == (50, len(fits[1].result.problem.free))
+    assert found.k_hat is not None
+    believed = found.k_hat <= 0.7 and found.effective >= 200
+    assert (found.status == "reliable") == believed
+    assert all((marginal.ci95 is not None) == believed for marginal in found.marginals.values())
