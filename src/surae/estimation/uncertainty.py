@@ -84,8 +84,12 @@ def dynamics(posterior: LogPosterior, V: FloatArray, *, unheard: bool) -> FloatA
     hears the EMG of others stands for theirs, and they act a little earlier or later. No residual
     tells that from another filter. The other values follow along their valleys.
     """
-    own = _RELEASED if "release" in posterior.names else _ERRING if posterior.fast else _ORDER
-    size = _UNHEARD if unheard else own
+    if unheard:
+        size = _UNHEARD
+    elif "release" in posterior.names and not posterior.problem.has_unheard:  # else the same twice
+        size = _RELEASED
+    else:
+        size = _ERRING if posterior.fast else _ORDER
     ways = [posterior.names.index(name) for name in _DYNAMICS if name in posterior.names]
     return np.asarray([size * V[j] / V[j, j] for j in ways]).reshape(len(ways), len(V))
 
