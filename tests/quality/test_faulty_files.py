@@ -94,7 +94,7 @@ def test_findings_go_into_the_fit_and_come_back(tmp_path, noisy) -> None:
     assert again.quality == fit.quality
     again.report(tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text()
-    assert "Recording quality" in page
+    assert "What was found in the recordings" in page
     assert fit.quality[0].findings[0].message in page
 
 
@@ -103,4 +103,4 @@ def test_a_fit_without_findings_says_so_in_its_report(tmp_path, noisy) -> None:
     fit = surae.fit(noisy, "muscle", starts=1)
     assert fit.quality[0].findings == ()
     fit.report(tmp_path / "report.html")
-    assert ": nothing found" in (tmp_path / "report.html").read_text()
+    assert "Nothing was found." in (tmp_path / "report.html").read_text()
