@@ -73,6 +73,21 @@ def test_a_banana_is_refused():
         assert found.k_hat > found.limit or found.effective < ENOUGH
 
 
+def funnel(u):
+    """Neal's (2003, Annals of Statistics 31:705), of ten coordinates: its width is one of them."""
+    v, x = 3.0 * u[0], u[1:]
+    squares = float(np.exp(-v) * x @ x)
+    by_v = -v / 9.0 + 0.5 * squares - 0.5 * len(x)
+    slope = np.concatenate([[3.0 * by_v], -np.exp(-v) * x])
+    return -(v**2) / 18.0 - 0.5 * squares - 0.5 * len(x) * v, slope
+
+
+def test_a_published_density_that_no_gaussian_is_like_is_refused():
+    for seed in range(3):
+        found = draw(funnel, 10, rounds=6, size=600, seed=seed)
+        assert found.k_hat > found.limit or found.effective < ENOUGH
+
+
 def test_without_a_density_anywhere_nothing_is_believed():
     found = draw(lambda u: (-np.inf, 0.0 * u))
     assert found.k_hat == np.inf

@@ -64,9 +64,9 @@ def test_the_density_is_that_of_the_posterior(fits) -> None:
     for _ in range(3):
         u, along = 0.5 * rng.standard_normal((2, len(zero)))
         height, slope = density(u)
-        assert height < density(zero)[0] + 3.0
+        assert height < density(zero)[0]
         numeric = (density(u + 1e-4 * along)[0] - density(u - 1e-4 * along)[0]) / 2e-4
-        assert slope @ along == pytest.approx(numeric, abs=0.5)
+        assert slope @ along == pytest.approx(numeric, abs=0.1)
 
 
 def test_a_prior_that_is_given_moves_the_posterior(fits) -> None:

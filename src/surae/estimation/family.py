@@ -109,7 +109,7 @@ class _Search:
                 problem.settings.nuisances,
                 quiet_levels(problem.inputs),
                 measured=problem.settings.geometry_of == "person",
-                mounted=not _of_inverse_dynamics(problem),
+                mounted=not problem.of_inverse_dynamics,
                 joint=problem.options.anatomy,
             ).items()
             if name not in held and not _needless(name, self._silent, filmed)
@@ -371,12 +371,6 @@ def _searched(name: str, belief: Gaussian) -> Gaussian:
         return belief
     spread = float(np.sqrt(np.log1p((belief.sd / belief.mean) ** 2)))
     return Gaussian(float(np.log(belief.mean)) - 0.5 * spread**2, spread)
-
-
-def _of_inverse_dynamics(problem: FitProblem) -> bool:
-    """Whether inertia and weight were taken out of every torque: no device measured it."""
-    given = [{**trial.fixed, **problem.settings.fixed}.get("m") for trial in problem.inputs]
-    return all(mass == 0.0 for mass in given)
 
 
 def _needless(name: str, silent: frozenset[str], filmed: Collection[str]) -> bool:

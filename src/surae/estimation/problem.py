@@ -71,6 +71,12 @@ class FitProblem(Comparable):
         absent = {MUSCLES[channel] for channel in self.options.anatomy.silent}
         return any({*recording.missing_emg} - absent for recording in self.inputs)
 
+    @property
+    def of_inverse_dynamics(self) -> bool:
+        """Whether inertia and weight were taken out of every torque: no device measured it."""
+        given = ({**trial.fixed, **self.settings.fixed}.get("m") for trial in self.inputs)
+        return all(mass == 0.0 for mass in given)
+
     def fixed(self, name: str) -> float:
         """The value of a parameter that is not free."""
         return float(self.base[self.spec.names.index(name)])
