@@ -17,7 +17,7 @@ _SVG = b'<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>'
 def blank_figures() -> Iterator[None]:
     """Figures are a dot each: to draw them takes longer than all else of a small report."""
     with pytest.MonkeyPatch.context() as patched:
-        for module in ("output", "figures", "figures.style"):
+        for module in ("output", "figures"):
             patched.setattr(f"surae.report.{module}.png", lambda *_: _PNG)
             patched.setattr(f"surae.report.{module}.svg", lambda *_: _SVG)
         yield

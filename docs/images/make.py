@@ -4,7 +4,8 @@ from pathlib import Path
 
 import surae
 from surae.protocol import Protocol, generate, named_device
-from surae.report.figures import png, torque_figure
+from surae.report.figures import png
+from surae.report.figures.torque import torque_figure
 from surae.report.traces import traces_of
 from surae.studies import virtual_subject, virtual_trial
 

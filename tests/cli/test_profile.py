@@ -8,8 +8,8 @@ import surae
 from .conftest import refused
 
 
-def test_profiles_are_shown_written_and_drawn(run, files) -> None:
-    done = run("profile", "fit.json", "m", "beta", "--output", "p.json", "--figure", "p.png")
+def test_profiles_are_shown_and_written(run, files) -> None:
+    done = run("profile", "fit.json", "m", "beta", "--output", "p.json")
     assert (done.code, done.err) == (0, "")
     fit = surae.load(files / "fit.json")
     expected = surae.profile(fit, ["m", "beta"], workers=1)
@@ -20,7 +20,6 @@ def test_profiles_are_shown_written_and_drawn(run, files) -> None:
         assert kept["delta_chi2"] == expected[name].chi2.tolist()
         low, high = kept["interval"]
         assert low < fit.values[name] < high
-    assert (files / "p.png").read_bytes().startswith(b"\x89PNG")
     lines = done.out.splitlines()
     assert lines[1].split("  ")[0] == "parameter"
     assert [line.split()[0] for line in lines[3:5]] == ["m", "beta"]
@@ -28,7 +27,7 @@ def test_profiles_are_shown_written_and_drawn(run, files) -> None:
     noise = f"variance of the noise ×1: {fit.assessment.interval_note}"
     assert noise in lines
     assert content["variance_inflation_reason"] == fit.assessment.interval_note
-    assert lines[-2:] == ["profiles: p.json", "figure: p.png"]
+    assert lines[-1] == "profiles: p.json"
 
 
 def test_the_noise_is_what_the_residual_is_or_what_is_given(run, files) -> None:
@@ -61,11 +60,6 @@ def test_the_noise_is_what_the_residual_is_or_what_is_given(run, files) -> None:
     assert content["profiles"]["m"]["variance_inflation"] == 2.0
 
 
-def test_an_svg(run, files) -> None:
-    assert run("profile", "fit.json", "m", "--figure", "p.svg").code == 0
-    assert b"<svg" in (files / "p.svg").read_bytes()[:500]
-
-
 def test_without_names_all_that_were_estimated(run, files) -> None:
     fitted = surae.fit(
         files / "trial.csv",
@@ -91,9 +85,7 @@ def test_without_names_all_that_were_estimated(run, files) -> None:
         (["fit.json", "m", "m"], "m is given twice"),
         (["fit.json", "--workers", "0"], "--workers 0"),
         (["fit.json", "--variance-inflation", "0"], "--variance-inflation 0: give a number above"),
-        (["fit.json", "--figure", "p.gif"], "must end in .svg, .pdf or .png"),
         (["fit.json", "--output", "fit.json"], "--output"),
-        (["fit.json", "--output", "p.png", "--figure", "p.png"], "--figure"),
         (["trial.csv"], "trial.csv"),
     ],
 )

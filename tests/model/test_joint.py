@@ -19,8 +19,8 @@ from surae.model import ModelOptions, adapted, get_model, read_geometry
 from surae.model.joint import ANKLE, STATED, read_joint
 from surae.model.laboratory import laboratory
 from surae.model.movement import gravity_torque
-from surae.report.figures.joint import relabelled
 from surae.report.figures.torque import torque_figure
+from surae.report.joint import relabelled
 from surae.report.language import catalogue
 from surae.report.traces import traces_of
 

@@ -5,11 +5,9 @@ import numpy as np
 import pytest
 
 from surae.assessment import whiteness
-from surae.report.figures.correlation import correlation_figure
-from surae.report.figures.residual import residual_figure
-from surae.report.figures.style import png, write_figure
-from surae.report.figures.torque import torque_figure
-from surae.report.figures.torques import fit_figure
+from surae.report.figures import png, write_figure
+from surae.report.figures.research import correlation_figure, residual_figure
+from surae.report.figures.torque import fit_figure, torque_figure
 from surae.report.traces import traces_of
 
 

@@ -9,7 +9,7 @@ from surae.assessment.identifiability.identified import identifiability
 from surae.estimation import fit_problem, make_problem
 from surae.protocol import Protocol, generate
 from surae.report.fit import fit_report
-from surae.report.identifiability import identifiability_section
+from surae.report.sections import identifiability_section
 from surae.studies import virtual_subject, virtual_trial
 
 from . import parts

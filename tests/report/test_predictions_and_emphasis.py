@@ -11,7 +11,7 @@ from surae.assessment import assess
 from surae.assessment.validation import predict_others
 from surae.estimation import fit_problem, fit_robust, make_problem
 from surae.frozen import read_only
-from surae.report.figures.torques import predictions_figure
+from surae.report.figures.torque import predictions_figure
 from surae.report.fit import fit_report
 from surae.report.sections import predictions_section
 from surae.signals import Weighting, weighted
@@ -54,7 +54,7 @@ def test_a_loss_is_told_with_what_it_spared(spared, plain):
     assert "Outliers count less (huber loss)" in summary
     assert "With the samples counted as in the fit, the VAF is" in summary
     assert "no stray artefacts" not in summary
-    assert "Only the solution with the weights of the outliers was tried" in spared.words
+    assert "only the solution with the weights of the outliers: whether" in spared.words
     facts = parts.facts(parts.section(content_of(spared), "Recording:"))
     assert "VAF, weighted as in the fit" in facts
     without, summary = texts(plain)

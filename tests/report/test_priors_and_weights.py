@@ -8,7 +8,7 @@ import pytest
 from surae.assessment import whiteness
 from surae.estimation import Prior, fit_problem, make_problem
 from surae.frozen import read_only
-from surae.report.figures.residual import residual_figure
+from surae.report.figures.research import residual_figure
 from surae.report.figures.torque import torque_figure
 from surae.report.provenance import excluded_spans, excluded_text, prior_note, prior_text
 from surae.report.traces import traces_of

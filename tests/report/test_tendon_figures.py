@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from surae.estimation import fit_problem, make_problem
-from surae.formatting import significant
 from surae.frozen import read_only
-from surae.report.figures.style import png
+from surae.report.figures import png
 from surae.report.figures.tendon import tendon_figure
-from surae.report.recordings import tendon_rows, warnings_of
+from surae.report.recordings import warnings_of
 from surae.report.traces import traces_of
 
 from . import parts
@@ -89,27 +88,8 @@ def test_lines_differ_without_colour(traces):
         assert len(looks) == len(shown)
 
 
-def test_the_table_has_the_extremes(traces):
-    state = traces.tendon
-    tri, tib = tendon_rows(traces, state)
-    assert (tri[0], tib[0]) == ("Triceps surae", "Tibialis anterior")
-    low, high = (f"{v:.2f}" for v in (
-        state.muscle_length[0].min() / traces.optimal[0],
-        state.muscle_length[0].max() / traces.optimal[0],
-    ))  # fmt: skip
-    assert tri[1] == f"{low} … {high}"
-    assert tib[4].endswith(f"… {state.tendon_force[1].max():.0f}")
-    part = significant(100 * state.tendon_force[0].max() / 2400.0, 2)
-    assert tri[5] == f"2400 N, {part} % of it reached"
-    beyond = replace(state, tendon_force=50.0 * state.tendon_force)
-    assert tendon_rows(traces, beyond)[0][5] == "2400 N, exceeded"
-
-
 def test_the_page_shows_them_with_words_for_the_figure(elastic):
     assert elastic.words.count("<h4>Muscles and tendons</h4>") == 1
-    section = parts.section(content_of(elastic), "Muscles and tendons")
-    for row in parts.rows(section).values():
-        assert row["Tendon force [N]"].text in elastic.words
     assert warnings_of(traces_of(elastic.result)[0]) == ()
 
 
@@ -136,4 +116,3 @@ def test_samples_without_a_solution_are_named_and_drawn_up_to_there(elastic):
     nothing = np.full((2, 1000), np.nan)
     state = replace(traces.tendon, tendon_force=nothing, elongation=nothing, muscle_length=nothing)
     assert png(tendon_figure(traces, state), dpi=40)
-    assert tendon_rows(traces, state)[1][3] == "—"

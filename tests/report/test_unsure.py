@@ -216,9 +216,9 @@ def test_the_page_has_all_of_it(auto):
     for heading in ("What makes each parameter unsure", "The laboratory’s imperfections",
                     "Which model the data support"):  # fmt: skip
         assert page.count(f">{heading}</h3>") == 1
-    assert "The search looked from both valleys" in page
+    assert "both valleys of the relaxation" in page
     assert "SEM (34)</th>" not in page.split("Correlation of the estimates")[0].split("unsure")[0]
-    assert "random within the bounds" not in page
+    assert "others are random" not in page
     assert "Stacked bars of the shares" in page
 
 
@@ -236,14 +236,14 @@ def test_one_start_of_a_named_model_is_still_warned_of(make_trial):
     page = fit_report(
         result, assess(result), versions={}, created=datetime(2026, 1, 5, 14, 3)
     ).page()
-    assert "Only the default start was tried" in page
+    assert "only the default start: whether" in page
 
 
 def test_every_source_has_its_words_advice_and_look():
     """One record has all that is shown of a source, on paper and on screen."""
     from matplotlib.colors import is_color_like
 
-    from surae.report.figures.budget import _COLOURS
+    from surae.report.figures.research import _COLOURS
 
     tokens = (files("surae_workbench.web") / "static" / "css" / "tokens.css").read_text(
         encoding="utf-8"

@@ -13,9 +13,8 @@ import surae
 from surae.api import session_run
 from surae.assessment import Verdict
 from surae.errors import InputError
-from surae.report.agreement import spread, trial_cell
 from surae.report.document import TableCell
-from surae.report.trials import crossings
+from surae.report.trials import crossings, spread, trial_cell
 from surae.trials import Crossed
 
 QUICK = {"model": "muscle", "prepared": True, "starts": 1}

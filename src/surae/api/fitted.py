@@ -307,8 +307,8 @@ class Fit(Tabular):
         InputError
             The file cannot be written.
         """
-        from surae.report.figures.style import write_figure
-        from surae.report.figures.torques import fit_figure, predictions_figure
+        from surae.report.figures import write_figure
+        from surae.report.figures.torque import fit_figure, predictions_figure
 
         inches = width / 25.4
         if validation:

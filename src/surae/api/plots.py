@@ -60,7 +60,7 @@ class Plots:
 
     def residuals(self, recording: int = 0, *, ax: "Axes | None" = None) -> "Axes":
         """Measured minus modelled torque against time."""
-        from surae.report.figures.style import INK, dress, shade_excluded, trace
+        from surae.report.figures import INK, dress, shade_excluded, trace
 
         traces, axes = self._traces(recording), _axes(ax)
         dress(axes, "Measured − modelled [Nm]", "Time [s]")
@@ -82,7 +82,7 @@ class Plots:
 
         What is identified is dark, what has no interval is open.
         """
-        from surae.report.figures.style import GREY, INK, dress
+        from surae.report.figures import GREY, INK, dress
 
         free = [p for p in self.assessment.parameters.values() if p.free]
         axes = _axes(ax)

@@ -222,8 +222,8 @@ class SessionResult:
             raise InputError(
                 f"{self.session.name}: no trial was fitted, so there is nothing to draw"
             )
-        from surae.report.agreement import agreement_figure
-        from surae.report.figures.style import write_figure
+        from surae.report.figures import write_figure
+        from surae.report.trials import agreement_figure
 
         alone = {name: fit.assessment for name, fit in self.fits.items()}
         joint = None if self.joint is None else self.joint.assessment

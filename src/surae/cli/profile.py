@@ -5,7 +5,7 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import Picture, settings_options
+from surae.cli.options import settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import Columns, ends_text, show_files, show_line, show_table
@@ -17,12 +17,10 @@ from surae.requests import ProfileSettings
 @click.argument("names", metavar="[NAME…]", nargs=-1)
 @settings_options(ProfileSettings)
 @click.option("--output", metavar="PROFILE.json", help="Write the profiles.")
-@click.option("--figure", type=Picture(), metavar="PROFILE.svg|pdf|png", help="Draw them.")
 def command(
     fitted: str,
     names: tuple[str, ...],
     output: str | None,
-    figure: str | None,
     options: dict[str, Any],
 ) -> None:
     """Find how far each parameter can move before the fit gets worse.
@@ -31,7 +29,7 @@ def command(
     need not be symmetric, and may be open where the recordings set no limit. Without names, every
     parameter that was estimated. Ctrl-C keeps the profiles that are complete.
     """
-    check_outputs({"--output": output, "--figure": figure}, [fitted])
+    check_outputs({"--output": output}, [fitted])
 
     fit = api.load(fitted)
     with work() as progress, compilation_notice():
@@ -45,15 +43,10 @@ def command(
 
     if output is not None:
         profiles.save(output)
-    if not profiles.profiles:
-        figure = None  # there is nothing to draw
-    if figure is not None:
-        every = tuple(profiles.profiles.values())
-        api.write_figure(figure, api.profile_figure(every, profiles.noise))
     show_table(*_table(profiles))
     for line in _notes(profiles):
         show_line(line)
-    show_files({"profiles": output, "figure": figure})
+    show_files({"profiles": output})
     if profiles.missing:
         done = "complete profiles are shown" + (" and written" if output is not None else "")
         left = ", ".join(profiles.missing)

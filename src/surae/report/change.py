@@ -19,9 +19,8 @@ from surae.report.document import (
     columns,
     rows_of,
 )
-from surae.report.figures.joint import relabelled
 from surae.report.figures.leg import visits_figure
-from surae.report.joint import reworded
+from surae.report.joint import relabelled, reworded
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import compared, visit_angle
 from surae.report.output import Report
@@ -37,32 +36,10 @@ def change_report(
     language: str = "en",
     angle: float | None = None,
 ) -> Report:
-    """The page of a comparison.
+    """The page of a comparison: three measures fixed beforehand, then every measure.
 
-    Parameters
-    ----------
-    change : Change
-        Every measure, compared.
-    fits : sequence of (FitResult, Assessment)
-        Both that were compared.
-    created : datetime
-        When the page is made.
-    baselines : sequence of (FitResult, Assessment)
-        Further visits from before anything changed.
-    language : {"en", "nl", "de", "fr"}
-        The reader's.
-    angle : float, optional
-        Where torque and stiffness are given [deg].
-
-    Returns
-    -------
-    Report
-        The answer in three measures fixed beforehand, then every measure.
-
-    Raises
-    ------
-    InputError
-        There is no such language, or the joint has no words in it.
+    `fits` are both that were compared, `baselines` further visits from before anything changed;
+    torque and stiffness are given at `angle` [deg].
     """
     _ = words_in(language)
     at = visit_angle(fits[1]) if angle is None else angle

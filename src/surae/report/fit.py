@@ -27,17 +27,16 @@ from surae.report.document import (
     verdict,
 )
 from surae.report.figures import Figure
-from surae.report.figures.budget import budget_figure
-from surae.report.figures.correlation import correlation_figure
 from surae.report.figures.film import film_figure
-from surae.report.figures.geometry import geometry_figure
-from surae.report.figures.joint import relabelled
-from surae.report.figures.residual import residual_figure
+from surae.report.figures.research import (
+    budget_figure,
+    correlation_figure,
+    geometry_figure,
+    residual_figure,
+)
 from surae.report.figures.tendon import tendon_figure
-from surae.report.figures.torque import torque_figure
-from surae.report.figures.torques import predictions_figure
-from surae.report.identifiability import identifiability_section
-from surae.report.joint import reworded
+from surae.report.figures.torque import predictions_figure, torque_figure
+from surae.report.joint import relabelled, reworded
 from surae.report.laboratory import family_section, laboratory_section, trials_section
 from surae.report.output import Report
 from surae.report.parameters import parameters_section, shown_parameters
@@ -46,8 +45,8 @@ from surae.report.recordings import GROUPS, recording_section
 from surae.report.sections import (
     correlation_section,
     geometry_section,
+    identifiability_section,
     predictions_section,
-    starts_section,
 )
 from surae.report.traces import Traces, traces_of
 from surae.report.trials import findings_section
@@ -98,7 +97,6 @@ def fit_report(
         correlation_section(assessment),
         identifiability_section(result, assessment),
         *geometry_section(result),
-        starts_section(result),
         provenance_section(result, assessment, versions),
     )
     document = Document(

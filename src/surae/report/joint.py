@@ -1,9 +1,13 @@
 """A report in the words of its joint: what is written of the ankle, for another one."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass, replace
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from surae.model.joint import ANKLE, Joint
+
+if TYPE_CHECKING:
+    from surae.report.figures import Figure
 
 T = TypeVar("T")
 #: Fields of blocks that are no text: what style sheets and links go by.
@@ -24,3 +28,16 @@ def reworded(joint: Joint, part: T, language: str = "en") -> T:
         said = {n: reworded(joint, v, language) for n, v in own if n not in _NO_TEXT}
         made = replace(part, **said)
     return cast(T, made)
+
+
+def relabelled(
+    joint: Joint, figures: "Iterable[tuple[str, Figure]]", language: str = "en"
+) -> "Iterator[tuple[str, Figure]]":
+    """Figures, each with its text in the words of this joint."""
+    for name, figure in figures:
+        if joint != ANKLE:
+            from matplotlib.text import Text
+
+            for text in figure.findobj(Text):
+                text.set_text(joint.worded(text.get_text(), language))
+        yield name, figure

@@ -54,18 +54,7 @@ REASONS = {
 
 
 class Words:
-    """The page's messages in one language.
-
-    Parameters
-    ----------
-    language : {"en", "nl", "de", "fr"}
-        The reader's.
-
-    Raises
-    ------
-    InputError
-        There is no catalogue of this language.
-    """
+    """The page's messages in one language; a language without catalogue is refused."""
 
     def __init__(self, language: str = "en") -> None:
         if language not in LANGUAGES:

@@ -61,25 +61,8 @@ def leg_answers(
 ) -> LegAnswers:
     """Answer the four questions of a leg.
 
-    Parameters
-    ----------
-    trials : sequence of Trial
-        All of the session.
-    fits : mapping of str to (FitResult, Assessment)
-        Of each trial by itself.
-    joint : (FitResult, Assessment) or None
-        Of all together, or of the only trial that was fitted.
-    _ : Words
-        The reader's language.
-    contradicted : sequence of str
-        Parameters in which trials contradict each other.
-    before : (FitResult, Assessment), optional
-        Of an earlier visit.
-
-    Returns
-    -------
-    LegAnswers
-        Blocks of a report.
+    `fits` are of each trial by itself, `joint` of all together or of the only trial that was
+    fitted, `before` of an earlier visit; in `contradicted` parameters trials contradict each other.
     """
     holds, stretches = _measured(trials, fits)
     of_fit, at = None, _angle(joint, holds, stretches)

@@ -11,8 +11,7 @@ from typing import Any
 from surae.files import PathLike, template, write_atomic
 from surae.report.document import Document
 from surae.report.explore import explorer, signals_of
-from surae.report.figures import Figure
-from surae.report.figures.style import data_url, png, svg
+from surae.report.figures import Figure, data_url, png, svg
 from surae.report.traces import Traces
 from surae.report.typeset import check_report, is_pdf, typeset
 

@@ -174,7 +174,14 @@ def _starts(result: FitResult) -> str:
     count = len(result.starts)
     if result.family is not None:
         return f"both valleys of the relaxation; {count} kept that the data do not reject"
-    return "the default one" if count == 1 else f"{count}, random ones with seed {result.seed}"
+    spared = result.outliers is not None
+    first = "the solution with the weights of the outliers" if spared else "the default start"
+    if count == 1:
+        return f"only {first}: whether its minimum is the best one was not looked into"
+    return (
+        f"{result.agreeing} of {count} reach the best minimum; the first is {first}, the others "
+        f"are random, with seed {result.seed}"
+    )
 
 
 def _fixed(result: FitResult, assessment: Assessment) -> str:

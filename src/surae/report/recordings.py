@@ -7,7 +7,6 @@ import numpy as np
 from surae.assessment import RecordingQuality, Whiteness
 from surae.assessment.fascicles import FascicleQuality, Fascicles
 from surae.formatting import NO_NUMBER, chance, percentage, short, signed, significant
-from surae.model import TendonState
 from surae.recording.samples import sample
 from surae.report.cycles import find_cycles
 from surae.report.document import (
@@ -15,12 +14,9 @@ from surae.report.document import (
     PictureBlock,
     SectionBlock,
     SignalsBlock,
-    TableBlock,
     TextBlock,
-    columns,
     facts_of,
     paragraphs,
-    rows_of,
 )
 from surae.report.provenance import excluded_text
 from surae.report.traces import Traces
@@ -112,7 +108,7 @@ def recording_section(
         SectionBlock("Residual: measured minus modelled torque", residual, look="residual"),
     ]
     if traces.tendon is not None:
-        blocks.append(_tendons(number, traces, traces.tendon))
+        blocks.append(_tendons(number))
     blocks += [film_block(f"film-{number}-{place}", f) for place, f in enumerate(traces.films)]
     return SectionBlock(
         f"Recording: {quality.name}", tuple(blocks), f"recording-{number + 1}", "recording"
@@ -160,16 +156,8 @@ def film_block(name: str, film: Fascicles) -> SectionBlock:
     return SectionBlock(f"Film: {film.channel} of {film.recording}", (facts, picture), look="film")
 
 
-def _tendons(number: int, traces: Traces, state: TendonState) -> SectionBlock:
-    """What muscle and tendon of each group do: ranges, and their figure."""
-    rows = tendon_rows(traces, state)
-    table = TableBlock(
-        "Ranges of muscle and tendon in this recording",
-        columns("Muscle group", "Muscle length [l0]", "Muscle velocity [l0/s]",
-                "Tendon elongation [mm]", "Tendon force [N]", "End of the toe",
-                numbers=range(1, 5), wide=(5,)),
-        rows_of(rows),
-    )  # fmt: skip
+def _tendons(number: int) -> SectionBlock:
+    """The figure of what muscle and tendon of each group do."""
     picture = PictureBlock(
         f"tendon-{number}",
         "Muscle length and velocity in optimal lengths, tendon elongation and tendon force "
@@ -180,28 +168,7 @@ def _tendons(number: int, traces: Traces, state: TendonState) -> SectionBlock:
         "that this recording used (wide, pale).",
         width=64,
     )
-    return SectionBlock("Muscles and tendons", (table, picture), look="tendons")
-
-
-def tendon_rows(
-    traces: Traces, state: TendonState
-) -> tuple[tuple[str, str, str, str, str, str], ...]:
-    """What each group does, as text.
-
-    Its name, length and velocity of the muscle [l0, l0/s], elongation and force of the tendon [mm,
-    N], and where its toe ends.
-    """
-    return tuple(
-        (
-            name,
-            _range(state.muscle_length[row] / traces.optimal[row], 2),
-            _range(state.muscle_velocity[row] / traces.optimal[row], 1),
-            _range(1e3 * state.elongation[row], 1),
-            _range(state.tendon_force[row], 0),
-            _toe(state.tendon_force[row], state.laws[row].toe_force),
-        )
-        for row, name in enumerate(GROUPS)
-    )
+    return SectionBlock("Muscles and tendons", (picture,), look="tendons")
 
 
 def _range(values: FloatArray, decimals: int) -> str:
@@ -209,17 +176,6 @@ def _range(values: FloatArray, decimals: int) -> str:
     if not known.size:
         return NO_NUMBER
     return f"{signed(float(known.min()), decimals)} … {signed(float(known.max()), decimals)}"
-
-
-def _toe(force: FloatArray, toe: float) -> str:
-    known = force[np.isfinite(force)]
-    end = f"{significant(toe, 3)} N"
-    if not known.size:
-        return end
-    highest = float(known.max())
-    if highest > toe:
-        return f"{end}, exceeded"
-    return f"{end}, {significant(100 * highest / toe, 2)} % of it reached"
 
 
 def warnings_of(traces: Traces) -> tuple[str, ...]:

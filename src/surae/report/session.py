@@ -9,7 +9,6 @@ from surae.formatting import percentage
 from surae.measures import Measure, Measures
 from surae.model.joint import ANKLE
 from surae.quality import Quality
-from surae.report.agreement import agreement_figure, agreement_section, contradictions
 from surae.report.budget import budget_of, budget_section
 from surae.report.cards import AssessedFit, is_known, titled
 from surae.report.document import (
@@ -25,20 +24,25 @@ from surae.report.document import (
     paragraphs,
     rows_of,
 )
-from surae.report.figures import Figure
-from surae.report.figures.budget import budget_figure
+from surae.report.figures import WIDTH, Figure
 from surae.report.figures.film import film_figure
-from surae.report.figures.joint import relabelled
-from surae.report.figures.style import WIDTH
-from surae.report.figures.torques import fit_figure
-from surae.report.joint import reworded
+from surae.report.figures.research import budget_figure
+from surae.report.figures.torque import fit_figure
+from surae.report.joint import relabelled, reworded
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import LegAnswers, leg_answers
 from surae.report.output import Report
 from surae.report.parameters import parameters_section
 from surae.report.recordings import film_block
 from surae.report.traces import traces_of
-from surae.report.trials import crossed_section, findings_section, trials_section
+from surae.report.trials import (
+    agreement_figure,
+    agreement_section,
+    contradictions,
+    crossed_section,
+    findings_section,
+    trials_section,
+)
 from surae.report.wording import adequacy_words
 from surae.trials import Crossed, Trial, common_errors
 from surae.words import JUDGEMENTS
@@ -46,41 +50,19 @@ from surae.words import JUDGEMENTS
 
 @dataclass(frozen=True, slots=True)
 class FittedLeg:
-    """What a leg's page is made of.
+    """What a leg's page is made of."""
 
-    Attributes
-    ----------
-    name : str
-        Of the session.
-    about : mapping of str to (str or None)
-        Side, date, condition, notes.
-    trials : sequence of Trial
-        All of them.
-    fits, joint
-        Each trial's fit, and that of all together.
-    joined : sequence of str
-        Trials of the joint fit.
-    failed : mapping of str to str
-        Why a trial has no fit or is not in the joint one.
-    quality : mapping of str to Quality
-        What was found in each trial.
-    predictions, joint_predictions
-        How each fit, and the joint one, follow each trial.
-    interrupted : bool
-        Whether the user stopped before the end.
-    """
-
-    name: str
-    about: Mapping[str, str | None]
-    trials: Sequence[Trial]
-    fits: Mapping[str, AssessedFit]
-    joint: AssessedFit | None
-    joined: Sequence[str]
-    failed: Mapping[str, str]
-    quality: Mapping[str, Quality]
-    predictions: Mapping[str, Mapping[str, Crossed]]
-    joint_predictions: Mapping[str, Crossed]
-    interrupted: bool = False
+    name: str  #: Of the session.
+    about: Mapping[str, str | None]  #: Side, date, condition, notes.
+    trials: Sequence[Trial]  #: All of them.
+    fits: Mapping[str, AssessedFit]  #: Each trial's own.
+    joint: AssessedFit | None  #: That of all together.
+    joined: Sequence[str]  #: Trials of the joint fit.
+    failed: Mapping[str, str]  #: Why a trial has no fit or is not in the joint one.
+    quality: Mapping[str, Quality]  #: What was found in each trial.
+    predictions: Mapping[str, Mapping[str, Crossed]]  #: How each fit follows each trial.
+    joint_predictions: Mapping[str, Crossed]  #: How the joint one does.
+    interrupted: bool = False  #: Whether the user stopped before the end.
 
     @property
     def alone(self) -> dict[str, Assessment]:
@@ -101,28 +83,9 @@ class FittedLeg:
 def session_report(
     leg: FittedLeg, *, created: datetime, before: AssessedFit | None = None, language: str = "en"
 ) -> Report:
-    """The leg's page: four answers, then details, then research.
+    """The leg's page: four answers, then details and research, which are in English alone.
 
-    Parameters
-    ----------
-    leg : FittedLeg
-        Its trials and fits.
-    created : datetime
-        When the report is made.
-    before : (FitResult, Assessment), optional
-        The fit of an earlier visit.
-    language : {"en", "nl", "de", "fr"}
-        The reader's; details and research are in English alone.
-
-    Returns
-    -------
-    Report
-        For a page, for paper, or for a part of another page.
-
-    Raises
-    ------
-    InputError
-        There is no such language, or the joint has no words in it.
+    `before` is the fit of an earlier visit.
     """
     _, shown = words_in(language), leg.shown
     contradicted = contradictions(leg.alone, leg.together)

@@ -15,6 +15,8 @@ from surae.model.simulator import TorqueParts
 from surae.report.provenance import excluded_spans
 from surae.units import FloatArray
 
+__all__ = ["Traces", "extremes", "min_max", "traces_of"]
+
 
 @dataclass(frozen=True, slots=True)
 class Traces:

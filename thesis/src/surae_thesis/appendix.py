@@ -11,7 +11,7 @@ import numpy as np
 from surae.assessment import Covariance, covariance
 from surae.estimation import minimise
 from surae.protocol import generate
-from surae.report.figures import correlation_figure
+from surae.report.figures.research import correlation_figure
 from surae.units import FloatArray
 from surae_thesis.claims import Ruling, judge_all
 from surae_thesis.legs import NOISE, protocol

@@ -2,17 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
 
 from surae.report.figures import (
+    BLUE,
     INK,
     MUTED,
+    OCHRE,
+    RED,
     Axes,
     Figure,
     dress,
-    footnote,
     heading,
     legend,
     new_figure,
@@ -22,6 +25,30 @@ from surae.report.figures import (
 
 #: A look of a line or a marker, in matplotlib's words.
 Look = Mapping[str, Any]
+#: Letters of a footnote in an inch.
+_LETTERS = 14
+#: A colour and a dash each.
+_LINES = ((BLUE, "-"), (RED, (0, (4, 1.5))), (OCHRE, (0, (1, 1.2))), (MUTED, (0, (5, 1, 1, 1))))
+#: A marker for every round of the lines.
+_MARKERS = "os^DvPX*"
+
+
+def line(number: int) -> dict[str, Any]:
+    """Look of the line of this number, for `Axes.plot`; all differ up to 32."""
+    colour, dash = _LINES[number % len(_LINES)]
+    turn = number // len(_LINES)
+    return {
+        "color": colour, "linestyle": dash, "linewidth": 1.1,
+        "marker": _MARKERS[turn % len(_MARKERS)], "markersize": 4.2,
+        "markerfacecolor": colour if turn % 2 == 0 else "white",
+    }  # fmt: skip
+
+
+def footnote(figure: Figure, text: str) -> None:
+    """A quiet line below all panels, broken where the figure is too narrow for it."""
+    if text:
+        lines = wrap(text, int(_LETTERS * figure.get_figwidth()))
+        figure.supxlabel("\n".join(lines), fontsize=8, color=MUTED)
 
 
 @dataclass(frozen=True, slots=True)

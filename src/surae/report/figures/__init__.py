@@ -1,46 +1,27 @@
-"""The figures of a report, each from plain data; importing this imports matplotlib.
+"""The figures of a report, each from plain data: the look that all share, and their bytes.
 
-Nothing else imports it, so that no ``matplotlibrc`` of the current folder is obeyed.
+Importing this imports matplotlib, of which no ``matplotlibrc`` of the current folder is obeyed and
+whose global state is left alone; nothing else of surae imports it first.
 """
 
+import base64
+import io
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from surae.files import PathLike, write_atomic
+from surae.report.traces import min_max
+from surae.units import FloatArray
 from surae.working_folder import ignoring
 
 with ignoring("matplotlibrc"):
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-from surae.report.figures.correlation import correlation_figure
-from surae.report.figures.residual import residual_figure
-from surae.report.figures.style import (
-    BLUE,
-    GREY,
-    INK,
-    MUTED,
-    OCHRE,
-    RED,
-    data_url,
-    dress,
-    footnote,
-    heading,
-    legend,
-    line,
-    new_figure,
-    pdf,
-    png,
-    shared_legend,
-    svg,
-    trace,
-    write_figure,
-)
-from surae.report.figures.tendon import tendon_figure
-from surae.report.figures.torque import torque_figure
-from surae.report.figures.torques import (
-    TorquePanel,
-    fit_figure,
-    predictions_figure,
-    torques_figure,
-)
-from surae.report.traces import traces_of
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes as Axes
+    from matplotlib.figure import Figure as Figure
 
 __all__ = [
     "BLUE",
@@ -49,28 +30,182 @@ __all__ = [
     "MUTED",
     "OCHRE",
     "RED",
+    "WIDTH",
     "Axes",
     "Figure",
-    "TorquePanel",
-    "correlation_figure",
     "data_url",
     "dress",
-    "fit_figure",
-    "footnote",
+    "dress_degrees",
     "heading",
     "legend",
-    "line",
     "new_figure",
-    "pdf",
     "png",
-    "predictions_figure",
-    "residual_figure",
+    "shade_excluded",
     "shared_legend",
     "svg",
-    "tendon_figure",
-    "torque_figure",
-    "torques_figure",
     "trace",
-    "traces_of",
     "write_figure",
-]
+]  # fmt: skip
+
+#: Width of a figure [inch]: the printable width of A4 at 85 %.
+WIDTH = 8.4
+#: Pixels per inch of a raster figure.
+DPI = 200
+
+INK, MUTED, GRID = "#1b1f24", "#57606a", "#e3e6ea"
+#: Dark, mid and light enough to be told apart without their hues.
+BLUE, RED, OCHRE, GREY = "#1f4e8c", "#a8321f", "#b8860b", "#a3abb5"
+
+#: Room [inch] for a heading and for each entry of a legend beside it.
+_HEADING, _ENTRY = 2.0, 0.85
+_COLOURS = 256
+_RANDOM_ID = re.compile(r'(?<=["#])[a-z]+[0-9a-f]{10}(?=[")])')
+
+
+def new_figure(height: float, *, width: float = WIDTH) -> Figure:
+    """An empty white figure; `height` and `width` in inches."""
+    return Figure(figsize=(width, height), layout="constrained", facecolor="white")
+
+
+def dress(axes: Axes, ylabel: str, xlabel: str = "", *, grid: bool = True) -> None:
+    """Give an axis its labels, quiet spines and a quiet grid."""
+    axes.set_ylabel(ylabel, fontsize=9, color=INK)
+    if xlabel:
+        axes.set_xlabel(xlabel, fontsize=9, color=INK)
+    axes.tick_params(labelsize=8, color=MUTED, labelcolor=INK, length=3, width=0.7)
+    for side, spine in axes.spines.items():
+        spine.set_visible(side in ("left", "bottom"))
+        spine.set(color=MUTED, linewidth=0.7)
+    if grid:
+        axes.grid(visible=True, color=GRID, linewidth=0.6)
+        axes.set_axisbelow(True)
+
+
+def dress_degrees(axes: Axes) -> None:
+    """Give an axis of angles in rad a second one in degrees, at the right."""
+    degrees = axes.secondary_yaxis("right", functions=(np.degrees, np.radians))
+    degrees.set_ylabel("Angle [°]", fontsize=9, color=INK)
+    degrees.tick_params(labelsize=8, color=MUTED, labelcolor=INK, length=3, width=0.7)
+    degrees.spines["right"].set(color=MUTED, linewidth=0.7)
+
+
+def heading(axes: Axes, text: str) -> None:
+    """A small bold title at the left, which leaves room for a legend."""
+    axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold")
+
+
+def legend(axes: Axes, columns: int) -> None:
+    """A legend above the axis, where it hides no data: beside the heading, or below it."""
+    room = float(axes.get_window_extent().width) / axes.figure.dpi
+    narrow = room < _HEADING + _ENTRY * columns
+    if narrow:
+        columns = min(columns, int(room / _ENTRY))
+    axes.legend(
+        loc="lower left" if narrow else "lower right",
+        bbox_to_anchor=(0.0 if narrow else 1.0, 1.0),
+        ncols=columns,
+        frameon=False,
+        fontsize=7 if narrow else 8,
+        labelcolor=INK,
+        handlelength=1.8 if narrow else 3.0,
+        borderaxespad=0.1,
+        columnspacing=1.0 if narrow else 1.6,
+    )
+    if narrow and (text := axes.get_title(loc="left")):
+        lines = -(-len(axes.get_legend_handles_labels()[0]) // columns)
+        axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold", pad=5 + 12 * lines)
+
+
+def trace(
+    axes: Axes, time: FloatArray, values: FloatArray, *, label: str = "", **line: object
+) -> None:
+    """Draw a signal against time; a long one is thinned so that its peaks stay."""
+    plot: Callable[..., object] = axes.plot
+    plot(*min_max(time, values), label=label or "_", solid_joinstyle="round", **line)
+
+
+def shade_excluded(axes: Axes, time: FloatArray, spans: Sequence[tuple[int, int]]) -> None:
+    """Hatch the stretches, each from a first to a last sample, that a fit left out."""
+    half = 0.5 * float(time[1] - time[0])
+    for number, (first, last) in enumerate(spans):
+        axes.axvspan(
+            float(time[first]) - half, float(time[last]) + half, facecolor="none",
+            edgecolor=GREY, hatch="////", linewidth=0, zorder=0.5,
+            label="_" if number else "left out",
+        )  # fmt: skip
+
+
+def png(figure: Figure, dpi: int = DPI) -> bytes:
+    """The figure as PNG of 256 colours: lines and letters need no more."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from PIL import Image  # matplotlib writes its own PNG with it
+
+    figure.set_dpi(dpi)
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()  # once: to save a figure draws it twice, and writes a file that is read again
+    drawn = Image.frombytes("RGBA", canvas.get_width_height(), canvas.buffer_rgba())
+    small = drawn.convert("RGB").quantize(_COLOURS, dither=Image.Dither.NONE)
+    buffer = io.BytesIO()
+    small.save(buffer, format="PNG", compress_level=6, dpi=(dpi, dpi))
+    return buffer.getvalue()
+
+
+def svg(figure: Figure) -> bytes:
+    """The figure as SVG with its letters as outlines; equal figures give equal bytes."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    buffer = io.StringIO()
+    canvas: Any = FigureCanvasSVG(figure)
+    canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})
+    names: dict[str, str] = {}
+    return _RANDOM_ID.sub(
+        lambda found: names.setdefault(found.group(), f"i{len(names)}"), buffer.getvalue()
+    ).encode()
+
+
+def data_url(data: bytes, kind: str = "svg+xml") -> str:
+    """An image as a page carries it within itself."""
+    return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
+
+
+def pdf(figure: Figure) -> bytes:
+    """The figure as PDF, its letters from embedded TrueType fonts; equal figures, equal bytes."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_pdf import FigureCanvasPdf
+
+    buffer = io.BytesIO()
+    canvas: Any = FigureCanvasPdf(figure)
+    with rc_context({"pdf.fonttype": 42}):  # Type 3, its default, is refused by many journals
+        canvas.print_pdf(buffer, metadata={"CreationDate": None, "Creator": None, "Producer": None})
+    return buffer.getvalue()
+
+
+def write_figure(path: PathLike, figure: Figure) -> None:
+    """Write the figure as its file is named: ``.svg`` and ``.pdf`` are lines, all else is a PNG.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    kinds: dict[str, Callable[[Figure], bytes]] = {".svg": svg, ".pdf": pdf}
+    write_atomic(path, kinds.get(Path(path).suffix.lower(), png)(figure))
+
+
+def shared_legend(
+    figure: Figure,
+    panels: Sequence[Axes],
+    columns: int,
+    where: Literal["outside upper center", "outside lower center"] = "outside upper center",
+) -> bool:
+    """One legend of all panels; whether there is any line to tell of."""
+    handles: dict[str, Artist] = {}
+    for axes in panels:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    if handles:
+        figure.legend(
+            list(handles.values()), list(handles), loc=where, ncols=min(columns, len(handles)),
+            frameon=False, fontsize=8, labelcolor=INK, handlelength=3.4, columnspacing=1.3,
+        )  # fmt: skip
+    return bool(handles)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from surae.measures.cohort import Pooled
 from surae.normal import NORMAL
-from surae.report.figures.style import BLUE, GREY, INK, MUTED, OCHRE, RED, dress, new_figure
+from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, dress, new_figure
 
 _COLOURS = (INK, BLUE, OCHRE, RED)
 _MARKERS = ("o", "s", "^", "D")

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.assessment.fascicles import Fascicles
-from surae.report.figures.style import BLUE, GREY, INK, WIDTH, dress, heading, legend, new_figure
+from surae.report.figures import BLUE, GREY, INK, WIDTH, dress, heading, legend, new_figure
 from surae.report.traces import Traces
 from surae.units import FloatArray
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from surae.measures.curve import TorqueCurve
 from surae.measures.measured import HeldPoint, Stretch
 from surae.measures.norms import Norm
-from surae.report.figures.style import BLUE, GREY, INK, MUTED, dress, new_figure
+from surae.report.figures import BLUE, GREY, INK, MUTED, dress, new_figure
 from surae.report.language import Words
 from surae.units import FloatArray
 

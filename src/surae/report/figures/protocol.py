@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from surae.protocol import Trajectory
 from surae.recording import MUSCLES
-from surae.report.figures.style import (
+from surae.report.figures import (
     GREY,
     INK,
     OCHRE,

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
-from surae.report.figures.style import (
+from surae.report.figures import (
     BLUE,
     GREY,
     INK,

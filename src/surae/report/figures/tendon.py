@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.model import TendonLaw, TendonState
-from surae.report.figures.style import (
+from surae.report.figures import (
     BLUE,
     GREY,
     INK,

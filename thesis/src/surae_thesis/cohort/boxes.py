@@ -14,12 +14,12 @@ from surae.report.figures import (
     Axes,
     Figure,
     dress,
-    footnote,
     heading,
     new_figure,
     shared_legend,
 )
 from surae_thesis.cohort.results import Points
+from surae_thesis.plots import footnote
 
 _LINE: dict[str, Any] = {"color": RED, "linewidth": 1.0, "linestyle": (0, (5, 2)), "zorder": 1}
 _MEDIAN: dict[str, Any] = {"color": INK, "linewidth": 1.3}

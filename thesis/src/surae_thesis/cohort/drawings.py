@@ -11,10 +11,10 @@ from surae.report.figures import (
     OCHRE,
     RED,
     Figure,
-    correlation_figure,
-    torque_figure,
-    traces_of,
 )
+from surae.report.figures.research import correlation_figure
+from surae.report.figures.torque import torque_figure
+from surae.report.traces import traces_of
 from surae.units import FloatArray
 from surae_thesis.claims import rows
 from surae_thesis.cohort.boxes import Box, snsem_figure, vaf_figure

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from surae.report.figures import BLUE, GREY, MUTED, RED, Figure, dress, heading, line, new_figure
+from surae.report.figures import BLUE, GREY, MUTED, RED, Figure, dress, heading, new_figure
 from surae.studies import POPULATIONS
-from surae_thesis.plots import Panel, PlotLine, draw
+from surae_thesis.plots import Panel, PlotLine, draw, line
 from surae_thesis.section import Drawing
 from surae_thesis.simulation import cells as c
 from surae_thesis.simulation.cells import Cells, GridCell, Study, normalised, select

@@ -1,0 +1,267 @@
+"""Figures behind a fit: residual, correlation, uncertainty budget, and its own geometry."""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise, product
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Polygon, Rectangle
+
+from surae.assessment import Whiteness
+from surae.model import GeometryTable, ModelOptions
+from surae.model.geometry import paths
+from surae.model.joint import ANKLE
+from surae.model.sources import SOURCES
+from surae.report.budget import BudgetTable
+from surae.report.figures import (
+    BLUE,
+    GREY,
+    INK,
+    MUTED,
+    OCHRE,
+    RED,
+    WIDTH,
+    dress,
+    heading,
+    legend,
+    new_figure,
+    shade_excluded,
+    trace,
+)
+from surae.units import FloatArray
+
+__all__ = ["budget_figure", "correlation_figure", "geometry_figure", "residual_figure"]
+
+
+def residual_figure(
+    time: FloatArray,
+    residual: FloatArray,
+    whiteness: Whiteness,
+    excluded: Sequence[tuple[int, int]] = (),
+) -> Figure:
+    """Residual against time, its autocorrelation with the white-noise band, and its histogram.
+
+    The torque is in Nm; `excluded` are first and last sample of every stretch that the fit left
+    out, without which the histogram is.
+    """
+    figure = new_figure(4.6)
+    grid = figure.add_gridspec(2, 2, width_ratios=[1.4, 1.0], wspace=0.08)
+
+    axes = figure.add_subplot(grid[0, :])
+    dress(axes, "Residual [Nm]", "Time [s]")
+    axes.axhline(0.0, color=MUTED, linewidth=0.7)
+    trace(axes, time, residual, color=INK, linewidth=0.7)
+    axes.set_xlim(float(time[0]), float(time[-1]))
+    if excluded:
+        shade_excluded(axes, time, excluded)
+        legend(axes, 1)
+
+    axes = figure.add_subplot(grid[1, 0])
+    dress(axes, "Autocorrelation [-]", "Lag [s]")
+    lags = np.arange(len(whiteness.correlation)) / whiteness.rate_hz
+    axes.axhspan(
+        -whiteness.band, whiteness.band, color=GREY, alpha=0.45, linewidth=0,
+        label="95 % band of white noise (±1.96/√n)",
+    )  # fmt: skip
+    axes.axhline(0.0, color=MUTED, linewidth=0.7)
+    axes.plot(
+        lags, whiteness.correlation, color=BLUE, linewidth=1.1,
+        marker="." if len(lags) < 100 else "", markersize=3,
+    )  # fmt: skip
+    axes.set_xlim(0.0, float(lags[-1]))
+    axes.set_ylim(top=1.05)
+    legend(axes, 1)
+
+    axes = figure.add_subplot(grid[1, 1])
+    dress(axes, "Density [1/Nm]", "Residual [Nm]")
+    counted = np.ones(len(residual), dtype=bool)
+    for first, last in excluded:
+        counted[first : last + 1] = False
+    residual = residual[counted]
+    with np.errstate(over="ignore", invalid="ignore"):
+        spread = float(residual.std())
+    if 0 < spread < np.inf:
+        density, edges = np.histogram(residual, bins=50, density=True)
+        axes.stairs(density, edges, fill=True, color=GREY)
+        x = np.linspace(edges[0], edges[-1], 200)
+        z = (x - residual.mean()) / spread
+        axes.plot(
+            x, np.exp(-0.5 * z**2) / (spread * np.sqrt(2 * np.pi)), color=RED, linewidth=1.3,
+            linestyle=(0, (4, 1.5)), label="normal of the same spread",
+        )  # fmt: skip
+        legend(axes, 1)
+    return figure
+
+
+#: Negative blue, none white, positive orange; equally dark at both ends.
+_MAP = LinearSegmentedColormap.from_list("correlation", ["#2b5c9e", "#ffffff", "#b4531b"])
+#: Correlation from which a cell is too dark for black figures.
+_DARK = 0.8
+#: Correlation below which the sign is of no interest.
+_SIGNED = 0.095
+
+
+def correlation_figure(
+    names: Sequence[str],
+    matrix: FloatArray,
+    passive: Sequence[str] = (),
+    active: Sequence[str] = (),
+) -> Figure:
+    """Heat map of the correlations, values in the cells.
+
+    Negative cells carry a dark corner, so the sign is there without hues.
+
+    `passive` and `active` are rows and columns of the block that is outlined; of several blocks,
+    where they do not stand side by side in `names`.
+    """
+    k = len(names)
+    side = min(WIDTH, 1.4 + 0.46 * k)
+    figure = new_figure(side * 0.93)
+    figure.set_figwidth(side)
+    axes = figure.add_subplot()
+    dress(axes, "", grid=False)
+    edges = np.arange(k + 1) - 0.5
+    shades = axes.pcolormesh(
+        edges, edges, matrix, cmap=_MAP, vmin=-1, vmax=1, edgecolors="white", linewidth=0.8
+    )
+    for row in range(k):
+        for column in range(k):
+            value = float(matrix[row, column])
+            if value <= -_SIGNED:
+                corner = [(column - 0.47, row - 0.47), (column - 0.27, row - 0.47),
+                          (column - 0.47, row - 0.27)]  # fmt: skip
+                axes.add_patch(Polygon(corner, color=_ink(value), linewidth=0, in_layout=False))
+            axes.text(
+                column, row, _written(value, row == column), ha="center", va="center",
+                fontsize=7, color=_ink(value), in_layout=False,  # cells need no room of their own
+            )  # fmt: skip
+    for rows, columns in product(_runs(names, passive), _runs(names, active)):
+        axes.add_patch(
+            Rectangle(
+                (columns[0] - 0.5, rows[0] - 0.5),
+                len(columns),
+                len(rows),
+                fill=False,
+                edgecolor=INK,
+                linewidth=2.2,
+                joinstyle="miter",
+                zorder=5,
+            )
+        )
+    axes.set_xticks(range(k), names, rotation=90, fontsize=8)
+    axes.set_yticks(range(k), names, fontsize=8)
+    axes.set(xlim=(-0.5, k - 0.5), ylim=(k - 0.5, -0.5), aspect="equal")
+    axes.tick_params(length=0)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    bar = figure.colorbar(shades, ax=axes, fraction=0.03, pad=0.02, ticks=[-1, -0.5, 0, 0.5, 1])
+    bar.set_label("Correlation [-]", fontsize=9, color=INK)
+    bar.ax.tick_params(labelsize=8, length=3)
+    bar.outline.set_visible(False)
+    return figure
+
+
+def _runs(names: Sequence[str], some: Sequence[str]) -> list[range]:
+    """Positions of every run of `some` of the names that stand side by side."""
+    edges = [-1, *(index for index, name in enumerate(names) if name not in some), len(names)]
+    return [range(a + 1, b) for a, b in pairwise(edges) if b - a > 1]
+
+
+def _ink(value: float) -> str:
+    """Colour of letters that can be read on a cell."""
+    return "white" if abs(value) > _DARK else INK
+
+
+def _written(value: float, diagonal: bool) -> str:
+    """A correlation with two decimals, with three where two would make it perfect."""
+    text = f"{value:.2f}"
+    if abs(float(text)) == 1 and not diagonal:
+        text = f"{value:.3f}"
+    return text.replace("-0.00", "0.00").replace("-", "−")
+
+
+#: The palette's colours on paper.
+_COLOURS = {
+    "surface": "#ffffff", "measured": GREY, "ink": INK, "series-1": BLUE, "series-2": RED,
+    "series-3": OCHRE, "series-6": MUTED,
+}  # fmt: skip
+
+
+def budget_figure(budget: BudgetTable) -> Figure:
+    """Shares of the variance of every parameter, from 0 to 100 %, and how well it is known."""
+    names = list(budget.rows)
+    shares = 100.0 * np.array([shares for _, shares in budget.rows.values()])
+    figure = new_figure(1.1 + 0.2 * -(-len(budget.sources) // 3) + 0.24 * len(names))
+    axes = figure.add_subplot()
+    dress(axes, "", "Share of the variance [%]", grid=False)
+    begins = np.zeros(len(names))
+    patches = []
+    for number, source in enumerate(budget.sources):
+        colour, hatch = SOURCES[source].look
+        look: dict[str, Any] = {
+            "facecolor": _COLOURS[colour],
+            "hatch": 4 * hatch,
+            "edgecolor": INK,
+            "linewidth": 0.5,
+        }
+        axes.barh(names, shares[:, number], left=begins, height=0.72, **look)
+        patches.append(Patch(label=SOURCES[source].label, **look))
+        begins += shares[:, number]
+    axes.set_xlim(0.0, 100.0)
+    axes.invert_yaxis()
+    axes.tick_params(axis="y", length=0)
+    known = axes.secondary_yaxis("right")
+    known.set_yticks(range(len(names)), [known for known, _ in budget.rows.values()], fontsize=8)
+    known.tick_params(length=0, labelcolor=INK)
+    known.spines["right"].set_visible(False)
+    known.set_ylabel("known to (95 %)", fontsize=9, color=INK)
+    figure.legend(
+        handles=patches, loc="outside upper center", ncols=3, frameon=False, fontsize=8,
+        labelcolor=INK, handlelength=2.4, handleheight=1.1, columnspacing=1.6,
+    )  # fmt: skip
+    return figure
+
+
+#: Points of a curve.
+_POINTS = 200
+
+
+def geometry_figure(options: ModelOptions, names: tuple[str, ...]) -> Figure:
+    """Moment arm and change of length of both muscle groups, called so, over the angle.
+
+    With a second angle for its ends and its middle.
+    """
+    table = options.geometry
+    assert isinstance(table, GeometryTable)
+    angle = np.linspace(*table.range, _POINTS)
+    still, rest = np.zeros_like(angle), int(np.argmin(np.abs(angle)))
+    drawn: list[tuple[str, str, str, ModelOptions, tuple[FloatArray, ...]]] = [
+        ("thesis, arms and printed lengths", MUTED, "-", ModelOptions(), ()),
+        ("integral of the thesis’s arms", MUTED, "--", ModelOptions(geometry="virtual-work"), ()),
+    ]
+    if options.anatomy != ANKLE:  # the thesis has no other joint
+        drawn = []
+    drawn.append((table.name, BLUE, "-", options, ()))
+    for second, line in zip(table.second[:: len(table.second) - 1 or 1], (":", "--"), strict=False):
+        how = f"second angle {math.degrees(second):.0f}°"
+        drawn.append((how, BLUE, line, options, (still + second, still)))
+    figure = new_figure(4.6)
+    for group, name in enumerate(names):
+        arm, length = (figure.add_subplot(2, 2, 1 + group + row) for row in (0, 2))
+        heading(arm, name)
+        dress(arm, "Moment arm\n[mm]")
+        dress(length, "Change of length\n[mm]", "Angle [°]")
+        middle = 0.0
+        for how, colour, style, of, at in drawn:
+            path = paths(angle=angle, velocity=still, options=of, second=at)[group]
+            if not at:
+                middle = float(path.length[rest])
+            look: dict[str, Any] = {"linewidth": 1.2, "color": colour, "linestyle": style}
+            arm.plot(np.degrees(angle), 1e3 * np.abs(path.arm), label=how, **look)
+            length.plot(np.degrees(angle), 1e3 * (path.length - middle), **look)
+        if group == 0:
+            legend(arm, 1)
+    return figure
