@@ -52,13 +52,9 @@ def sha256_of(path: PathLike) -> str:
 
 
 def read_bytes(path: PathLike, limit: int = MAX_BYTES) -> bytes:
-    """The content of a regular file.
+    """The content of a regular file of at most `limit` bytes.
 
-    Raises
-    ------
-    InputError
-        The file is missing, unreadable, larger than `limit` bytes, or no regular file: a device
-        or a pipe could deliver data without end.
+    A device or a pipe, which could deliver data without end, is refused.
     """
     cannot = f"cannot read {shown(path)}"
     try:
@@ -88,11 +84,6 @@ def atomic_file(path: PathLike) -> Iterator[BinaryIO]:
     The bytes go to a temporary file in the same folder, which takes the place of `path` at the
     end. A link's target is replaced, not the link; an existing file keeps its permissions; a
     device or pipe, such as ``/dev/stdout``, is written to directly.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written; nothing of it is left behind.
     """
     cannot = f"cannot write {shown(path)}"
     if "\0" in os.fspath(path):
@@ -170,12 +161,7 @@ def csv_row(cells: Iterable[object]) -> str:
     """A line of a CSV table: numbers read back as they were, texts run nothing.
 
     A text that a spreadsheet would take for a formula gets an apostrophe before it, and every text
-    that is not plain stands in quotes.
-
-    Parameters
-    ----------
-    cells : iterable
-        Texts and numbers; None and numbers that are not finite are empty cells.
+    that is not plain stands in quotes. None and numbers that are not finite are empty cells.
     """
     return ",".join(map(_csv_cell, cells)) + "\n"
 
@@ -194,28 +180,14 @@ def _csv_cell(cell: object) -> str:
 def write_table(
     path: PathLike, names: Sequence[str], rows: Sequence[Mapping[str, str | float | None]]
 ) -> None:
-    """Write rows as a table, in CSV.
-
-    Numbers are written so that they are read back without loss; a missing one is an empty cell.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-    """
+    """Write rows as CSV, numbers without loss; a missing one is an empty cell."""
     with atomic_file(path) as handle:
         handle.write(csv_row(names).encode())
         handle.writelines(csv_row(row.get(name) for name in names).encode() for row in rows)
 
 
 def require_writable(path: PathLike) -> None:
-    """Refuse a path that `write_atomic` could not write to, without touching what it holds.
-
-    Raises
-    ------
-    InputError
-        Its folder is missing or write-protected, or it is a folder itself.
-    """
+    """Refuse a path that `write_atomic` could not write to, without touching what it holds."""
     cannot = f"cannot write {shown(path)}"
     try:
         target = Path(os.path.realpath(path))

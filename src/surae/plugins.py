@@ -15,19 +15,9 @@ V_co = TypeVar("V_co", covariant=True)
 
 @cache
 def plugins(group: str, kind: type) -> dict[str, Any]:
-    """What installed distributions offer as entry points of the group ``surae.<group>``.
+    """What installed distributions offer as entry points of the group ``surae.<group>``, by name.
 
-    Parameters
-    ----------
-    group : {"models", "integrators", "readers", "devices"}
-        What they are.
-    kind : type
-        What each has to be; its `name`, if it has one, is that of its entry point.
-
-    Returns
-    -------
-    dict of str to object
-        By name.
+    Each has to be of a `kind`; its `name`, if it has one, is that of its entry point.
     """
     from importlib.metadata import entry_points
 

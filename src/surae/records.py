@@ -64,10 +64,7 @@ def to_plain(record: Any) -> Any:
 def from_plain(kind: type[T], data: Any) -> T:
     """The record that `to_plain` made plain; parts that are records already are taken as they are.
 
-    Raises
-    ------
-    InputError
-        Something is missing, of another type or impossible; the line begins with its place.
+    The error of what is missing, of another type or impossible begins with its place.
     """
     try:
         return _converter().structure(data, kind)

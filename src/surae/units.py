@@ -69,13 +69,7 @@ def kind(role: str) -> str:
 
 
 def to_si(role: str, unit: str, where: str) -> float:
-    """Factor that brings `unit` to the SI unit of `role`.
-
-    Raises
-    ------
-    InputError
-        The unit is not known for that kind of signal; the message begins with `where`.
-    """
+    """Factor from `unit` to the SI unit of `role`; the message of an error begins with `where`."""
     known = FACTORS[kind(role)]
     if unit not in known:
         allowed = ", ".join(known)

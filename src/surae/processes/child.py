@@ -78,23 +78,13 @@ class Child:
         memory: int | None = None,
         unless: Callable[[], bool] = lambda: False,
     ) -> End:
-        """Call a function and wait for what it returns.
+        """Call a function, ``module:name``, and wait for what it returns.
 
-        Parameters
-        ----------
-        function : str
-            ``module:name``.
-        arguments : mapping of str to plain data
-            Its keywords.
-        hear : callable, optional
-            Called with every message that the function tells on the way.
-        seconds : float, optional
-            When it has worked so long (processor time, where the system counts it), or has taken
-            six times as long by the clock, the process is killed.
-        memory : int, optional
-            Address space that it may use [bytes], where the system can limit it.
-        unless : callable, optional
-            Whether it was cancelled before it began; from then on `interrupt` reaches it.
+        `hear` is called with every message that it tells on the way. When it has worked for
+        `seconds` (processor time, where the system counts it), or has taken six times as long by
+        the clock, the process is killed; `memory` is the address space that it may use [bytes],
+        where the system can limit it. `unless` says whether it was cancelled before it began; from
+        then on `interrupt` reaches it.
         """
         with self._lock:
             if self._closed or unless():
@@ -187,15 +177,8 @@ def guarded(
 ) -> Plain:
     """Call a function where it can do no harm: in a child that is kept for the next call.
 
-    A child has one of its own for that, so that the limits hold there too. Parameters as of
-    `Child.call`.
-
-    Raises
-    ------
-    InputError
-        The function's own.
-    ComputationError
-        It failed otherwise, took too long or too much memory, or crashed.
+    A child has one of its own for that, so that the limits hold there too; they are those of
+    `Child.call`. An InputError is the function's own; all else is a ComputationError.
     """
     with _keeping:
         end = _kept().call(function, arguments, seconds=seconds, memory=memory)

@@ -211,21 +211,9 @@ def chirp_rate(factor: float) -> float:
 def chirp(
     t: FloatArray, *, amplitude: float, rate: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Chirp A·sin(π·r·t²), of instantaneous frequency r·t, and its derivatives.
+    """Chirp A·sin(π·r·t²), of instantaneous frequency r·t [Hz], and its two derivatives [rad, s].
 
-    Parameters
-    ----------
-    t : ndarray, shape (n,)
-        Times since the start [s].
-    amplitude : float
-        A [rad].
-    rate : float
-        r, the rise of the frequency [Hz/s]; `chirp_rate` gives it for a factor of the thesis.
-
-    Returns
-    -------
-    angle, velocity, acceleration : ndarray, shape (n,)
-        [rad, rad/s, rad/s²].
+    `rate` is r [Hz/s]; `chirp_rate` gives it for a factor of the thesis.
     """
     phase = np.pi * rate * t**2
     phase_speed = 2 * np.pi * rate * t

@@ -59,19 +59,10 @@ CHECKS: tuple[Check, ...] = (
 
 
 def check_recording(recording: Recording, commanded: Commanded | None = None) -> Quality:
-    """All findings of a recording.
+    """All findings of a recording, the most severe first, then by time.
 
-    Parameters
-    ----------
-    recording : Recording
-        As it was measured: checks see faults that preparation would hide.
-    commanded : Commanded, optional
-        The motion that the device was to follow, and the requested effort.
-
-    Returns
-    -------
-    Quality
-        The most severe findings first, then by time.
+    It is as it was measured: checks see faults that preparation would hide. `commanded` is the
+    motion that the device was to follow, and the requested effort.
     """
     findings = [*timing.time_axes(recording), *timing.too_short(recording)]
     skipped: list[Skipped] = []

@@ -32,6 +32,11 @@ def typeset(template: bytes, folder: Path, content: Mapping[str, Any]) -> bytes:
 
     The template is Typst's markup; it reads `content`, what JSON can hold, as data: no text in it
     is ever markup. Its images are in `folder`.
+
+    Raises
+    ------
+    ComputationError
+        Typst cannot set it.
     """
     import typst
 

@@ -71,30 +71,11 @@ def results(
     engine: Engine,
     stop: threading.Event | None = None,
 ) -> Generator[Batch]:
-    """Do calls, in any order, and hand over what comes of them.
+    """Do calls, each `work` with keywords by its key, in any order; hand over what comes of them.
 
     A call that was at work when a worker died is done again, alone, so that only the guilty one is
-    blamed: after as many deaths as the engine allows, what comes of it is `Died`.
-
-    Parameters
-    ----------
-    work : str or callable
-        The function.
-    calls : mapping of str to mapping
-        Its keywords, by key.
-    engine : Engine
-        Where it is called.
-    stop : Event, optional
-        Set when no more is wanted, for calls in threads that look at it.
-
-    Raises
-    ------
-    SuraeError
-        The function's own.
-    InputError
-        The cluster cannot be reached, or dask is not installed.
-    ComputationError
-        The workers are lost.
+    blamed: after as many deaths as the engine allows, what comes of it is `Died`. `stop` is set
+    when no more is wanted, for calls in threads that look at it.
     """
     pool = _started(engine)
     waiting, suspects = deque(calls), deque[str]()

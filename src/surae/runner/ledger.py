@@ -71,19 +71,8 @@ class LedgerStatus:
 class Ledger:
     """The file, open; a context manager.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    write : bool
-        For the one run that adds to it, and makes it where it is missing; else only to read.
-
-    Raises
-    ------
-    InputError
-        The file is missing, no store, of a newer surae, or in the hands of another run.
-    ComputationError
-        The file cannot be read or written; of all methods too.
+    `write` is for the one run that adds to it, and makes it where it is missing. A file that cannot
+    be read or written later on is a ComputationError of any method.
     """
 
     #: What is said of a file that nothing was planned in.
@@ -139,11 +128,6 @@ class Ledger:
         """Begin a run: keep its plan, keys of calls with their labels; the keys that are done.
 
         A result that is damaged is no longer one.
-
-        Raises
-        ------
-        InputError
-            The file holds something else.
         """
         held = self.about()
         if held is not None and held[:2] != (kind, name):
@@ -175,12 +159,7 @@ class Ledger:
     ) -> int:
         """Keep results as they come, each from the moment it is there; how many came.
 
-        Parameters
-        ----------
-        batches : generator
-            Of `surae.runner.results`; closed in any case.
-        progress : callable, optional
-            Called with how many of the plan are done and how many there are.
+        `progress` is called with how many of the plan are done and how many there are.
         """
         status, added, how = self.status(), 0, "stopped by an error"
         try:
@@ -208,13 +187,7 @@ class Ledger:
             )
 
     def add(self, batch: Batch) -> None:
-        """Put results on disk, all of them or none, by their keys.
-
-        Raises
-        ------
-        ComputationError
-            Another run has taken over.
-        """
+        """Put results on disk by their keys, all or none; none once another run took over."""
         now = time.time()
         rows = [
             (key, "null", value.message, now)

@@ -45,31 +45,10 @@ def butterworth(
     ends: Ends = "odd",
     where: str = "signal",
 ) -> FloatArray:
-    """Zero-phase Butterworth filter.
+    """Zero-phase Butterworth filter; `cutoff_hz` is the −3 dB point of both passes together.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        Signal.
-    rate_hz, cutoff_hz : float
-        Sampling rate and −3 dB point of both passes together [Hz].
-    order : int
-        Order of one pass.
-    kind : {"lowpass", "highpass"}
-        What is kept: below or above the cut-off.
-    ends : {"odd", "even"}
-        How the signal is extended: reflected about its end point, or mirrored.
-    where : str
-        What the message of an error begins with.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-
-    Raises
-    ------
-    InputError
-        The cut-off is too high for the rate, or the signal is shorter than the filter's memory.
+    `order` is that of one pass; `ends` says how the signal is extended, reflected about its end
+    point or mirrored; the message of an error begins with `where`.
     """
     one_pass = _butterworth(*_possible(rate_hz, cutoff_hz, where), order, kind)
     return _both_ways(one_pass, values, rate_hz, cutoff_hz, ends=ends, where=where)

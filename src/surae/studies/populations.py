@@ -111,14 +111,8 @@ def check_population(name: str) -> None:
 def stream(subject: VirtualSubject, purpose: str, trial: int | None = None) -> np.random.Generator:
     """Random numbers for one purpose, independent of those for any other.
 
-    Parameters
-    ----------
-    subject : VirtualSubject
-        Whose they are.
-    purpose : str
-        What they are for: one kind of disturbance does not move the draws of another.
-    trial : int, optional
-        The trial, by its seed; None for what a subject has in all trials.
+    One kind of disturbance does not move the draws of another. `trial` is its seed; None is for
+    what a subject has in all trials.
     """
     keys = [zlib.crc32(subject.population.encode()), zlib.crc32(purpose.encode())]
     entropy = [subject.seed] if trial is None else [subject.seed, trial]

@@ -16,15 +16,10 @@ from surae.recording.source import Source, open_source
 def trial_files(
     source: PathLike | Sequence[PathLike], description: Description | None = None
 ) -> dict[str, Path]:
-    """The file of every trial by the trial's name.
+    """The file of every trial by the trial's name, in the order of names.
 
     `source` is a folder, or the files themselves; the ``{trial}`` of a description says which files
-    of a folder are meant. Trials come in the order of their names.
-
-    Raises
-    ------
-    InputError
-        There is no such folder or no trial in it, or two files would be called alike.
+    of a folder are meant.
     """
     paths = [Path(path) for path in paths_of(source)]
     files: list[Path] = []

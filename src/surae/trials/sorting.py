@@ -94,15 +94,7 @@ class _Level:
 def sorted_trials(
     readings: Sequence[Reading], efforts: Mapping[str, str] | None = None
 ) -> tuple[Trial, ...]:
-    """Decide what each trial is.
-
-    `efforts`, by trial, go before what the data and descriptions say.
-
-    Raises
-    ------
-    InputError
-        An effort is of no trial, or is none of `EFFORTS`.
-    """
+    """Decide what each trial is; `efforts`, by trial, go before what data and descriptions say."""
     given = dict(efforts or {})
     names = [reading.name for reading in readings]
     for name, effort in given.items():

@@ -36,18 +36,10 @@ def _integral(u: float) -> float:
 def base_motion(
     t: FloatArray, ramps: FloatArray, origin: float, blend: float, out: FloatArray
 ) -> None:
-    """Position, speed and acceleration of ramps between holds, in ranges of motion.
+    """Position, speed and acceleration of ramps between holds, in ranges of motion, into `out`.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n,)
-        Increasing times [s].
-    ramps : ndarray, shape (k, 3)
-        When each starts [s], where it ends, and its speed [1/s].
-    origin, blend : float
-        Where the first one starts; time in which a ramp gains or loses its speed [s].
-    out : ndarray, shape (3, n)
-        Is filled.
+    A row of `ramps` is when it starts [s], where it ends, and its speed [1/s]; the first starts at
+    `origin`, and each gains or loses its speed in `blend` [s].
     """
     k, begin = 0, origin
     for i in range(len(t)):
@@ -75,19 +67,8 @@ def plan_motion(
 ) -> FloatArray:  # fmt: skip
     """Angle, velocity and acceleration of a plan, within its limits at every one of the times.
 
-    Parameters
-    ----------
-    t, ramps, origin, blend
-        As in `base_motion`.
-    shakes : ndarray, shape (s, 5)
-        Onset and length [s], amplitude [rad], first and last frequency [Hz].
-    low, high, fastest, sharpest : float
-        Limits of angle [rad], velocity [rad/s] and acceleration [rad/s²].
-
-    Returns
-    -------
-    ndarray, shape (3, n)
-        [rad, rad/s, rad/s²].
+    A row of `shakes` is onset and length [s], amplitude [rad], first and last frequency [Hz]; the
+    rest is as in `base_motion`, limits in rad, rad/s and rad/s².
     """
     n, span = len(t), high - low
     base = np.empty((3, n))
