@@ -23,11 +23,7 @@ FORMS: dict[type, Form] = {}
 
 
 def filed(
-    *without: str,
-    sparse: tuple[str, ...] = (),
-    types: str = "",
-    strict: bool = False,
-    **names: str,
+    *without: str, sparse: tuple[str, ...] = (), types: str = "", strict: bool = False, **names: str
 ) -> Callable[[type[T]], type[T]]:
     """Say how files have a record.
 

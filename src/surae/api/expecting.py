@@ -125,10 +125,7 @@ def protocol_trajectory(settings: Protocol) -> Trajectory:
 
 
 def ready_trajectory(
-    name: str,
-    device: Device | None,
-    range_of_motion: tuple[float, float],
-    rate_hz: float,
+    name: str, device: Device | None, range_of_motion: tuple[float, float], rate_hz: float
 ) -> Trajectory:
     """A designed protocol that comes with surae, on a device whose torque no leg exceeds."""
     ready = ready_protocols()[name]

@@ -20,12 +20,7 @@ from surae.requests import ExpectSettings
               "its.")  # fmt: skip
 @settings_options(ExpectSettings, api.ModelOptions)
 @click.option("--output", metavar="E.json", help="Write what is expected.")
-def command(
-    protocol: str,
-    fitted: str | None,
-    output: str | None,
-    options: dict[str, Any],
-) -> None:
+def command(protocol: str, fitted: str | None, output: str | None, options: dict[str, Any]) -> None:
     """Predict how well a protocol determines each parameter, before anybody is measured.
 
     Standard errors come from the information of the torque at virtual legs; what no model can

@@ -7,12 +7,7 @@ import click
 
 from surae import api
 from surae.cli.check import show_short
-from surae.cli.options import (
-    MAPPING,
-    figure_options,
-    request,
-    request_options,
-)
+from surae.cli.options import MAPPING, figure_options, request, request_options
 from surae.cli.paths import check_outputs, check_recordings
 from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_fit

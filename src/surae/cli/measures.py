@@ -16,12 +16,7 @@ from surae.cli.screen import show_answer, show_files, show_line
               "[default: −10, 0, 10]")  # fmt: skip
 @click.option("--norms", metavar="N.toml", help="Your own norms in place of published ones.")
 @click.option("--output", metavar="M.json|csv", help="Write the measures.")
-def command(
-    fitted: str,
-    angles: tuple[float, ...],
-    norms: str | None,
-    output: str | None,
-) -> None:
+def command(fitted: str, angles: tuple[float, ...], norms: str | None, output: str | None) -> None:
     """Compute stiffness, torque and more of a fitted leg in Nm and degrees, with intervals.
 
     Torque and stiffness at rest, what relaxes, how strong and how fast the muscles are, and what

@@ -18,10 +18,7 @@ from surae.requests import ProfileSettings
 @settings_options(ProfileSettings)
 @click.option("--output", metavar="PROFILE.json", help="Write the profiles.")
 def command(
-    fitted: str,
-    names: tuple[str, ...],
-    output: str | None,
-    options: dict[str, Any],
+    fitted: str, names: tuple[str, ...], output: str | None, options: dict[str, Any]
 ) -> None:
     """Find how far each parameter can move before the fit gets worse.
 

@@ -164,9 +164,7 @@ def file_kind(option: str, path: str, *allowed: str) -> str:
 
 
 def _table(
-    settings: "api.Protocol",
-    trajectory: "api.Trajectory",
-    given_up: tuple[str, ...],
+    settings: "api.Protocol", trajectory: "api.Trajectory", given_up: tuple[str, ...]
 ) -> list[str]:
     """What the protocol asks for, in a few lines."""
     adaptation = trajectory.adaptation

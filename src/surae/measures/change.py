@@ -245,12 +245,7 @@ def _weights(names: Sequence[str]) -> dict[str, float]:
 
 
 def _difference(
-    name: str,
-    before: Quantities,
-    after: Quantities,
-    baselines: Sequence[Quantity],
-    *,
-    legs: bool,
+    name: str, before: Quantities, after: Quantities, baselines: Sequence[Quantity], *, legs: bool
 ) -> tuple[Difference, float]:
     """A difference with its own p-value, not yet judged among the others; and its freedom."""
     from scipy.special import stdtr, stdtrit

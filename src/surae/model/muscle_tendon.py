@@ -24,10 +24,7 @@ from surae.model.compliant import (
 from surae.model.movement import MusclePath
 from surae.model.muscle import GROUP_COLUMNS
 from surae.model.options import ModelOptions
-from surae.model.parameters import (
-    MUSCLE_PARAMETERS,
-    TENDON_PARAMETERS,
-)
+from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
 from surae.model.rigid import K_REL, TAU
 from surae.model.simulator import TendonLaw, TendonState
 from surae.model.tendon import tendon_curve

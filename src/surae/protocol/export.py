@@ -18,11 +18,7 @@ COLUMNS = ("time_s", "angle_rad", *(f"emg_{muscle}" for muscle in MUSCLES))
 
 
 def write_protocol(
-    trajectory: Trajectory,
-    path: PathLike,
-    *,
-    without_limits: str | None = None,
-    note: str = "",
+    trajectory: Trajectory, path: PathLike, *, without_limits: str | None = None, note: str = ""
 ) -> None:
     """Write a protocol for a device: CSV, or MATLAB where the path ends in ``.mat``.
 

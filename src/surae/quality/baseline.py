@@ -42,10 +42,7 @@ def resting(rate: float, envelopes: dict[str, FloatArray], n: int) -> BoolArray:
 
 
 def baseline(
-    rate: float,
-    angle: FloatArray,
-    torque: FloatArray,
-    envelopes: dict[str, FloatArray],
+    rate: float, angle: FloatArray, torque: FloatArray, envelopes: dict[str, FloatArray]
 ) -> RestLevel | None:
     """The constant part of the torque, as it is at θ = 0 [Nm].
 

@@ -33,9 +33,7 @@ def column_name(role: str, unit: str) -> str:
 
 
 def write_csv(
-    path: PathLike,
-    columns: Mapping[str, npt.ArrayLike],
-    comments: Sequence[str] = (),
+    path: PathLike, columns: Mapping[str, npt.ArrayLike], comments: Sequence[str] = ()
 ) -> None:
     """Write columns as CSV at full double precision, all of the file or nothing of it.
 

@@ -130,10 +130,7 @@ def parts_of(of_fit: Measures) -> list[Part]:
 
 
 def made_of(
-    joint: AssessedFit | None,
-    of_fit: Measures | None,
-    parts: Sequence[Part],
-    _: Words,
+    joint: AssessedFit | None, of_fit: Measures | None, parts: Sequence[Part], _: Words
 ) -> tuple[Block, ...]:
     """The shares of the torque, where the recordings separate them."""
     if joint is None or of_fit is None:
@@ -276,10 +273,7 @@ def reason_of(assessment: Assessment, contradicted: Sequence[str], _: Words) -> 
 
 
 def next_trial(
-    joint: AssessedFit | None,
-    holds: Sequence[HeldPoint],
-    stretches: Sequence[Stretch],
-    _: Words,
+    joint: AssessedFit | None, holds: Sequence[HeldPoint], stretches: Sequence[Stretch], _: Words
 ) -> tuple[Block, ...]:
     """What to record next, the plainest need first."""
     if not stretches and len(holds) < 3:

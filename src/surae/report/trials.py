@@ -194,9 +194,7 @@ NOT_INFORMED = "not informed"
 
 
 def agreement_section(
-    alone: Mapping[str, Assessment],
-    joint: Assessment | None,
-    contradicted: Mapping[str, list[str]],
+    alone: Mapping[str, Assessment], joint: Assessment | None, contradicted: Mapping[str, list[str]]
 ) -> SectionBlock:
     """Every parameter in every fit; none that is contradicted stands as identified."""
     rows: list[TableRow] = []

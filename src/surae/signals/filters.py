@@ -144,13 +144,7 @@ def _bessel_ratio(order: int) -> float:
 
 
 def _both_ways(
-    one_pass: _Pass,
-    values: FloatArray,
-    rate_hz: float,
-    cutoff_hz: float,
-    *,
-    ends: Ends,
-    where: str,
+    one_pass: _Pass, values: FloatArray, rate_hz: float, cutoff_hz: float, *, ends: Ends, where: str
 ) -> FloatArray:
     """Run the filter forward and backward over the extended signal."""
     from scipy.signal import sosfiltfilt

@@ -10,12 +10,7 @@ import numpy as np
 from surae.errors import InputError
 from surae.frozen import as_read_only, read_only
 from surae.recording import MUSCLES, Recording
-from surae.signals.emg import (
-    envelope,
-    envelope_step,
-    refuse_negative,
-    refuse_not_raw,
-)
+from surae.signals.emg import envelope, envelope_step, refuse_negative, refuse_not_raw
 from surae.signals.filters import HIGHEST_CUTOFF, bessel_lowpass
 from surae.signals.inputs import Film, ModelInputs
 from surae.signals.kinematics import MINIMUM_SAMPLES, derivatives

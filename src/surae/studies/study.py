@@ -73,10 +73,7 @@ FACTORS: dict[str, tuple[Setting, tuple[Value, ...]]] = {
     "rate_hz": (Setting(meaning="Sampling rate [Hz].", above=0.0), (125.0,)),
     "seed": (Setting(meaning="Of the study.", least=0, most=999_999_999), (1,)),
     "starts": (Setting(meaning="Of each fit.", least=1, most=10_000), (2,)),
-    "model": (
-        Setting(meaning="What simulates.", choices=SIMULATED_MODELS),
-        ("muscle",),
-    ),
+    "model": (Setting(meaning="What simulates.", choices=SIMULATED_MODELS), ("muscle",)),
 }
 #: Model options may be factors too; left out, they are no columns of the table.
 OPTIONS = tuple(field.name for field in fields(ModelOptions))

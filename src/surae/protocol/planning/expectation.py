@@ -159,11 +159,7 @@ class Expectation(Tabular, Comparable):
 
 
 def expected(
-    trajectory: Trajectory,
-    legs: Legs,
-    noise: float = NOISE,
-    *,
-    known: FloatArray | None = None,
+    trajectory: Trajectory, legs: Legs, noise: float = NOISE, *, known: FloatArray | None = None
 ) -> Expectation:
     """What a trial will tell of each of the legs, and of all together.
 

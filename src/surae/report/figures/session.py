@@ -6,16 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
-from surae.report.figures import (
-    BLUE,
-    GREY,
-    INK,
-    MUTED,
-    WIDTH,
-    dress,
-    heading,
-    new_figure,
-)
+from surae.report.figures import BLUE, GREY, INK, MUTED, WIDTH, dress, heading, new_figure
 
 #: Width of a panel, and height of a trial in it [inch].
 _PANEL, _HEIGHT = 2.1, 0.16

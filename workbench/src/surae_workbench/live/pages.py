@@ -217,11 +217,7 @@ def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIA
             Mount("/static/live", StaticFiles(directory=_HERE / "static")),
             Mount("/static", StaticFiles(packages=STATIC)),
         ],
-        exception_handlers={
-            SuraeError: _refused,
-            HTTPException: _missing,
-            ClientDisconnect: _gone,
-        },
+        exception_handlers={SuraeError: _refused, HTTPException: _missing, ClientDisconnect: _gone},
     )
     operator = Security(app, policy, RoomBrowsers("live"))
     second = Policy(policy.hosts, policy.any_address, subject, policy.upload_bytes)

@@ -71,13 +71,7 @@ class Recorder:
     """
 
     def __init__(
-        self,
-        path: Path,
-        *,
-        show: Show,
-        tell: Tell,
-        network: bool = False,
-        but: Sequence[str] = (),
+        self, path: Path, *, show: Show, tell: Tell, network: bool = False, but: Sequence[str] = ()
     ) -> None:
         self._lsl = lsl(network)
         self._show, self._tell = show, tell

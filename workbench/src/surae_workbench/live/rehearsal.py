@@ -81,10 +81,7 @@ class _Laboratory:
         from surae.api import virtual_recording
 
         recording = virtual_recording(
-            self._leg,
-            _finer(trajectory),
-            seed=trial,
-            imperfections=self._imperfections,
+            self._leg, _finer(trajectory), seed=trial, imperfections=self._imperfections
         )
         signals = np.column_stack([channel.values for channel in recording.channels.values()])
         late = round(_TORQUE_DELAY * _RATE)

@@ -22,10 +22,7 @@ class FitProgress:
     """Tells how a fit goes on; made for `follow` and `progress` of `surae.fit`."""
 
     def __init__(
-        self,
-        inputs: Sequence[api.ModelInputs],
-        ids: Sequence[str],
-        settings: api.FitSettings,
+        self, inputs: Sequence[api.ModelInputs], ids: Sequence[str], settings: api.FitSettings
     ) -> None:
         self._inputs = [
             api.thinned(recording, api.thinning_factor(recording, _RATE, _SAMPLES))

@@ -7,11 +7,7 @@ from surae import api, names
 from surae.setting import default_of, kind_of, parts_of, settings_of
 
 #: Settings that are records of their own, each of whose settings is a field of the form.
-_RECORDS = {
-    "options": api.ModelOptions,
-    "weights": api.Weighting,
-    "preparation": api.Preparation,
-}
+_RECORDS = {"options": api.ModelOptions, "weights": api.Weighting, "preparation": api.Preparation}
 
 
 def form() -> list[dict[str, Any]]:

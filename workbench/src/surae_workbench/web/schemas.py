@@ -7,14 +7,7 @@ from operator import or_
 from types import GenericAlias, UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    StringConstraints,
-    create_model,
-    field_validator,
-)
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, create_model, field_validator
 
 from surae import api, names
 from surae.records import to_plain
@@ -27,8 +20,7 @@ _PRINTED = r"^[^\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]"
 Id = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{16}$", min_length=16, max_length=16)]
 #: One line of text.
 Line = Annotated[
-    str,
-    StringConstraints(max_length=200, strip_whitespace=True, pattern=_PRINTED + "*$"),
+    str, StringConstraints(max_length=200, strip_whitespace=True, pattern=_PRINTED + "*$")
 ]
 Named = Annotated[
     str,

@@ -24,12 +24,7 @@ _simulators: Cache[tuple[api.ModelInputs, api.Simulator, threading.Lock]] = Cach
 
 
 def live(
-    inputs: api.ModelInputs,
-    draft: Draft,
-    values: Mapping[str, float],
-    *,
-    points: int,
-    key: object,
+    inputs: api.ModelInputs, draft: Draft, values: Mapping[str, float], *, points: int, key: object
 ) -> dict[str, Any]:
     """The torque of a draft's model with some values changed.
 

@@ -30,10 +30,7 @@ def get_session(request: Request, bench: Bench, browser: Browser) -> dict[str, A
         "csrf": browser.csrf,
         "version": __version__,
         "project": {"name": bench.project.name},
-        "limits": {
-            "upload_bytes": request.app.state.policy.upload_bytes,
-            "uploads": MOST_UPLOADS,
-        },
+        "limits": {"upload_bytes": request.app.state.policy.upload_bytes, "uploads": MOST_UPLOADS},
     }
 
 

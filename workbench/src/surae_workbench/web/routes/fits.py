@@ -8,12 +8,7 @@ from fastapi.responses import FileResponse
 
 from surae import api
 from surae_workbench.web import answers
-from surae_workbench.web.fits import (
-    fit_detail,
-    fit_summary,
-    model_title,
-    submit_fit,
-)
+from surae_workbench.web.fits import fit_detail, fit_summary, model_title, submit_fit
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.routes.common import (
     ERRORS,
@@ -28,11 +23,7 @@ from surae_workbench.web.routes.common import (
     offer_renaming,
     report_file,
 )
-from surae_workbench.web.schemas import (
-    FitRequest,
-    ProfileRequest,
-    ValidateRequest,
-)
+from surae_workbench.web.schemas import FitRequest, ProfileRequest, ValidateRequest
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["fits"])
 

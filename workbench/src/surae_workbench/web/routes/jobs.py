@@ -55,11 +55,7 @@ async def job_events(id: PathId, bench: Bench, browser: Browser) -> StreamingRes
 
     return _events(
         bench.events.stream(
-            browser.key,
-            (f"job:{id}",),
-            first,
-            "end",
-            lambda data: Jobs.seen_by(browser, data),
+            browser.key, (f"job:{id}",), first, "end", lambda data: Jobs.seen_by(browser, data)
         )
     )
 
