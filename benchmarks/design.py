@@ -27,12 +27,12 @@ from surae.api import designing, ready_trajectory
 from surae.protocol import Device, Protocol, Trajectory, generate, named_device
 from surae.protocol.planning import genes as genes_module
 from surae.protocol.planning import search as search_module
-from surae.protocol.planning.aim import make_aim
 from surae.protocol.planning.design import Design, _along
 from surae.protocol.planning.expectation import expected
 from surae.protocol.planning.information import information, prior_precision
 from surae.protocol.planning.legs import Legs, population_legs
 from surae.protocol.planning.plan import held_to_torque
+from surae.protocol.planning.search import make_aim
 from surae.protocol.planning.torque import within_torque
 from surae.recording import write_csv
 from surae.studies import virtual_subject, virtual_trial

@@ -22,8 +22,7 @@ from surae.protocol import Protocol, Trajectory, generate, named_device
 from surae.protocol.effort import effort, named_task
 from surae.recording import MUSCLES, Recording
 from surae.studies import virtual_subject, virtual_trial
-from surae.studies.disturbances import raw_emg
-from surae.studies.imperfections import Imperfections, realistic_imperfections
+from surae.studies.imperfections import Imperfections, raw_emg, realistic_imperfections
 from surae.studies.virtual import virtual_recording
 
 #: Profile, chirp amplitude [rad], whether adapted to the device.

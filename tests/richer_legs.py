@@ -23,7 +23,7 @@ from surae.protocol import Protocol, Trajectory, generate
 from surae.recording import MUSCLES
 from surae.recording.writing import write_csv
 from surae.signals import ModelInputs, inputs_as_given
-from surae.studies.disturbances import raw_emg, wandering
+from surae.studies.imperfections import raw_emg, wandering
 from surae.studies.leg import EMG_FULL, EMG_REST, misaligned
 from surae.studies.populations import VirtualSubject, stream, virtual_subject
 from surae.units import FloatArray

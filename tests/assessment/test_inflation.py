@@ -55,7 +55,7 @@ def test_one_without_a_standard_error_has_the_median_of_the_others(drifting):
 
 def test_a_posterior_takes_the_median_unless_told_otherwise(drifting, monkeypatch):
     asked = []
-    monkeypatch.setattr("surae.api.intervals.sample", lambda _, **options: asked.append(options))
+    monkeypatch.setattr("surae.api.answers.sample", lambda _, **options: asked.append(options))
     fit = api.fit(drifting, "muscle", prepared=True, starts=1)
     api.posterior(fit)
     api.posterior(fit, variance_inflation=2.0)

@@ -14,7 +14,7 @@ from surae.protocol import (
     named_device,
     read_protocol,
 )
-from surae.protocol.planning.demand import requested_limits
+from surae.protocol.planning.torque import requested_limits
 
 from .conftest import refused
 from .test_startup import imported

@@ -12,10 +12,9 @@ import surae
 from surae.assessment import Adequacy, Grade
 from surae.errors import InputError
 from surae.frozen import FrozenDict
-from surae.measures.cohort import CohortMember, borrowed, pool
+from surae.measures.cohort import CohortMember, borrowed, pool, random_effects
 from surae.measures.members import populations, read_table
 from surae.measures.quantity import Quantities, Quantity
-from surae.measures.reml import random_effects
 from surae.protocol import Protocol, generate
 from surae.report.cohort import cohort_report
 from surae.studies import virtual_subject, virtual_trial

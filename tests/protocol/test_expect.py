@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.api.expecting import ready_trajectory
+from surae.api.designing import ready_trajectory
 from surae.errors import InputError
 from surae.protocol import Protocol, generate, named_device, read_protocol, write_protocol_csv
 from surae.protocol.planning.legs import population_legs

@@ -6,8 +6,7 @@ import pytest
 import surae
 from surae.errors import InputError
 from surae.protocol import Protocol, generate
-from surae.protocol.planning.filming import filmed
-from surae.protocol.planning.information import information
+from surae.protocol.planning.information import filmed, information
 from surae.protocol.planning.legs import population_legs
 
 

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surae.errors import InputError
-from surae.signals.kinematics import derivatives
+from surae.signals.resample import derivatives
 
 
 def errors(rate: float, frequency: float) -> tuple[np.ndarray, np.ndarray]:

@@ -7,7 +7,7 @@ import pytest
 
 from surae.recording import Recording
 from surae.signals import Preparation, prepare
-from surae.studies.disturbances import (
+from surae.studies.imperfections import (
     coloured_noise,
     mixed_envelopes,
     mixing,

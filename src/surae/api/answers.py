@@ -1,26 +1,36 @@
-"""Answers of more than one fit: changes of a leg, and cohorts."""
+"""Answers of fits: profiles, posterior, predictions, model files, changes and cohorts."""
 
 from collections.abc import Sequence
+from dataclasses import asdict, replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from surae.api.fitted import Fit
 from surae.api.fitting import load
+from surae.api.recordings import AnyRecording, as_in_fit
+from surae.assessment.assess import variance_inflation
+from surae.assessment.likelihood.profile import profiled
+from surae.assessment.likelihood.profiles import Profiles, profiles
+from surae.assessment.posterior.sample import Posterior, sample
+from surae.assessment.validation import Prediction, predict_others
 from surae.errors import InputError
+from surae.exchange import ExportedModel, exported
 from surae.files import PathLike
 from surae.measures.change import Change, compare_sessions
 from surae.measures.cohort import Cohort, borrowed, pool
 from surae.measures.members import measured, read_table, refitted
 from surae.measures.quantity import Quantities, quantities
-from surae.progress import Progress
-from surae.requests import ChangeSettings, CohortSettings
+from surae.progress import NamedProgress, Progress
+from surae.requests import ChangeSettings, CohortSettings, PosteriorSettings, ProfileSettings
 from surae.runner import Engine
 from surae.setting import takes
+from surae.signals import ModelInputs, Weighting, weighted
 from surae.trials.folder import fit_in
 
 if TYPE_CHECKING:
     from surae.assessment import Prediction
+
 
 #: Angles of changes by default [deg].
 CHANGE_ANGLES = (0.0, 10.0)
@@ -238,3 +248,138 @@ def _file_of(place: PathLike) -> Path:
 def _quantities(given: Fit | PathLike, angles: Sequence[float]) -> Quantities:
     fit = fit_of(given)
     return quantities(fit.result, fit.assessment, angles)
+
+
+@takes(ProfileSettings)
+def profile(
+    fitted: Fit,
+    names: str | Sequence[str] | None = None,
+    *,
+    progress: NamedProgress | None = None,
+    **settings: Any,
+) -> Profiles:
+    """Profile likelihood: intervals that need not be symmetric, nor end where the data set no end.
+
+    Parameters
+    ----------
+    fitted : Fit
+        The fit.
+    names : str or sequence of str, optional
+        Parameters that it estimated; all of them by default.
+    progress : callable, optional
+        Called after every profile with (parameter, profiles done, all profiles).
+    {settings}
+
+    Returns
+    -------
+    Profiles
+        Ctrl-C keeps the profiles that are complete; `missing` names the others.
+
+    Raises
+    ------
+    InputError
+        A parameter is unknown, fixed or given twice, or the fit has nothing to profile.
+    """
+    request = ProfileSettings(**settings)
+    wanted = profiled(fitted.result) if names is None else names
+    wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
+    reason = "given"
+    if request.variance_inflation is None:
+        inflation = variance_inflation(fitted.assessment)
+        reason = inflation.reason
+        factors = {n: factor for n, factor in inflation.factors.items() if n in wanted}
+        request = replace(request, variance_inflation=factors)
+    return profiles(
+        fitted.result, wanted, **asdict(request), inflation_reason=reason, progress=progress
+    )
+
+
+@takes(PosteriorSettings)
+def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any) -> Posterior:
+    """Draws from the posterior: what recordings and prior knowledge say together.
+
+    Draws of the Laplace approximation, weighted by the posterior itself. Where the weights show
+    that this does not do, `status` is ``"not reliable"`` and there are no intervals: see `profile`.
+    The same seed gives the same draws on any number of cores.
+
+    Parameters
+    ----------
+    fitted : Fit
+        The fit.
+    progress : callable, optional
+        Called now and then with (evaluations done, all that are allowed).
+    {settings}
+
+    Returns
+    -------
+    Posterior
+        Ctrl-C keeps what is drawn; `message` says so.
+
+    Raises
+    ------
+    InputError
+        A setting or prior is impossible, or the fit has no residual to draw from.
+    """
+    request, reason = PosteriorSettings(**settings), "given"
+    if request.variance_inflation is None:
+        inflation = variance_inflation(fitted.assessment)
+        request = replace(request, variance_inflation=inflation.common)
+        reason = inflation.reason
+        if inflation.common != 1.0:
+            reason = f"{reason}; the median over the parameters"
+    return sample(fitted.result, **asdict(request), inflation_reason=reason, progress=progress)
+
+
+def validate(
+    fitted: Fit,
+    recordings: Sequence[AnyRecording],
+    *,
+    prepared: bool | None = None,
+    weights: Weighting | Sequence[Weighting] | None = None,
+) -> tuple[Prediction, ...]:
+    """Predict recordings with the parameters of a fit to others (thesis 2.7).
+
+    Parameters
+    ----------
+    fitted : Fit
+        Where the parameters come from.
+    recordings : sequence of Recording, ModelInputs or path
+        With their measured torque.
+    prepared : bool, optional
+        Whether their signals are used as they are; by default as they were in the fit.
+    weights : Weighting, or sequence of Weighting, optional
+        Its windows of weight 0 are left out of the figures.
+
+    Returns
+    -------
+    tuple of Prediction
+        One for each recording: VAF, RMSE, bias, the predicted torque, and in `adequacy` whether
+        it is as good as the fit promises, with reasons.
+    """
+    inputs: Sequence[ModelInputs]
+    inputs = as_in_fit(fitted.result.problem, recordings, prepared)
+    return predict_others(fitted.result, inputs if weights is None else weighted(inputs, weights))
+
+
+def export(fit: Fit | PathLike, *, to: str) -> ExportedModel:
+    """The leg of a fit as a model of OpenSim or MuJoCo, with how far its torque is from ours.
+
+    Parameters
+    ----------
+    fit : Fit or path
+        A fit, its file, or the folder of a session, whose joint fit is taken.
+    to : {"osim", "mjcf"}
+        Whose model file: OpenSim's (4.5 or later) or MuJoCo's.
+
+    Returns
+    -------
+    ExportedModel
+        The file's text, and the difference of both torques; `save` writes it.
+
+    Raises
+    ------
+    InputError
+        The format is not known, the fit cannot be read, or its model has no such muscles.
+    """
+    given = fit_of(fit)
+    return exported(given.result, given.assessment, to)

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from surae.api.fitted import Fit
-from surae.api.quality import check_for, explained
-from surae.api.recordings import AnyRecording, read_in, several
+from surae.api.recordings import AnyRecording, check_for, explained, read_in, several
 from surae.assessment.assess import assess
 from surae.assessment.saved.fit_json import load_saved
 from surae.errors import InputError

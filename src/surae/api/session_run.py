@@ -16,7 +16,7 @@ import numpy as np
 from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import fit_inputs, load
-from surae.api.quality import check_for, explained
+from surae.api.recordings import check_for, explained
 from surae.api.session_result import SessionResult, finite, write_index, write_summary
 from surae.assessment.residual import centred_r2
 from surae.assessment.validation import predict_others

@@ -7,7 +7,7 @@ from typing import Any
 
 from surae.api.fitted import Fit
 from surae.api.fitting import asks_as_fit, fit_inputs
-from surae.api.quality import check_for
+from surae.api.recordings import check_for
 from surae.api.session_result import SessionResult
 from surae.api.session_run import StepProgress, run
 from surae.errors import InputError

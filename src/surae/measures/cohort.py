@@ -1,6 +1,6 @@
 """Many legs together: groups, differences between them, change over time, and each leg among them.
 
-Every measure and parameter is a random effect over legs (`surae.measures.reml`), each leg as
+Every measure and parameter is a random effect over legs (`surae.measures.cohort`), each leg as
 uncertain as its interval says. A value at its bound says only that it lies between the bounds, and
 enters so; a leg without a value, or of an inadequate fit, is left out and counted, with the reason.
 Of a leg with several sessions the first counts for its group, and last minus first is its change.
@@ -22,9 +22,71 @@ from surae.files import natural_order
 from surae.frozen import FrozenDict
 from surae.measures.change import compare_sessions, holm
 from surae.measures.quantity import Quantities, Quantity
-from surae.measures.reml import FEWEST, Effects, random_effects
 from surae.normal import NORMAL, standard_error_of
 from surae.records import Saved, to_plain
+from surae.units import FloatArray
+
+#: Legs from which a mean and a spread are estimated.
+FEWEST = 3
+
+
+@filed("se", "tau2", k="n", ci95="ci95", between="sd_between")
+@dataclass(frozen=True, slots=True)
+class Effects:
+    """Mean and spread of k legs."""
+
+    k: int  #: Legs.
+    #: `mean`, `se`: μ and its standard error after Hartung and Knapp.
+    mean: float
+    se: float
+    tau2: float  #: Variance between legs.
+
+    @property
+    def between(self) -> float:
+        """Standard deviation between legs."""
+        return math.sqrt(self.tau2)
+
+    @property
+    def ci95(self) -> tuple[float, float]:
+        """95 % interval of the mean."""
+        from scipy.special import stdtrit
+
+        half = float(stdtrit(self.k - 1, 0.975)) * self.se
+        return self.mean - half, self.mean + half
+
+    def shrunken(self, value: float, variance: float) -> tuple[float, float]:
+        """A leg's value drawn to the mean, and its standard deviation."""
+        whole = self.tau2 + variance
+        share = self.tau2 / whole if whole > 0.0 else 1.0
+        sd = math.sqrt(share * variance + ((1.0 - share) * self.se) ** 2)
+        return self.mean + share * (value - self.mean), sd
+
+
+def random_effects(values: FloatArray, variances: FloatArray) -> Effects:
+    """Mean and spread of values, shape (k,), with known variances.
+
+    There are at least `FEWEST` of them, all finite.
+    """
+    from scipy.optimize import minimize_scalar
+
+    y, v = np.asarray(values, dtype=float), np.asarray(variances, dtype=float)
+    scale = max(float(np.var(y)), float(np.median(v)), 1e-300)
+
+    def against(tau2: float) -> float:
+        w = 1.0 / (v + tau2)
+        mean = float(w @ y / w.sum())
+        return float(-np.log(w).sum() + np.log(w.sum()) + w @ (y - mean) ** 2)
+
+    # τ² = 0 is a bound that the logarithm does not reach
+    ends = (math.log(1e-8 * scale), math.log(1e3 * scale))
+    best = minimize_scalar(lambda t: against(math.exp(t)), bounds=ends, method="bounded")
+    at_zero = np.all(v > 0.0) and against(0.0) <= best.fun
+    tau2 = 0.0 if at_zero else math.exp(float(best.x))
+    w = 1.0 / (v + tau2)
+    mean = float(w @ y / w.sum())
+    se = math.sqrt(float(w @ (y - mean) ** 2) / ((len(y) - 1) * float(w.sum())))
+    return Effects(len(y), mean, se, tau2)
+
 
 #: Legs of a group beside whose interval the errors that all fits share are no longer small: 94 %
 #: of 300 differences were true with 20 legs a group, 57 % of 30 with 1,000 (benchmarks/cohort.py).

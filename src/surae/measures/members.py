@@ -22,9 +22,8 @@ from surae.errors import InputError, SuraeError
 from surae.estimation import make_problem, solve
 from surae.files import PathLike, read_bytes, shown
 from surae.frozen import FrozenDict
-from surae.measures.cohort import CohortMember, sessions_of
+from surae.measures.cohort import FEWEST, CohortMember, random_effects, sessions_of
 from surae.measures.quantity import Quantities, quantities
-from surae.measures.reml import FEWEST, random_effects
 from surae.progress import Progress
 from surae.records import from_plain, to_plain
 from surae.runner import Died, Engine, results

@@ -11,7 +11,7 @@ from surae.protocol.protocol import Given, Trajectory
 from surae.recording import MUSCLES
 from surae.recording.formats import open_table
 from surae.recording.source import open_source
-from surae.signals.kinematics import derivatives
+from surae.signals.resample import derivatives
 
 #: Column names: the position to follow and the effort to show to the subject.
 COLUMNS = ("time_s", "angle_rad", *(f"emg_{muscle}" for muscle in MUSCLES))

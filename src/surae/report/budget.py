@@ -12,7 +12,7 @@ from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import FitResult
 from surae.formatting import listed
 from surae.model.sources import SOURCES
-from surae.protocol.planning.filming import covariance_if_filmed
+from surae.protocol.planning.information import covariance_if_filmed
 from surae.report.document import (
     Block,
     ListBlock,

@@ -6,7 +6,7 @@ from datetime import datetime
 from surae.assessment import Grade
 from surae.formatting import NO_NUMBER, significant
 from surae.measures.change import Change, ChangeVerdict, Difference
-from surae.measures.curve import torque_curve
+from surae.measures.measured import torque_curve
 from surae.report.cards import AssessedFit, change_card, light, reason_of, sides, titled
 from surae.report.document import (
     Document,

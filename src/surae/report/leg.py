@@ -8,9 +8,16 @@ import numpy as np
 from surae.measures import Measures, measures
 from surae.measures.change import Change, compare_sessions
 from surae.measures.compute import ANGLES
-from surae.measures.curve import TorqueCurve, torque_curve
 from surae.measures.leg import measured_range
-from surae.measures.measured import HeldPoint, MeasuredSlope, Stretch, measured_slope, stretch
+from surae.measures.measured import (
+    HeldPoint,
+    MeasuredSlope,
+    Stretch,
+    TorqueCurve,
+    measured_slope,
+    stretch,
+    torque_curve,
+)
 from surae.measures.norms import Norm, read_norms
 from surae.measures.quantity import Quantities, quantities
 from surae.model.joint import ANKLE

@@ -21,7 +21,7 @@ from surae.report.document import (
     rows_of,
 )
 from surae.report.figures import Figure
-from surae.report.figures.session import trials_figure
+from surae.report.figures.cohort import trials_figure
 from surae.report.parameters import shown_parameters
 from surae.trials import Crossed, Trial
 

@@ -13,8 +13,15 @@ from surae.recording import MUSCLES, Recording
 from surae.signals.emg import envelope, envelope_step, refuse_negative, refuse_not_raw
 from surae.signals.filters import HIGHEST_CUTOFF, bessel_lowpass
 from surae.signals.inputs import Film, ModelInputs
-from surae.signals.kinematics import MINIMUM_SAMPLES, derivatives
-from surae.signals.resample import Uniform, antialias_step, needs_antialias, resample, uniform
+from surae.signals.resample import (
+    MINIMUM_SAMPLES,
+    Uniform,
+    antialias_step,
+    derivatives,
+    needs_antialias,
+    resample,
+    uniform,
+)
 from surae.signals.settings import Preparation
 from surae.signals.timebase import SAME_STEPS, UNIFORM_STEPS, Axis, common_axis, timing
 from surae.units import FloatArray

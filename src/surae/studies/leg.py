@@ -10,8 +10,7 @@ from surae.model.geometry import JointAxis, arm_tri, paths
 from surae.protocol import Trajectory
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, inputs_as_given
-from surae.studies.disturbances import wandering
-from surae.studies.imperfections import Imperfections
+from surae.studies.imperfections import Imperfections, wandering
 from surae.studies.populations import VirtualSubject, stream
 from surae.units import FloatArray
 

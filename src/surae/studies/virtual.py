@@ -7,14 +7,14 @@ from surae.model import ModelOptions
 from surae.protocol import Trajectory
 from surae.recording import Recording
 from surae.signals import ModelInputs, inputs_as_given
-from surae.studies.disturbances import (
+from surae.studies.imperfections import (
     EMG_LOWEST_RATE,
+    Imperfections,
     coloured_noise,
     mixed_envelopes,
     mixing,
     raw_emg,
 )
-from surae.studies.imperfections import Imperfections
 from surae.studies.leg import EMG_FULL, EMG_REST, simulate_leg, trial_name
 from surae.studies.populations import POPULATIONS, VirtualSubject, stream, virtual_subject
 from surae.units import FloatArray
@@ -101,7 +101,7 @@ def virtual_recording(
 ) -> Recording:
     """A trial of a subject as it would be recorded, with raw EMG, for the whole chain of signals.
 
-    Angle, torque and raw EMG (`surae.studies.disturbances.raw_emg`) at the trajectory's rate, for
+    Angle, torque and raw EMG (`surae.studies.imperfections.raw_emg`) at the trajectory's rate, for
     example 2048 Hz. On average, the default preparation gives back the EMG envelopes that drove
     the torque, so that its weights are the subject's; being rectified noise, they fluctuate.
 

@@ -1,6 +1,6 @@
 """The trials of one leg: files in a folder, what each of them is, what it can tell."""
 
-from surae.trials.files import trial_files
+from surae.trials.folder import trial_files
 from surae.trials.sorting import EFFORTS, Hold, Reading, Trial, sorted_trials
 from surae.trials.trial_set import Crossed, TrialSet, common_errors, prepared_for, reading_of
 

@@ -13,14 +13,13 @@ from surae.files import PathLike
 from surae.frozen import Comparable, FrozenDict
 from surae.progress import SearchProgress
 from surae.protocol import Device, Trajectory, write_protocol
-from surae.protocol.planning.aim import MEAN, WORST, make_aim
 from surae.protocol.planning.expectation import Expectation, expected
 from surae.protocol.planning.genes import Genes
 from surae.protocol.planning.information import SINGULAR, information, prior_precision
 from surae.protocol.planning.legs import Legs
 from surae.protocol.planning.plan import Limits, Plan, highest_hz, limits_of
 from surae.protocol.planning.ready import Ready
-from surae.protocol.planning.search import SEARCH_RATE, search
+from surae.protocol.planning.search import MEAN, SEARCH_RATE, WORST, make_aim, search
 from surae.protocol.planning.torque import within_torque
 from surae.records import to_plain
 from surae.units import FloatArray

@@ -45,7 +45,7 @@ class Legs(Comparable):
     emg_rest: FloatArray
     emg_full: FloatArray
     emg_unit: str = "V"  #: "V", "1": Volts, or a normalised envelope.
-    films: tuple[str, ...] = ()  #: Muscles that are filmed (`surae.protocol.planning.filming`).
+    films: tuple[str, ...] = ()  #: Muscles that are filmed (`surae.protocol.planning.information`).
 
     @property
     def own(self) -> tuple[str, ...]:

@@ -6,8 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from surae.measures.curve import TorqueCurve
-from surae.measures.measured import HeldPoint, Stretch
+from surae.measures.measured import HeldPoint, Stretch, TorqueCurve
 from surae.measures.norms import Norm
 from surae.report.figures import BLUE, GREY, INK, MUTED, dress, new_figure
 from surae.report.language import Words
