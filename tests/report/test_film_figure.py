@@ -10,7 +10,7 @@ from surae.api.plots import Plots
 from surae.assessment.fascicles import FascicleQuality, Fascicles
 from surae.cli.screen import show_films
 from surae.errors import InputError
-from surae.report.figures.film import film_figure
+from surae.report.figures.tendon import film_figure
 from surae.report.recordings import film_block
 
 

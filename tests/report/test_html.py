@@ -9,9 +9,8 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from surae.report.explore import signals_of
 from surae.report.fit import fit_report
-from surae.report.traces import traces_of
+from surae.report.traces import signals_of, traces_of
 from surae.report.wording import adequacy_words
 from undrawn import blank_figures
 

@@ -70,7 +70,7 @@ class Plots:
 
     def film(self, recording: int = 0) -> "Sequence[Axes]":
         """A filmed fascicle beside the model's, over time and against force."""
-        from surae.report.figures.film import film_figure
+        from surae.report.figures.tendon import film_figure
 
         traces = self._traces(recording)
         if not traces.films:

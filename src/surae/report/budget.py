@@ -1,6 +1,6 @@
 """What makes each parameter unsure, in shares of its variance, and what would make it known."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,12 +18,7 @@ from surae.report.document import (
     ListBlock,
     PictureBlock,
     SectionBlock,
-    TableBlock,
-    TableCell,
-    TableRow,
     TextBlock,
-    columns,
-    rows_of,
 )
 
 #: Share of a variance from which a source is shown, and from which it is worth a remedy.
@@ -95,15 +90,6 @@ def budget_section(budget: BudgetTable) -> SectionBlock:
             "95 % interval)."
         )
         blocks.append(PictureBlock("budget", alt, caption, "map"))
-        every = range(2, 2 + len(labels))
-        heads = columns("Parameter", "Known to", *labels, numbers=every, wide=every,
-                        looks={1: "number value"})  # fmt: skip
-        rows: Iterator[TableRow] = (
-            (TableCell(name, kind="code"), known, *map(_written, shares))
-            for name, (known, shares) in budget.rows.items()
-        )
-        title = "Shares of the variance of every parameter by source"
-        blocks.append(TableBlock(title, heads, rows_of(rows), "budget"))
     return SectionBlock("What makes each parameter unsure", tuple(blocks), "budget", "page")
 
 
@@ -169,9 +155,3 @@ def _relative(p: ParameterEstimate) -> float:
     """Half-width of the 95 % interval as a part of the value."""
     low, high = p.ci95 or (0.0, 0.0)
     return (high - low) / 2.0 / abs(p.value) if p.value else float("inf")
-
-
-def _written(share: float) -> str:
-    if share < _SHOWN:
-        return "–"
-    return f"{100 * share:.0f} %" if share >= 0.01 else "< 1 %"

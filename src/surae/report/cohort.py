@@ -6,7 +6,7 @@ from datetime import datetime
 
 from surae.files import natural_order
 from surae.formatting import estimate, of_interval, significant
-from surae.measures.cohort import Cohort, CohortMember, Contrast, Pooled, sessions_of
+from surae.measures.cohort import Cohort, CohortMember, Contrast, sessions_of
 from surae.report.document import (
     Document,
     PictureBlock,
@@ -16,7 +16,7 @@ from surae.report.document import (
     columns,
     rows_of,
 )
-from surae.report.figures.cohort import forest_figure, scale_figure, sessions_figure
+from surae.report.figures.cohort import forest_figure, sessions_figure
 from surae.report.output import Report
 
 #: Measures that are drawn, where the cohort has them.
@@ -27,7 +27,6 @@ _FOREST = (
     "grey as found, dark as drawn to the group; bars are 95 % intervals, diamonds the groups’ means"
 )
 _LINES = "as found, a line for each leg; how sure each is stands in the tables"
-_POINTS = "as found in the first session, a mark for each leg"
 
 
 def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
@@ -43,9 +42,6 @@ def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
                 )))  # fmt: skip
                 title = f"{p.name} over sessions"
                 figures.append((title, sessions_figure(label, order, over), _LINES))
-            for scale in p.scales:
-                drawing = scale_figure(label, scale, _against(cohort, p, scale))
-                figures.append((f"{p.name} and {scale}", drawing, _POINTS))
     groups = []
     for p in cohort.pooled.values():
         for group, effects in p.groups.items():
@@ -133,13 +129,3 @@ def _over_sessions(cohort: Cohort, name: str) -> list[tuple[str, list[tuple[str,
         if len(own) > 1:
             over_sessions.append((each[0].group, own))
     return over_sessions
-
-
-def _against(cohort: Cohort, pooled: Pooled, scale: str) -> list[tuple[str, float, float]]:
-    """Group, mark and value of the legs that have both, of their first sessions."""
-    first = {leg: each[0] for leg, each in sessions_of(cohort.members).items()}
-    return [
-        (leg.group, first[leg.leg].scales[scale], leg.value)
-        for leg in pooled.legs
-        if scale in first[leg.leg].scales
-    ]

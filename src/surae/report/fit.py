@@ -27,14 +27,13 @@ from surae.report.document import (
     verdict,
 )
 from surae.report.figures import Figure
-from surae.report.figures.film import film_figure
 from surae.report.figures.research import (
     budget_figure,
     correlation_figure,
     geometry_figure,
     residual_figure,
 )
-from surae.report.figures.tendon import tendon_figure
+from surae.report.figures.tendon import film_figure, tendon_figure
 from surae.report.figures.torque import predictions_figure, torque_figure
 from surae.report.joint import relabelled, reworded
 from surae.report.laboratory import family_section, laboratory_section, trials_section

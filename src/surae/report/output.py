@@ -10,9 +10,8 @@ from typing import Any
 
 from surae.files import PathLike, template, write_atomic
 from surae.report.document import Document
-from surae.report.explore import explorer, signals_of
 from surae.report.figures import Figure, data_url, png, svg
-from surae.report.traces import Traces
+from surae.report.traces import Traces, explorer, signals_of
 from surae.report.typeset import check_report, is_pdf, typeset
 
 __all__ = ["Report", "page_of", "paper_of", "write_blocks"]

@@ -25,8 +25,8 @@ from surae.report.document import (
     rows_of,
 )
 from surae.report.figures import WIDTH, Figure
-from surae.report.figures.film import film_figure
 from surae.report.figures.research import budget_figure
+from surae.report.figures.tendon import film_figure
 from surae.report.figures.torque import fit_figure
 from surae.report.joint import relabelled, reworded
 from surae.report.language import MEASURES, Words, words_in
@@ -154,7 +154,7 @@ def _details(
     details.append(findings_section(leg.quality))
     if leg.fits:
         figures["trials"] = agreement_figure(leg.alone, leg.together, width=WIDTH)
-        research.append(agreement_section(leg.alone, leg.together, contradicted))
+        research.append(agreement_section(contradicted))
     if leg.predictions:
         research.append(crossed_section(leg.predictions, leg.joint_predictions, leg.trials))
     if leg.joined:

@@ -1,12 +1,12 @@
 """The trials of a session as tables: what each is, how fits follow it, what was found in it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from surae.assessment import Assessment, ParameterEstimate, Verdict
-from surae.formatting import NO_NUMBER, estimate, percentage, signed, significant
+from surae.assessment import Assessment
+from surae.formatting import NO_NUMBER, percentage, signed
 from surae.quality import SEVERITIES, Finding, Quality
 from surae.report.document import (
     Block,
@@ -189,40 +189,15 @@ def findings_section(quality: Mapping[str, Quality]) -> SectionBlock:
     return SectionBlock("Checks", tuple(blocks), "checks")
 
 
-#: Of a parameter that trials leave anywhere within its bounds.
-NOT_INFORMED = "not informed"
-
-
-def agreement_section(
-    alone: Mapping[str, Assessment], joint: Assessment | None, contradicted: Mapping[str, list[str]]
-) -> SectionBlock:
-    """Every parameter in every fit; none that is contradicted stands as identified."""
-    rows: list[TableRow] = []
-    for name, p in _estimated(alone, joint).items():
-        cell = _disputed if name in contradicted else trial_cell
-        own = [assessment.parameters.get(name) for assessment in alone.values()]
-        rows.append((
-            TableCell(name, kind="code", meaning=p.meaning),
-            "" if p.unit == "-" else p.unit,
-            *([] if joint is None else [cell(joint.parameters.get(name))]),
-            *map(cell, own),
-            spread([each for each in own if each is not None]),
-        ))  # fmt: skip
-    names = (*([] if joint is None else ["All together"]), *alone)
-    heads = columns("Parameter", "Unit", *names, "Spread", numbers=(len(names) + 2,),
-                    looks={1: "unit"} | {k + 2: "number column" for k in range(len(names))},
-                    )  # fmt: skip
-    note = (
-        "Value and 95 % interval; bold is identified, and no trial contradicts it. Spread: "
-        "standard deviation between the trials that inform a value, as a part of their mean. "
-        "Agreement between trials does not exclude a shared bias."
-    )
-    table = TableBlock("Every parameter in every fit", heads, rows_of(rows), "small", repeated=2)
+def agreement_section(contradicted: Mapping[str, list[str]]) -> SectionBlock:
+    """Every parameter in every fit, as a figure; what is contradicted is said in words."""
     picture = PictureBlock(
         "trials",
         "Each parameter by trial with its 95 % interval; the band is that of all together.",
-        "Each parameter by trial, with its 95 % interval: dark where it is identified, open where "
-        "there is no interval. Blue: all together. Intervals end at the bounds of the search.",
+        "Each parameter by trial, with its 95 % interval: dark where it is identified and no trial "
+        "contradicts it, open where there is no interval. Blue: all together. Intervals end at the "
+        "bounds of the search; table.csv has the numbers. Agreement between trials does not "
+        "exclude a shared bias.",
     )
     warnings = paragraphs(
         (
@@ -232,26 +207,18 @@ def agreement_section(
         ),
         "warning",
     )
-    blocks: tuple[Block, ...] = (*warnings, TextBlock(note, "note"), table, picture)
-    return SectionBlock("Parameters by trial", blocks, "by-trial", "page")
-
-
-def _estimated(
-    alone: Mapping[str, Assessment], joint: Assessment | None
-) -> dict[str, ParameterEstimate]:
-    """The parameters that any fit estimated, each as the first one has it."""
-    shown: dict[str, ParameterEstimate] = {}
-    for assessment in (*([] if joint is None else [joint]), *alone.values()):
-        shown |= {p.name: p for p in shown_parameters(assessment) if p.name not in shown and p.free}
-    return shown
+    return SectionBlock("Parameters by trial", (*warnings, picture), "by-trial", "page")
 
 
 def agreement_figure(
     alone: Mapping[str, Assessment], joint: Assessment | None, *, width: float
 ) -> Figure:
     """Every parameter by trial, with its interval; that of all together as a band."""
-    names = list(_estimated(alone, joint))
-    return trials_figure(names, alone, joint, disputed=contradictions(alone, joint), width=width)
+    every = (*([] if joint is None else [joint]), *alone.values())
+    names = dict.fromkeys(p.name for fit in every for p in shown_parameters(fit) if p.free)
+    return trials_figure(
+        list(names), alone, joint, disputed=contradictions(alone, joint), width=width
+    )
 
 
 def contradictions(
@@ -276,30 +243,3 @@ def contradictions(
         if apart:
             contradicted[p.name] = apart
     return contradicted
-
-
-def trial_cell(p: ParameterEstimate | None) -> TableCell:
-    """An estimate of one fit with its interval."""
-    if p is None:
-        return TableCell(NO_NUMBER)
-    if p.ci95 is not None and not p.is_informed:
-        return TableCell(NO_NUMBER, NOT_INFORMED, str(p.verdict))
-    text = estimate(p.value, p.trusted_sem, p.ci95)
-    under = text.interval if p.ci95 is not None else str(p.verdict)
-    return TableCell(text.value, under, str(p.verdict))
-
-
-def _disputed(p: ParameterEstimate | None) -> TableCell:
-    cell = trial_cell(p)
-    return replace(cell, kind="disputed" if cell.kind == Verdict.IDENTIFIED else cell.kind)
-
-
-def spread(estimates: Sequence[ParameterEstimate]) -> str:
-    """Standard deviation of the trials that say anything of it, as a part of their mean."""
-    values = [p.value for p in estimates if p.is_informed]
-    if not values and any(p.free and not p.at_bound for p in estimates):
-        return NOT_INFORMED
-    if len(values) < 2 or not np.mean(values):
-        return NO_NUMBER
-    part = float(np.std(values, ddof=1)) / abs(float(np.mean(values)))
-    return f"{significant(100 * part, 2)} % of {len(values)}"

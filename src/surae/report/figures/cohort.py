@@ -79,22 +79,6 @@ def sessions_figure(
     return figure
 
 
-def scale_figure(label: str, scale: str, legs: Sequence[tuple[str, float, float]]) -> Figure:
-    """Each leg against a clinical scale.
-
-    `legs` are the group, mark and value of each.
-    """
-    figure = new_figure(2.6, width=7.2)
-    axes = figure.subplots()
-    groups = list(dict.fromkeys(group for group, _, _ in legs))
-    for group, mark, value in legs:
-        look = groups.index(group) % len(_COLOURS)
-        axes.plot([mark], [value], marker=_MARKERS[look], markersize=5, color=_COLOURS[look])
-    _legend(axes, groups)
-    dress(axes, label, scale)
-    return figure
-
-
 def _legend(axes: Axes, groups: Sequence[str]) -> None:
     if len(groups) > 1:
         for look, group in enumerate(groups):
