@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from surae.protocol import Protocol, generate
 from surae.recording import write_csv
 from surae.studies import virtual_subject, virtual_trial
-from undrawn import blank_figures
+from undrawn import blank_figures, few_legs
 
 # Tests share the cores among them. Threads of linear algebra on cores that others use wait for one
 # another busily: one decomposition takes a hundred times as long.
@@ -126,6 +126,13 @@ def noisy(subject, trajectory):
 def undrawn() -> Iterator[None]:
     """Reports of this test have no figures: their words are what is tested."""
     with blank_figures():
+        yield
+
+
+@pytest.fixture(scope="module")
+def few() -> Iterator[None]:
+    """Measures of this module have intervals of few possible legs: others are its claims."""
+    with few_legs():
         yield
 
 

@@ -1,7 +1,6 @@
 """The public functions: every form of recording, the same numbers whichever way they are called."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -80,34 +79,12 @@ def test_the_contract_s_example(fit):
     assert list(fit.parameters) == list(fit.values) == FIFTEEN
 
 
-def test_two_recordings_are_one_joint_fit(inputs, path):
-    joint = surae.fit([inputs, path], "muscle", prepared=True, starts=1)
-    assert len(joint.result.problem.inputs) == 2
-    assert len(joint.assessment.recordings) == 2
-
-
 def test_an_unknown_option_lists_the_known_ones(inputs, fit):
     message = r"unknown option 'geometri'; known options: geometry, tendon_strain"
     with pytest.raises(InputError, match=message):
         surae.fit(inputs, "muscle", geometri="thesis")
     with pytest.raises(InputError, match=message):
         surae.simulate("muscle", fit.values, inputs, geometri="thesis")
-
-
-def test_an_option_with_a_wrong_value_lists_the_choices(inputs):
-    with pytest.raises(InputError, match="use one of: thesis, virtual-work"):
-        surae.fit(inputs, "muscle", geometry="euclid")
-
-
-@pytest.mark.parametrize("empty", [[], ()])
-def test_nothing_to_fit(empty):
-    with pytest.raises(InputError, match="nothing to fit"):
-        surae.fit(empty, "muscle")
-
-
-def test_a_missing_file():
-    with pytest.raises(InputError, match="no such file"):
-        surae.fit(Path("nowhere") / "none.csv", "muscle")
 
 
 def test_simulate_gives_the_torque_of_the_fit(fit, inputs):
@@ -139,26 +116,6 @@ def test_the_columns_of_the_jacobian(fit, inputs):
         # Single samples may cross the kink of (11) within the step.
         error = np.abs(jacobian[:, j] - slope)
         assert np.quantile(error, 0.99) < 1e-4 * np.abs(slope).max() + 1e-12, name
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"m": None}, "finite number"),
-        ({"m": -1.0}, "zero or more"),
-        ({"mass": 2.0}, "no parameter 'mass'"),
-    ],
-)
-def test_parameters_that_mean_nothing(change, message, fit, inputs):
-    with pytest.raises(InputError, match=message):
-        surae.simulate("muscle", dict(fit.values) | change, inputs)
-
-
-def test_a_parameter_left_out(fit, inputs):
-    values = dict(fit.values)
-    del values["g3"]
-    with pytest.raises(InputError, match="needs a value for: g3"):
-        surae.simulate("muscle", values, inputs)
 
 
 def test_predict_and_validate(fit, inputs):
@@ -218,11 +175,3 @@ def test_a_recording_is_not_changed(inputs, fit):
     surae.fit(inputs, "muscle", starts=2)
     for name, kept in zip(("angle", "torque", "emg"), before, strict=True):
         np.testing.assert_array_equal(getattr(inputs, name), kept)
-
-
-def test_public_names():
-    for name in surae.__all__:
-        assert getattr(surae, name) is not None
-    assert set(dir(surae)) >= {"fit", "simulate", "load", "read", "validate"}
-    with pytest.raises(AttributeError, match="no attribute 'fitt'"):
-        _ = surae.fitt

@@ -63,15 +63,6 @@ def test_all_are_found_together(fitted):
     assert fitted.status == "converged"
 
 
-def test_a_fixed_delay_is_in_the_file_and_an_ordinary_fit_has_none(clean):
-    plain = surae.fit(clean, "muscle", starts=1, prepared=True)
-    assert list(plain.parameters) == list(MODELS["muscle"].names)
-    late = surae.fit(clean, "muscle", fixed={"emd": 0.02}, starts=1, prepared=True)
-    assert [*late.parameters] == [*MODELS["muscle"].names, "emd"]
-    p = late.parameters["emd"]
-    assert (p.value, p.free, p.verdict.value) == (0.02, False, "fixed")
-
-
 def test_the_profile_of_the_delay(fitted):
     line = surae.profile(fitted, "emd").profiles["emd"]
     low, high = line.interval
@@ -95,12 +86,3 @@ def test_the_figure_of_the_torque_has_the_reflex_as_a_line_of_its_own(fitted):
 def _legend(axes):
     legend = axes.get_legend()
     return legend.get_texts() if legend is not None else []
-
-
-@pytest.mark.usefixtures("undrawn")
-def test_the_report_names_them(fitted, tmp_path):
-    fitted.report(tmp_path / "report.html")
-    text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    for name in DRIVES:
-        assert name in text
-    assert "electromechanical delay" in text

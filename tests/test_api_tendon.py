@@ -91,18 +91,6 @@ def test_the_thesis_s_integrator_has_states_too(inputs):
     np.testing.assert_allclose(state.muscle_velocity[:, :-1], step, atol=1e-9)
 
 
-def test_columns_hold_every_state_under_names_with_units(state):
-    columns = state.columns()
-    assert list(columns)[:4] == [
-        "muscle_length_tri_m", "muscle_length_tib_m", "muscle_velocity_tri_m_s",
-        "muscle_velocity_tib_m_s",
-    ]  # fmt: skip
-    assert len(columns) == 16
-    np.testing.assert_array_equal(columns["tendon_elongation_tib_m"], state.elongation[1])
-    np.testing.assert_array_equal(columns["tendon_force_tri_N"], state.tendon_force[0])
-    assert all(values.shape == state.muscle_length[0].shape for values in columns.values())
-
-
 def test_a_fit_gives_parts_and_states_of_each_recording(fit):
     problem = fit.result.problem
     for number, recording in enumerate(problem.inputs):

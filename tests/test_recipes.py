@@ -245,7 +245,7 @@ from surae_workbench.web.schemas import DraftChange
 
 sys.path[:0] = sys.argv[1:]
 import quality_table, tables
-from undrawn import blank_figures
+from undrawn import blank_figures, few_legs
 
 def refused(value):
     try:
@@ -262,8 +262,9 @@ fit = surae.fit(trial, model="muscle", free=("friction", "viscosity"), patience=
 spring = surae.fit(trial, model="spring", **plain)
 for name, each in (("fit", fit), ("spring", spring)):
     each.save(f"{name}.json")
-with blank_figures():
+with blank_figures(), few_legs():
     fit.report("report.html")
+    measures = list(surae.measures(fit))
 problem = spring.result.problem
 tied = problem.spec.simulator(problem.inputs[0], problem.options)
 at = np.array([p.start for p in problem.spec.parameters])
@@ -293,7 +294,7 @@ json.dump({
                "drives": tables.of_parameters(tables.PARAMETERS["drives"])},
     "found": [f.code for f in surae.check("still.csv").findings],
     "fine": [f.code for f in surae.check("trial.csv").findings],
-    "measures": list(surae.measures(fit)),
+    "measures": measures,
     "report": Path("report.html").read_text(encoding="utf-8"),
     "slopes": off,
     "angles": [float(motion.angle.min()), float(motion.angle.max())],

@@ -1,4 +1,4 @@
-"""Reports without their figures, for tests of what reports say."""
+"""What makes tests quick whose claims are others: reports without figures, measures of few legs."""
 
 import base64
 from collections.abc import Iterator
@@ -6,11 +6,22 @@ from contextlib import contextmanager
 
 import pytest
 
+from surae.measures import compute
+
 #: An image of one dot.
 _PNG = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mNkYAAAAAYAAjCB0C8AAAAASUVORK5CYII="
 )
 _SVG = b'<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>'
+
+
+@contextmanager
+def few_legs() -> Iterator[None]:
+    """Intervals of measures from 64 possible legs: for tests that claim other things of them."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("surae.measures.compute._DRAWS", 64)
+        yield
+    compute._judged.cache_clear()
 
 
 @contextmanager

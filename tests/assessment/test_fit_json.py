@@ -168,12 +168,6 @@ def test_no_number_that_json_does_not_know(text, result):
     json.dumps(data, allow_nan=False)
 
 
-def test_a_start_without_a_sum_comes_back(result, tmp_path):
-    starts = (*result.starts[:-1], replace(result.starts[-1], sse=math.inf))
-    save_fit(tmp_path / "fit.json", replace(result, starts=starts), assess(result))
-    assert load_saved(tmp_path / "fit.json").result.starts[-1].sse == math.inf
-
-
 def test_arrays_keep_odd_numbers():
     array = np.array([0.0, -0.0, np.inf, -np.inf, np.nan, 5e-324, np.finfo(float).max])
     found = decode(encode(array))
@@ -318,11 +312,6 @@ def test_a_newer_format_is_refused_with_advice(text, tmp_path):
         load_text(json.dumps(json.loads(text) | {"format": FORMAT + 1}), tmp_path)
 
 
-@pytest.mark.parametrize("version", ["0.0.1", "0.1.0", "0.1", "99.0"])
-def test_the_format_decides_not_the_version(version, text, tmp_path):
-    assert load_text(json.dumps(json.loads(text) | {"surae": version}), tmp_path).vaf > 0
-
-
 def test_what_later_versions_add_is_ignored(text, tmp_path):
     assert load_text(json.dumps(json.loads(text) | {"colour": "blue"}), tmp_path).vaf > 0
 
@@ -361,11 +350,6 @@ def test_a_factor_that_is_not_finite_gives_no_intervals(bad, text, tmp_path):
     shape = data["R"]["shape"]
     data["R"] = encode(np.full(shape, bad))
     assert load_text(json.dumps(data), tmp_path).ipde is None
-
-
-def test_a_missing_file(tmp_path):
-    with pytest.raises(InputError, match="no such file"):
-        surae.load(tmp_path / "none.json")
 
 
 def values_of(found):

@@ -97,20 +97,6 @@ def test_a_faint_column_has_little_influence():
     assert one.advice.startswith("b has little influence on this torque")
 
 
-def test_nearly_equal_columns_in_numbers():
-    angle = 0.02
-    found = examine(Q[:, 0], np.cos(angle) * Q[:, 0] + np.sin(angle) * Q[:, 1])
-    # Two columns of length 1 at an angle φ: eigenvalues 1 ± cos φ.
-    assert found.gamma == pytest.approx((1 - np.cos(angle)) ** -0.5, rel=1e-6)
-    for one in found.parameters.values():
-        assert one.collinearity == pytest.approx(1 / np.sin(angle), rel=1e-6)
-        assert one.uncertainty == pytest.approx(one.alone / np.sin(angle), rel=1e-6)
-    assert found.directions[0].words.endswith("down: nearly the same torque")
-    assert found.directions[0].uncertainty == pytest.approx(
-        found.parameters["a"].alone * found.gamma, rel=0.02
-    )
-
-
 def test_three_that_only_trade_off_together():
     third = (Q[:, 0] + Q[:, 1]) / np.sqrt(2) + 0.01 * Q[:, 2]
     found = examine(Q[:, 0], Q[:, 1], third)

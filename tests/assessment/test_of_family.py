@@ -35,6 +35,7 @@ def fits():
     return [surae.fit(recording, prepared=True, quality=()) for recording in both]
 
 
+@pytest.mark.slow
 def test_the_profile_of_a_filmed_length_is_as_narrow_as_its_interval(fits) -> None:
     own, blind = (fit.parameters["dlt_tib"].ci95 for fit in fits)
     profiled = surae.profile(fits[0], "dlt_tib")["dlt_tib"].interval

@@ -14,7 +14,7 @@ from surae.estimation.residuals import Residuals
 from surae.studies import virtual_trial
 
 FEW = {"draws": 250, "evaluations": 1200}
-MANY = {"draws": 4000, "evaluations": 3600}
+MANY = {"draws": 2000, "evaluations": 1800}
 
 
 @pytest.fixture(scope="module")

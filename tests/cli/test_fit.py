@@ -95,18 +95,6 @@ def test_outputs_appear_and_load(run, files) -> None:
     assert "l0_tri" in page
 
 
-def test_two_recordings_are_one_fit(run, edit) -> None:
-    def first_part(header: list[str], rows: list[list[str]]) -> None:
-        del rows[1500:]
-
-    edit("second.csv", first_part)
-    done = run(*FIT, "second.csv")
-    assert done.code == 0
-    assert "trial: VAF" in done.out
-    assert "second: VAF" in done.out
-    assert "all together: VAF" in done.out
-
-
 def test_a_muscle_without_emg_is_fine_when_its_weight_is_fixed(run, edit) -> None:
     def drop(header: list[str], rows: Sequence[list[str]]) -> None:
         column = header.index("emg_ta_V")

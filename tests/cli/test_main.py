@@ -37,14 +37,8 @@ def test_version(run) -> None:
     ("arguments", "says"),
     [
         (["nonsense"], ("'nonsense'", "surae --help")),
-        (["--nonsense"], ("--nonsense", "surae --help")),
         (["fit", "--model", "muscle", "--nonsense"], ("--nonsense", "surae fit --help")),
         (["fit"], ("REC", "surae fit --help")),
-        (["fit", "--model", "muscle", "a.csv", "--output"], ("--output", "argument")),
-        (["simulate"], ("IN.csv",)),
-        (["simulate", "a.csv", "--output", "b.csv"], ("--parameters",)),
-        (["validate"], ("FIT.json",)),
-        (["validate", "fit.json"], ("REC",)),
         (["demo", "extra"], ("extra", "surae demo --help")),
     ],
 )

@@ -34,9 +34,7 @@ def test_the_posterior_beside_the_covariance(run, files) -> None:
     ("arguments", "says"),
     [
         (["--draws", "1"], "--draws 1: give a whole number, 10"),
-        (["--evaluations", "1"], "--evaluations 1: give a whole number, 600"),
         (["--variance-inflation", "0"], "--variance-inflation 0: give a number above zero"),
-        (["--variance-inflation", "x"], "not a number"),
         (["--prior", "f0=2"], "name=median:spread"),
         (["--prior", "nope=2:1"], "not estimated"),
         (["--output", "fit.json"], "is read by this command"),

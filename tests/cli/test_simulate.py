@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 import surae
-from surae.model import ModelOptions
-from surae.model.geometry import paths
 
 from .conftest import refused
 
@@ -47,21 +45,6 @@ def test_the_torque_is_that_of_the_api_and_near_the_measured(run, files) -> None
     np.testing.assert_allclose(table["torque_Nm"], exact, rtol=0, atol=1e-12)
     residual = table["torque_Nm"] - given["torque_Nm"]
     assert 0.25 < residual.std() < 0.35  # the noise of the trial, 0.3 Nm
-
-
-def test_the_output_reads_back_and_fits(run, files) -> None:
-    assert simulate(run, "--parameters", "true.json").code == 0
-    recording = surae.read(files / "out.csv")
-    assert recording.emg == "envelope"
-    done = run(
-        "fit", "--model", "muscle", "out.csv", "--prepared", "--starts", "1", "--output", "f.json"
-    )
-    assert done.code == 0
-    truth = json.loads((files / "true.json").read_text(encoding="utf-8"))["parameters"]
-    loaded = surae.load(files / "f.json")
-    assert loaded.vaf > 99.99
-    for name, value in truth.items():
-        assert loaded.values[name] == pytest.approx(value, rel=0.02)
 
 
 def test_a_fit_brings_its_model_and_options(run, files) -> None:
@@ -118,11 +101,6 @@ def test_parameters_that_overflow(run, files) -> None:
     assert not (files / "out.csv").exists()
 
 
-def test_unknown_models_and_options(run, files) -> None:
-    refused(simulate(run, "--parameters", "true.json", "--model", "zz"), "'zz'", "muscle")
-    refused(simulate(run, "--parameters", "true.json", "--geometry", "zz"), "'zz'", "thesis")
-
-
 @pytest.mark.parametrize("case", ["muscle_healthy", "muscle_patient"])
 def test_reference_solutions(run, references, tmp_path, case) -> None:
     spec = json.loads((references / f"{case}.json").read_text(encoding="utf-8"))
@@ -135,19 +113,3 @@ def test_reference_solutions(run, references, tmp_path, case) -> None:
     exact = columns(references / f"{case}.csv")["torque_Nm"]
     error = columns(tmp_path / "out.csv")["torque_Nm"] - exact
     assert np.sqrt((error**2).sum() / (exact**2).sum()) < 0.005
-
-
-def test_a_table_gives_the_torque_of_the_geometry_it_is_of(run, files) -> None:
-    options = ModelOptions(geometry="virtual-work")
-    angle = np.radians(np.arange(-70.0, 71.0, 2.0))
-    both = paths(angle=angle, velocity=0.0 * angle, options=options)
-    rows = np.stack([angle, *(x for p in both for x in (p.length, p.arm))], axis=1)
-    notes = "# slack_tri_mm = 0\n# slack_tib_mm = 0\n"
-    head = f"{notes}angle_rad,length_tri_m,arm_tri_m,length_tib_m,arm_tib_m"
-    np.savetxt(files / "table.csv", rows, delimiter=",", header=head, comments="")
-    of = {}
-    for geometry in ("virtual-work", "table.csv"):
-        assert simulate(run, "--parameters", "true.json", "--geometry", geometry).code == 0
-        of[geometry] = columns(files / "out.csv")["torque_Nm"]
-    np.testing.assert_allclose(of["table.csv"], of["virtual-work"], rtol=0, atol=1e-6)
-    assert np.ptp(of["table.csv"]) > 1.0

@@ -33,11 +33,6 @@ def test_muscle_tendon_models_add_muscles_and_tendons(run, files, truth) -> None
     )
 
 
-def test_the_muscle_model_has_none(run, files) -> None:
-    assert simulate(run, "--parameters", "true.json").code == 0
-    assert not any("tendon" in name or "muscle" in name for name in columns(files / "out.csv"))
-
-
 def test_the_output_reads_back_and_simulates_the_same(run, files) -> None:
     given = ("--parameters", "true.json", "--model", "muscle-tendon")
     assert simulate(run, *given).code == 0

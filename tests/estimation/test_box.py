@@ -33,7 +33,7 @@ def assert_optimal(H, g, lower, upper, d, tolerance=1e-9):
     assert np.all(gradient[(d == upper) & (d > lower)] <= limit)
 
 
-@pytest.mark.parametrize("p", [1, 2, 3, 5, 8, 15, 17])
+@pytest.mark.parametrize("p", [1, 3, 8, 17])
 def test_equals_scipy(p):
     rng = np.random.default_rng(p)
     for _ in range(40):
@@ -66,12 +66,6 @@ def test_equal_bounds_hold_the_variable_at_them():
     np.testing.assert_allclose(d[free], expected, rtol=1e-10)
 
 
-def test_all_bounds_equal():
-    point = np.array([1.0, -1.0, 0.0])
-    d = box_quadratic(np.eye(3), np.ones(3), point, point)
-    np.testing.assert_array_equal(d, point)
-
-
 def test_zero_outside_the_box():
     # d = 0 is not allowed: every variable starts at a bound, and must leave it where that pays.
     rng = np.random.default_rng(2)
@@ -97,11 +91,6 @@ def test_degenerate_bound_with_zero_multiplier():
     # The minimum lies exactly on the bound: held or free, the answer is the same.
     d = box_quadratic(np.eye(2), np.array([-1.0, -1.0]), np.zeros(2), np.array([1.0, 5.0]))
     np.testing.assert_allclose(d, [1.0, 1.0], rtol=1e-15)
-
-
-def test_zero_gradient_stays():
-    d = box_quadratic(np.eye(3), np.zeros(3), -np.ones(3), np.ones(3))
-    np.testing.assert_array_equal(d, np.zeros(3))
 
 
 def test_semidefinite_with_a_ridge():

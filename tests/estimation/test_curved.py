@@ -56,13 +56,6 @@ def test_a_fixed_partner_makes_it_straight(noisy):
     np.testing.assert_array_equal(curved_move(problem)(x, step), x + step)
 
 
-def test_the_point_is_not_changed(noisy):
-    problem = make_problem([noisy])
-    x = problem.start.copy()
-    curved_move(problem)(x, 0.1 * x)
-    np.testing.assert_array_equal(x, problem.start)
-
-
 def test_a_move_is_better_than_a_straight_step(clean, subject):
     # From another point of the valley, a step towards the truth lands lower on the curve.
     problem = make_problem([clean])

@@ -110,16 +110,6 @@ def test_drives_are_there_when_they_are_named(clean, given, drives, free):
         assert values[name] == expected.get(name, OFF[name])
 
 
-def test_a_recording_may_prescribe_the_delay(clean):
-    problem = make_problem([replace(clean, fixed={"emd": 0.04})])
-    assert problem.base[-1] == 0.04
-    assert "emd" not in problem.free
-    assert make_problem([replace(clean, fixed={"reflex_tib": 0.0})], free=["reflex"]).free[-2:] == (
-        "reflex_tri",
-        "reflex_delay",
-    )
-
-
 @pytest.mark.parametrize(
     ("given", "says"),
     [

@@ -245,7 +245,7 @@ def test_noise_of_the_emg_biases_a_fit_and_that_is_taken_away():
         assert p.budget["emg_noise"] > 0.0
 
 
-@pytest.mark.slow  # in the fast suite test_foreign_legs.py has a leg of another code
+@pytest.mark.slow
 def test_a_leg_of_other_muscles_is_not_called_known(tmp_path):
     """Its residual follows movement and effort: what that hides is in the intervals."""
     trial = richer_leg(62, drifting=True, foreign=True)
@@ -301,14 +301,14 @@ def test_noise_behind_errors_of_the_drive_is_what_the_whole_fit_leaves(fitted):
     assert learnt_noise(posterior, mode)[0].variance == pytest.approx(expected, rel=0.03)
 
 
-def test_a_torque_of_inverse_dynamics_has_no_device(short):
+def test_a_torque_of_inverse_dynamics_has_no_device(fitted, short):
     """No plate gives way and no axis lies beside it where no device measured the torque."""
     device = {"axis_forward", "plate_give", "plate_inertia"}
     assert device <= set(laboratory())
     assert not device & set(laboratory(mounted=False))
     assert set(laboratory({"give": (0.0, 1e-3)}, mounted=False)) & device == {"plate_give"}
     fit = solve(make_problem([replace(short.inputs, fixed={"m": 0.0})], "auto"))
-    assert "axis_forward" in solve(make_problem([short.inputs], "auto")).family.beliefs
+    assert "axis_forward" in fitted.family.beliefs
     assert not device & set(fit.family.beliefs)
 
 

@@ -208,7 +208,7 @@ def test_a_relaxed_leg_whose_gains_are_free_shows_no_optimal_length(seed) -> Non
     assert fit.measures()["optimal_fascicle_tib"].value is None
 
 
-@pytest.mark.parametrize("still", [True, False])
+@pytest.mark.parametrize("still", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_a_hold_and_a_relaxed_leg_show_no_optimal_length(still) -> None:
     """Their film is followed; what it can't show is not identified, and no interval is false."""
     task = "active" if still else "passive"

@@ -9,7 +9,7 @@ from surae.assessment import assess
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.residuals import Residuals
-from surae.estimation.separable import scan_lengths, solve_linear
+from surae.estimation.separable import solve_linear
 from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
 
@@ -82,12 +82,6 @@ def test_only_stiffness_and_cut_off_are_searched(trial):
     solved, sse = solve_linear(problem, Residuals(problem).data_rows, x)
     np.testing.assert_allclose(solved, list(TRUTH.values()), rtol=1e-6)
     assert sse < 1e-12 * float(trial.torque @ trial.torque)
-
-
-def test_nothing_is_scanned(noisy_trial):
-    problem = make_problem([noisy_trial], MODEL)
-    rows, x = Residuals(problem).data_rows, problem.start
-    np.testing.assert_array_equal(scan_lengths(problem, rows, x), solve_linear(problem, rows, x)[0])
 
 
 def test_old_and_new_on_a_trial_of_the_new(noisy, subject):

@@ -63,6 +63,7 @@ def test_a_leg_of_the_models_kind_is_known(tmp_path) -> None:
     assert count.keeps_the_promise()
 
 
+@pytest.mark.slow
 def test_nothing_false_is_claimed_of_a_leg_that_resists_and_answers(tmp_path) -> None:
     """No model has a short-range stiffness, nor a reflex that electrodes show in part."""
     count = judged(tmp_path, "e", 31, seconds=20.0)

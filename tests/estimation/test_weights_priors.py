@@ -24,16 +24,6 @@ def test_samples_of_weight_zero_are_left_out(clean, subject):
     np.testing.assert_allclose(result.residuals[0][bad], 50.0, atol=1e-3)
 
 
-def test_equal_weights_change_nothing(noisy):
-    plain, weighted = quick(noisy), quick(replace(noisy, weight=np.full(noisy.n, 3.0)))
-    assert weighted.sse == pytest.approx(3 * plain.sse, rel=1e-6)
-    one, other = assess(plain), assess(weighted)
-    for name, p in one.parameters.items():
-        q = other.parameters[name]
-        assert q.value == pytest.approx(p.value, abs=0.05 * p.sem), name
-        assert q.sem == pytest.approx(p.sem, rel=1e-2), name
-
-
 @pytest.fixture(scope="module")
 def alone(noisy, subject):
     """One weak parameter by itself: nearly a linear problem."""

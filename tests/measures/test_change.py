@@ -13,6 +13,7 @@ from surae.frozen import FrozenDict
 from surae.measures.change import SCATTER, ChangeVerdict, compare_sessions
 from surae.measures.quantity import quantities
 
+pytestmark = pytest.mark.usefixtures("few")
 CHANGED, NONE, NOT = ChangeVerdict
 
 

@@ -40,7 +40,7 @@ def step_response(time: np.ndarray, f0: float, beta: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("beta", DAMPINGS)
-@pytest.mark.parametrize(("f0", "rate"), [(2.0, 256.0), (10.0, 125.0), (15.0, 50.0), (0.3, 1000.0)])
+@pytest.mark.parametrize(("f0", "rate"), [(2.0, 256.0), (15.0, 50.0)])
 def test_step_response(f0, rate, beta) -> None:
     time = np.arange(400) / rate
     out = run(np.ones(400), f0, beta, 1 / rate)

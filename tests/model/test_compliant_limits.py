@@ -57,7 +57,9 @@ def residual(simulator: MuscleTendonSimulator, p: np.ndarray, inputs: ModelInput
     return worst
 
 
-@pytest.mark.parametrize("block", range(8))
+@pytest.mark.parametrize(
+    "block", [*range(3), *(pytest.param(k, marks=pytest.mark.slow) for k in range(3, 8))]
+)
 def test_always_solved_anywhere_in_the_bounds(block, make_inputs) -> None:
     for seed in range(25 * block, 25 * block + 25):
         rng = np.random.default_rng(seed)

@@ -23,6 +23,7 @@ from surae.settings import FitSettings
 from surae.signals.prepare import smoothed
 from surae.signals.resample import thinned
 
+pytestmark = pytest.mark.usefixtures("few")
 DEGREES = np.arange(-60.0, 45.0, 5.0)
 #: Arm of a triceps whose soleus and gastrocnemius heads have 5, 4 and 3 cm, by their areas.
 GROUP = (51.8 * 0.05 + 21.1 * 0.04 + 9.7 * 0.03) / (51.8 + 21.1 + 9.7)

@@ -24,6 +24,7 @@ from surae.report.joint import relabelled
 from surae.report.language import catalogue
 from surae.report.traces import traces_of
 
+pytestmark = pytest.mark.usefixtures("few")
 FILES = Path(__file__).parents[2] / "examples" / "wrist"
 WRIST = {"joint": str(FILES / "joint.toml"), "geometry": str(FILES / "geometry.csv")}
 TRUTH = {
@@ -220,9 +221,8 @@ def test_a_session_and_its_page_are_of_the_joint(trial, tmp_path) -> None:
     assert result.joint.values["l0_tri"] == pytest.approx(TRUTH["l0_tri"], rel=0.05)
     said = read_of(tmp_path / "out" / "report.html")
     assert [line for line in said.split(".") if OF_THE_ANKLE.search(line)] == []
-    for language in ("nl", "de", "fr"):
-        result.report(tmp_path / "page.html", before=result, language=language)
-        assert not TRANSLATED.search(read_of(tmp_path / "page.html"))
+    result.report(tmp_path / "page.html", before=result, language="nl")
+    assert not TRANSLATED.search(read_of(tmp_path / "page.html"))
 
 
 @pytest.mark.parametrize("language", ["nl", "de", "fr"])

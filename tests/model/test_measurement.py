@@ -16,7 +16,7 @@ from surae.signals import emg_levels, smooth_effort
 LEVELS = (3e-4, 2e-4, 4e-4, 3e-4)
 OPTIONS = ModelOptions(emg_ref=LEVELS)
 GROUPS = [name for name in OPTIONAL if name not in ("emd", "reflex")]
-WITH_CURVES = ("muscle-tendon", "muscle-tendon-strain", "muscle-tendon-toe")
+WITH_CURVES = ("muscle-tendon",)
 CROSSTALK_VALUES = dict(zip(CROSSTALK.values(), np.linspace(0.01, 0.08, 12), strict=True))
 RESTS = dict(zip(OPTIONAL["emg_rest"], (9e-6, -4e-6, 2e-6, 6e-6), strict=True))
 DRIFTS = dict(zip(OPTIONAL["emg_drift"], (0.2, -0.1, 0.05, 0.3), strict=True))
@@ -55,7 +55,9 @@ CURVES = {
     "fl_short_tri": 0.3, "fl_short_tib": -0.2, "fl_long_tri": 0.4, "fl_long_tib": 0.1,
     "fv_speed": 0.2, "fv_curve": -0.3, "fv_stretch": 0.25,
 }  # fmt: skip
-every_model = pytest.mark.parametrize("name", MODELS)
+#: One of each class; those of compliant tendons differ in what is free (test_compliant.py).
+KINDS = ("muscle", *WITH_CURVES, "muscle-2010")
+every_model = pytest.mark.parametrize("name", KINDS)
 
 
 def tied(name, inputs, options=OPTIONS, **values):
@@ -260,7 +262,7 @@ def test_angle_of_an_ankle_beside_the_axis() -> None:
 
 
 # Not that of 2010, whose low-pass comes between.
-@pytest.mark.parametrize("name", [name for name in MODELS if name != "muscle-2010"])
+@pytest.mark.parametrize("name", KINDS[:2])
 def test_drift_is_taken_out_to_first_order(name, inputs) -> None:
     elapsed = np.linspace(-0.5, 0.5, inputs.n)
     drift = np.array([1e-4, -2e-4, 3e-4, 1e-4])

@@ -107,11 +107,6 @@ def test_vector_is_in_the_order_of_the_model_not_of_the_mapping() -> None:
     assert p.tolist() == [float(i + 1) for i in range(15)]
 
 
-def test_vector_takes_numbers_of_any_kind() -> None:
-    p = vector(m=2, k_tri=np.float32(128), tau_rel=np.int64(3))
-    assert p[[0, 1, 5]].tolist() == [2.0, 128.0, 3.0]
-
-
 @every_model
 def test_vector_fills_in_what_is_not_free(name) -> None:
     spec = MODELS[name]

@@ -58,7 +58,7 @@ def test_toe_and_line_join_with_one_slope(name) -> None:
 
 
 @every_curve
-@pytest.mark.parametrize("part", [0.1, 0.7, 0.99, 1.01, 1.3, 3.0])
+@pytest.mark.parametrize("part", [0.1, 0.99, 1.01, 3.0])
 def test_derivatives_against_richardson(name, part) -> None:
     q = CURVES[name]
     curve = tendon_curve(*q)

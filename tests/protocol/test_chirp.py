@@ -52,8 +52,3 @@ def test_profile_and_chirp_span_exactly_the_range(name, amplitude, rate, low):
     assert start < end
     assert total.min() == pytest.approx(rom[0], abs=1e-9)
     assert total.max() == pytest.approx(rom[1], abs=1e-9)
-
-
-def test_without_a_chirp_the_profile_has_the_whole_range():
-    fraction = PROFILES["sine"].position(T)
-    assert base_range(fraction, np.zeros_like(T), (-0.9, 0.6)) == pytest.approx((-0.9, 0.6))

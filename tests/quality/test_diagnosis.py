@@ -98,7 +98,7 @@ def test_a_unit_and_a_sign_that_are_wrong_are_both_named() -> None:
     assert set(told(changed)) == {"torque-unit", "angle-sign"}
 
 
-@pytest.mark.parametrize("seed", range(460000, 460006))
+@pytest.mark.parametrize("seed", range(460000, 460002))
 def test_nothing_is_said_of_right_recordings_with_crosstalk_delay_and_noise(planted, seed) -> None:
     signals = planted.signals(seed)
     mixed = np.eye(4) + 0.05 * (1.0 - np.eye(4))

@@ -12,7 +12,7 @@ from surae.cli import main
 from surae.protocol import Protocol, generate
 from surae.recording import write_csv
 from surae.studies import virtual_subject, virtual_trial
-from undrawn import blank_figures
+from undrawn import blank_figures, few_legs
 
 
 class Done(NamedTuple):
@@ -123,5 +123,5 @@ def other_leg(tmp_path_factory):
 def done(leg, tmp_path_factory):
     """The leg's session, fitted: its folder and its result."""
     folder = tmp_path_factory.mktemp("out")
-    with blank_figures():
+    with blank_figures(), few_legs():
         return folder, surae.session(leg).run(folder, model="muscle", prepared=True, starts=1)

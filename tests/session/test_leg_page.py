@@ -26,6 +26,7 @@ from surae.report.language import REASONS, catalogue, words_in
 from surae.report.leg import first_answer
 from undrawn import blank_figures
 
+pytestmark = pytest.mark.usefixtures("few")
 TRANSLATED = LANGUAGES[1:]
 #: Calls whose text `pybabel extract` takes for the catalogue, as `make messages` names them.
 MARKS = {"_": None, "N_": None, "self": None, "many": (1, 2)}

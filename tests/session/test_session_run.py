@@ -15,6 +15,7 @@ from surae.report.document import TableCell
 from surae.report.trials import crossings
 from surae.trials import Crossed
 
+pytestmark = pytest.mark.usefixtures("few")
 QUICK = {"model": "muscle", "prepared": True, "starts": 1}
 
 

@@ -1,6 +1,5 @@
 """An EMG delay and a stretch reflex: switched on, moved, fitted; and a fit that is followed."""
 
-import json
 from typing import Any
 
 import numpy as np
@@ -54,23 +53,6 @@ def test_a_slider_moves_the_delay(browser, recorded, trial) -> None:
     assert answer["modelled"] == pytest.approx(torque.tolist(), rel=1e-5, abs=1e-5)
     still = browser.post("/api/live", json={"values": {}, "points": 2000}).json()
     assert still["modelled"] != answer["modelled"]
-
-
-def test_a_fit_with_a_delay_is_that_of_surae_fit(browser, recorded, trial, tmp_path) -> None:
-    browser.change(
-        recordings=[recorded], prepared=True, starts=1, parameters={"emd": {"free": True}}
-    )
-    job, events = browser.followed()
-    assert any("emd" in data.get("values", {}) for event, data in events if event == "progress")
-    assert job["state"] == "done", job
-    kept = browser.get(f"/api/fits/{job['result']}/fit.json").json()
-    surae.fit(trial, "muscle", prepared=True, starts=1, free=("emd",)).save(tmp_path / "fit.json")
-    ours = json.loads((tmp_path / "fit.json").read_text())
-    assert kept["parameters"] == ours["parameters"]
-    assert "emd" in kept["parameters"]
-    cohort = browser.get("/api/cohort").json()
-    assert "emd" in {column["name"] for column in cohort["columns"]}
-    assert browser.delete(f"/api/fits/{job['result']}").status_code == 204
 
 
 @pytest.fixture(scope="module")
