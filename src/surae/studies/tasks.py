@@ -23,7 +23,7 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 #: Folders whose code a result depends on.
 _COMPUTING = ("signals", "model", "protocol", "estimation", "assessment", "studies")
 #: Modules of this folder that plan, keep and hand on results, and change none.
-BOOKKEEPING = ("run", "store", "study")
+BOOKKEEPING = ("store", "study")
 _LIBRARIES = ("numba", "numpy", "scipy")
 
 
