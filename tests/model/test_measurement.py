@@ -45,6 +45,8 @@ VALUES = {
     "arm_bend_tib": -0.1,
     "path_scale_tri": 0.1,
     "path_scale_tib": -0.05,
+    "path_bend_tri": 0.004,
+    "path_bend_tib": -0.003,
     "length_zero_tri": 0.002,
     "length_zero_tib": -0.004,
     "emg_power": -0.25,

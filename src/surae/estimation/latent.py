@@ -92,6 +92,10 @@ class Latents:
         fast = Fast.of(recording, muscles)
         return cls(gain, drift, misfit, muscles, slices, inverses, fast, films)
 
+    def of_active(self, *active: FloatArray) -> FloatArray:
+        """What each value of the misfit adds, of the groups' active torques [Nm], shape (30, n)."""
+        return np.concatenate([self.misfit * own for own in active])
+
     def own_of_films(self) -> tuple[slice, ...]:
         """Where the latent values of each film are."""
         return slices_of(self.films, self.slices[SOURCES[-1]].stop)

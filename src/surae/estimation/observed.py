@@ -2,6 +2,9 @@
 
 A posterior's noise and the sizes of its latents change more often than its point, so that what they
 do not touch is kept: a recording is simulated once for each point.
+
+What no model has is in parts of each muscle group's active torque as it was where a descent began:
+an addition that no parameter moves, so that the derivatives of all else stay exact.
 """
 
 from collections import deque
@@ -23,6 +26,9 @@ from surae.units import FloatArray
 
 #: Points that are kept of each recording: the best one, and the one that is tried.
 _KEPT = 2
+#: Active state over which it reaches zero in a search [N]: resting muscles cross zero at one value
+#: of crosstalk or of EMG at rest, at which the model's kink would stop it.
+_SMOOTH = 2.0
 
 
 class SensorRows:
@@ -73,18 +79,28 @@ class Observed:
     def __init__(self, at: Coordinates, latents: Sequence[Latents]) -> None:
         self._at, self._latents = at, latents
         self._inputs, self._spec = at.problem.inputs, at.problem.spec
-        self._simulators = simulators(at.problem)
+        self._simulators: list[Any] = list(simulators(at.problem))
+        for simulator in self._simulators:
+            simulator.rest = _SMOOTH
         self._gains = [_short(each.gain) for each in latents]
         self.simulated = 0  #: Recordings that were simulated with derivatives.
+        #: What the misfit's values add to each recording's torque, once its descent began.
+        self._added: list[FloatArray | None] = [None for _ in self._inputs]
         self._kept: list[deque[tuple[bytes, list[SensorRows]]]] = [
             deque(maxlen=_KEPT) for _ in self._inputs
         ]
+
+    def anew(self) -> None:
+        """Begin a descent: active torques of its first point hold from now on."""
+        self._added = [None for _ in self._inputs]
+        for kept in self._kept:
+            kept.clear()
 
     def _set(
         self, z: FloatArray, c: FloatArray, w: FloatArray, number: int
     ) -> tuple[Any, ModelInputs, Latents, FloatArray]:
         """The simulator of a recording at a point, and its parameter vector."""
-        simulator: Any = self._simulators[number]
+        simulator = self._simulators[number]
         recording, latents = self._inputs[number], self._latents[number]
         values = self._at.values(z, number)
         gain = latents.log_gain(c) if c.any() else None
@@ -103,11 +119,12 @@ class Observed:
         simulator, recording, latents, values = self._set(z, c, w, number)
         torque = simulator.torque(values)
         lift = c[latents.slices["drift"]] @ latents.drift
-        misfit = c[latents.slices["misfit"]]
+        misfit, added = c[latents.slices["misfit"]], self._added[number]
         if misfit.any():
-            parts = simulator.parts(values)
-            bend = misfit.reshape(2, -1) @ latents.misfit
-            lift = lift + bend[0] * parts.neural_tri + bend[1] * parts.neural_tib
+            if added is None:
+                parts = simulator.parts(values)
+                added = latents.of_active(parts.neural_tri, parts.neural_tib)
+            lift = lift + misfit @ added
         return np.asarray(torque + lift - measured(recording))
 
     def plain_residual(self, z: FloatArray, recording: ModelInputs, number: int) -> FloatArray:
@@ -120,7 +137,7 @@ class Observed:
 
     def effort(self, z: FloatArray, number: int) -> FloatArray:
         """Active states of both muscle groups together [N], shape (n,)."""
-        simulator: Any = self._simulators[number]
+        simulator = self._simulators[number]
         return np.asarray(simulator.active_states(self._at.values(z, number)).sum(axis=0))
 
     def rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
@@ -145,10 +162,10 @@ class Observed:
         if at.zeros:
             whole[len(scale) + number] = 1.0
         own = whole[q:-1]
-        half, misfit = len(latents.misfit), latents.slices["misfit"].start
-        for group in range(2):
-            begin = misfit + group * half
-            own[begin : begin + half] = latents.misfit * tangent.active[group]
+        added = self._added[number]
+        if added is None:
+            added = self._added[number] = latents.of_active(*tangent.active)
+        own[latents.slices["misfit"]] = added
         own[latents.slices["drift"]] = latents.drift
         self._gain_rows(tangent.response, number, own)
         drift = latents.slices["drift"].start

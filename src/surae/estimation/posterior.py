@@ -233,6 +233,7 @@ class LogPosterior(Coordinates):
         z = np.clip(z, self.lower, self.upper)
         c = self.still() if c is None else tuple(c)
         w = self.expected() if w is None or self.fast is None or not len(w[0]) else tuple(w)
+        self.observed.anew()
         blocks = self.blocks(z, c, w)
         cost = sum(b.cost for b in blocks) + self.prior_cost(z)
         damping, growth = 1e-3, 2.0

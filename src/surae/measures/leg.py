@@ -18,6 +18,7 @@ from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_mod
 from surae.model.contraction import CF, FECC, MVSH
 from surae.model.equilibrium import solve
 from surae.model.geometry import paths
+from surae.model.movement import OWN_PATH
 from surae.model.tendon import TendonCurve, tendon_curve, tendon_force
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -117,11 +118,8 @@ class Leg:
 
     def _path(self, group: str) -> "_Path":
         """Path of a group, with an arm and a length of its own where the leg has them."""
-        own = (
-            self.values.get(f"{name}_{group}", 0.0)
-            for name in ("arm_scale", "arm_slope", "arm_bend", "path_scale", "length_zero")
-        )
-        return _Path(group, self.options, self._geometry, tuple(own), self._second)
+        own = tuple(self.values.get(f"{name}_{group}", 0.0) for name in OWN_PATH)
+        return _Path(group, self.options, self._geometry, own, self._second)
 
     @cached_property
     def _second(self) -> float | None:
@@ -327,7 +325,7 @@ class _Path(NamedTuple):
     #: What was computed of these options, by group, angle and angle of the second joint.
     geometry: dict[tuple[str, float, float | None], _Assumed]
     #: What the leg's own differ by, as of `surae.model.movement`: scale, slope and bend of the arm,
-    #: scale of the path, and the length's zero.
+    #: scale and bend of the path, and the length's zero.
     own: tuple[float, ...]
     second: float | None  #: Angle of a second joint [rad].
 
@@ -335,7 +333,7 @@ class _Path(NamedTuple):
         """Length of muscle and tendon beyond the tendon's slack length [m]."""
         rest = self._assumed(0.0, None).length
         travel = self.assumed(angle).length - rest
-        return rest + self.own[4] + math.exp(self.own[3]) * travel
+        return rest + self.own[5] + math.exp(self.own[3]) * travel + self.own[4] * angle**2
 
     def assumed(self, angle: float) -> _Assumed:
         """As the geometry assumes it."""
@@ -343,7 +341,7 @@ class _Path(NamedTuple):
 
     def lengthening(self, angle: float) -> float:
         """Its derivative by the angle [m/rad]."""
-        return math.exp(self.own[3]) * self.assumed(angle).slope
+        return math.exp(self.own[3]) * self.assumed(angle).slope + 2.0 * self.own[4] * angle
 
     def arm_at(self, angle: float) -> tuple[float, float]:
         """Moment arm [m] and its derivative by the angle [m/rad]."""

@@ -72,8 +72,8 @@ def stages(length: FloatArray, speed: FloatArray, dt: float) -> FloatArray:
 def compliant_states(
     p: FloatArray, slots: IntArray, strain_length: float, arm: FloatArray, lengths: FloatArray,
     alphas: FloatArray, alpha_slopes: FloatArray, alpha_slots: IntArray, length_slopes: FloatArray,
-    length_slots: IntArray, factor: float, dt: float, states: FloatArray, jacobian: FloatArray,
-    linear: FloatArray, seen: FloatArray,
+    length_slots: IntArray, factor: float, dt: float, rest: float, states: FloatArray,
+    jacobian: FloatArray, linear: FloatArray, seen: FloatArray,
 ) -> int:  # fmt: skip
     """States of a muscle group, by (2) to (21), (25), (26), and derivatives of its torque.
 
@@ -103,6 +103,8 @@ def compliant_states(
         vmax in optimal lengths per second.
     dt : float
         Sample time [s].
+    rest : float
+        Active state over which it reaches zero [N]: ½·(α + √(α² + rest²)) pulls; 0 for a kink.
     states : ndarray, shape (5, n)
         Is filled: length x [m], speed x' [m/s], tendon elongation [m], tendon force [N] and passive
         force F_elas [N].
@@ -180,8 +182,10 @@ def compliant_states(
         for stage in range(1 if i == 0 else 0, 2):
             if i > 0:  # guess: the quadratic through the three stages before
                 raw = alphas[stage, i]
-                alpha = max(raw, 0.0)
-                pulling = 1.0 if raw >= 0.0 else 0.0
+                alpha, pulling = max(raw, 0.0), 1.0 if raw >= 0.0 else 0.0
+                if rest > 0.0:
+                    far = math.sqrt(raw * raw + rest * rest)
+                    alpha, pulling = 0.5 * (raw + far), 0.5 * (1.0 + raw / far)
                 if stage == 0:
                     rigid, x_before, z_before = lengths[0, i], x_now + lengths[2, i], z_now
                     guess = e_2 + 2.0 / _RHO * (e_2 - e_1) - (e_1 - e_0)

@@ -74,14 +74,9 @@ def gravity_slope(
 _AXIS, _GIVE = OPTIONAL["axis"], "plate_give"
 #: What turns the joint, and what it is to `JointAxis`.
 _TURNING = {"angle_zero": "angle", **dict(zip(_AXIS, ("forward", "up"), strict=True)), _GIVE: ""}
-#: What changes a muscle's path, by group.
-_PATH = tuple(
-    tuple(
-        f"{of}_{group}"
-        for of in ("arm_scale", "arm_slope", "arm_bend", "path_scale", "length_zero")
-    )
-    for group in ("tri", "tib")
-)
+#: What changes a muscle's path, and the same by group.
+OWN_PATH = ("arm_scale", "arm_slope", "arm_bend", "path_scale", "path_bend", "length_zero")
+_PATH = tuple(tuple(f"{of}_{group}" for of in OWN_PATH) for group in ("tri", "tib"))
 _MOVING = (*_TURNING, *_PATH[0], *_PATH[1])
 
 
@@ -193,7 +188,9 @@ class Movement:
         rest = paths(angle=np.zeros(1), velocity=np.zeros(1), options=options)
         muscles = []
         for group, path in enumerate(plain):
-            bent, by_own = _own_path(path, float(rest[group].length[0]), joint.angle, given, group)
+            at_rest = float(rest[group].length[0])
+            turned = joint.angle, joint.factor * velocity
+            bent, by_own = _own_path(path, at_rest, *turned, given, group)
             arm, length, speed = np.zeros((3, len(columns), inputs.n))
             for row, name in enumerate(columns):
                 if name in by_own:
@@ -220,28 +217,29 @@ class Movement:
 
 
 def _own_path(
-    path: Path, at_rest: float, angle: FloatArray, given: Mapping[str, float], group: int
-) -> tuple[Path, dict[str, tuple[FloatArray, FloatArray, FloatArray]]]:
+    path: Path, at_rest: float, angle: FloatArray, velocity: FloatArray,
+    given: Mapping[str, float], group: int,
+) -> tuple[Path, dict[str, tuple[FloatArray, FloatArray, FloatArray]]]:  # fmt: skip
     """A group's path with an arm and a length of its own, and its derivatives by what they are.
 
-    r' = r·e^scale·(1 + slope·θ + bend·θ²),  x' = x(0) + length_zero + e^path·(x − x(0)).
+    r' = r·e^scale·(1 + slope·θ + bend·θ²),  x' = x(0) + length_zero + e^path·(x − x(0)) + turn·θ².
 
     Derivatives are of arm, length and speed.
     """
     names = _PATH[group]
     if not any(name in given for name in names):
         return path, {}
-    scale, slope, bend, longer, zero = (given.get(name, 0.0) for name in names)
+    scale, slope, bend, longer, turn, zero = (given.get(name, 0.0) for name in names)
     grown, still = np.exp(scale), np.zeros_like(angle)
     bent = grown * (1.0 + slope * angle + bend * angle**2)
     arm, stretch = bent * path.arm, np.exp(longer)
     travel, speed = stretch * (path.length - at_rest), stretch * path.speed
     own = Path(
         arm,
-        at_rest + zero + travel,
-        speed,
-        stretch * path.slope,
-        stretch * path.bend,
+        at_rest + zero + travel + turn * angle**2,
+        speed + 2.0 * turn * angle * velocity,
+        stretch * path.slope + 2.0 * turn * angle,
+        stretch * path.bend + 2.0 * turn,
         path.arm_slope * bent + grown * path.arm * (slope + 2.0 * bend * angle),
         stretch * path.swept,
     )
@@ -250,6 +248,7 @@ def _own_path(
         (grown * angle * path.arm, still, still),
         (grown * angle**2 * path.arm, still, still),
         (still, travel, speed),
+        (still, angle**2, 2.0 * angle * velocity),
         (still, np.ones_like(angle), still),
     )
     return own, {name: slopes for name, slopes in zip(names, by, strict=True) if name in given}

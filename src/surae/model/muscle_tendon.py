@@ -133,6 +133,8 @@ class MuscleTendonSimulator(TiedModel):
         self._strain_lengths = np.ones(2) if in_metres else self._slack
         self._staged: dict[int, tuple[FloatArray, FloatArray]] = {}
         self._curves = [[self._at.get(name, -1) for name in names] for names in _CURVES]
+        #: Active state over which it reaches zero [N]; 0 is the model, with its kink.
+        self.rest = 0.0
 
     def tendon(self, values: FloatArray) -> TendonState:  # type: ignore[override]
         """Lengths, velocities and forces of muscles and tendons over time."""
@@ -205,8 +207,8 @@ class MuscleTendonSimulator(TiedModel):
         compliant_states(
             np.append(p, 0.0)[columns], np.append(into.slots, len(into.jacobian) - 1)[columns],
             float(self._strain_lengths[group]), muscle.arm, lengths, active.alpha, active.slopes,
-            into.slots[active.columns], slopes, into.turned, self._factor, self._dt, states,
-            into.jacobian, linear, seen,
+            into.slots[active.columns], slopes, into.turned, self._factor, self._dt, self.rest,
+            states, into.jacobian, linear, seen,
         )  # fmt: skip
         return states
 

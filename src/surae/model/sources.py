@@ -264,11 +264,13 @@ _SOURCES = (
         Fill("series-2"),
         Nuisance(
             "arm", OPTIONAL["arm"], Gaussian(0.0, 0.15), "",
-            "moment arms differ by 6 to 12 % between adults (Maganaris et al. 1998, 1999)",
+            "moment arms differ by 6 to 12 % between adults (Maganaris et al. 1998, 1999); muscles "
+            "travel by half more or less in published geometries; bends are assumed",
             of_leg=True, departs=True,
             own=FrozenDict(
                 {f"arm_scale_{g}": Gaussian(0.0, 0.06) for g in ("tri", "tib")}
-                | {f"path_scale_{g}": Gaussian(0.0, 0.1) for g in ("tri", "tib")}
+                | {f"path_scale_{g}": Gaussian(0.0, 0.3) for g in ("tri", "tib")}
+                | {f"path_bend_{g}": Gaussian(0.0, 0.005) for g in ("tri", "tib")}
             ),
             # two readers of one image differ by 3 %; what else is assumed
             measured=FrozenDict(
@@ -276,6 +278,7 @@ _SOURCES = (
                  for g in ("tri", "tib")}
                 | {f"{of}_{g}": Gaussian(0.0, 0.05) for of in ("arm_slope", "arm_bend")
                    for g in ("tri", "tib")}
+                | {f"path_bend_{g}": Gaussian(0.0, 0.002) for g in ("tri", "tib")}
             ),
         ),
     ),
