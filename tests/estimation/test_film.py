@@ -160,18 +160,6 @@ def test_frames_count_for_as_little_as_the_slow_part_of_their_noise_says() -> No
     assert model.variance > 4.0 * np.var(np.diff(slow))
 
 
-def test_a_filmed_muscles_travel_is_left_to_the_film(filmed) -> None:
-    recording, _ = filmed
-    alone = replace(recording, films=recording.films[1:])  # the tibialis
-    sd = {
-        name: belief.sd
-        for name, belief in _Search(make_problem([alone], "auto"), None)._beliefs.items()
-    }
-    assert sd["path_scale_tib"] > 2.0 * sd["path_scale_tri"]
-    asked = make_problem([alone], "auto", nuisances={"path_scale_tib": (0.0, 0.05)})
-    assert _Search(asked, None)._beliefs["path_scale_tib"].sd == 0.05
-
-
 def test_the_trackers_drift_is_followed_faster_than_it_forgets(posterior) -> None:
     film = posterior.latents[0].films[0]
     apart = np.diff([film.length.size * row.argmax() / row.size for row in film.drift]) / 30.0

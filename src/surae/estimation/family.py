@@ -19,7 +19,7 @@ import numpy as np
 from surae.errors import InputError
 from surae.estimation.coordinates import is_straight
 from surae.estimation.evidence import subsets
-from surae.estimation.film import TRAVEL, group_of_film, names_of_film
+from surae.estimation.film import names_of_film
 from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.latent import SOURCES, Latents
@@ -114,11 +114,6 @@ class _Search:
             ).items()
             if name not in held and not _needless(name, self._silent, filmed)
         }
-        if isinstance(problem.settings.nuisances, str):
-            groups = {group_of_film(f.channel) for r in problem.inputs for f in r.films}
-            for name in (f"path_scale_{('tri', 'tib')[group]}" for group in groups):
-                if name in self._beliefs:
-                    self._beliefs[name] = replace(self._beliefs[name], sd=TRAVEL)
         self._options = problem.options
         if self._options.emg_ref is None:
             self._options = replace(self._options, emg_ref=emg_levels(problem.inputs))

@@ -20,9 +20,6 @@ from surae.units import FloatArray
 
 #: A tracker's drift [m], its correlation time and the distance of its hats [s].
 DRIFT, DRIFT_S, _STEP_S, _MOST = 1e-3, 5.0, 1.0, 60
-#: Standard deviation of the logarithm of a filmed muscle's travel over the assumed one: the film
-#: shows it, and geometries disagree by half (thesis and virtual work).
-TRAVEL = 0.3
 #: Noise from which a search begins, and the least [m]; largest order of its model; frames a second
 #: that are used, and the fewest of a film.
 _BEGIN, _LEAST, _ORDER, _RATE, _FEWEST = 1.5e-3, 1e-4, 8, 40.0, 20
