@@ -92,8 +92,9 @@ def leg(tmp_path_factory):
 
 
 MOVES = Protocol(
-    profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.2, rate_hz=50.0, task="active"
-)
+    profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.2, rate_hz=50.0, task="active",
+    duration=20.0,
+)  # fmt: skip
 
 
 def write_trial(path, trial):

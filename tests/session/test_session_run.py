@@ -143,7 +143,7 @@ def test_ctrl_c_keeps_what_is_done(leg, tmp_path, monkeypatch):
 @pytest.mark.usefixtures("words_alone")
 def test_holds_alone_identify_nothing(leg, tmp_path, run):
     done = run("session", leg / "hold.csv", "--output", tmp_path / "out", "--model", "muscle",
-               "--prepared")  # fmt: skip
+               "--prepared", "--workers", 1)  # fmt: skip
     assert done.code == 1
     assert "no trial could be fitted" in done.err
     index = json.loads((tmp_path / "out" / "session.json").read_text())
@@ -201,14 +201,14 @@ def test_what_was_there_already_is_no_measure_of_the_time_left(done, leg, tmp_pa
 @pytest.mark.usefixtures("words_alone")
 def test_the_command(leg, tmp_path, run):
     done = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
-               "--starts", 1, "--figure", tmp_path / "out" / "trials.svg")  # fmt: skip
+               "--starts", 1, "--workers", 1, "--figure", tmp_path / "out" / "trials.svg")  # fmt: skip
     assert done.code == 0
     assert (tmp_path / "out" / "trials.svg").exists()
     assert "could not be read: broken" in done.err
     assert "[6/6] all together" in done.err
     assert "joint" in done.out
     again = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
-                "--starts", 1)  # fmt: skip
+                "--starts", 1, "--workers", 1)  # fmt: skip
     assert again.err.count("(kept)") == 4
     assert run("session", leg, "--output", tmp_path / "o", "--mvc", "x.csv").code == 2
 
