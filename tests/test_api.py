@@ -53,13 +53,7 @@ def same(first, other):
 
 def test_fit_of_any_form_of_recording(fit, inputs, path):
     recording = surae.read(path)
-    for given in (
-        (inputs,),
-        str(path),
-        [path],
-        recording,
-        surae.prepare(recording, prepared=True),
-    ):
+    for given in ((inputs,), str(path), [path], recording, surae.prepare(recording, prepared=True)):
         same(surae.fit(given, "muscle", prepared=True, starts=1), fit)
 
 

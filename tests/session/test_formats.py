@@ -157,10 +157,7 @@ def test_moments_of_force_plates_are_named_as_such(shared):
             assert f"force plate {number}" in moment.remark
             assert "not the ankle's" in moment.remark
     assert "not the ankle's" not in channels["FX1"].remark
-    assert {c.column for c in found.open["torque"]} == {
-        "A22:LAnkleMoment.X",
-        "A22:RAnkleMoment.X",
-    }
+    assert {c.column for c in found.open["torque"]} == {"A22:LAnkleMoment.X", "A22:RAnkleMoment.X"}
 
 
 def test_an_ankle_beside_a_thigh_stays_the_ankle(tmp_path):
