@@ -201,20 +201,9 @@ def test_what_was_there_already_is_no_measure_of_the_time_left(done, leg, tmp_pa
 @pytest.mark.usefixtures("words_alone")
 def test_the_command(leg, tmp_path, run):
     done = run(
-        "session",
-        leg,
-        "--output",
-        tmp_path / "out",
-        "--model",
-        "muscle",
-        "--prepared",
-        "--starts",
-        1,
-        "--workers",
-        1,
-        "--figure",
-        tmp_path / "out" / "trials.svg",
-    )
+        "session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
+        "--starts", 1, "--workers", 1, "--figure", tmp_path / "out" / "trials.svg",
+    )  # fmt: skip
     assert done.code == 0
     assert (tmp_path / "out" / "trials.svg").exists()
     assert "could not be read: broken" in done.err
