@@ -200,17 +200,15 @@ def test_what_was_there_already_is_no_measure_of_the_time_left(done, leg, tmp_pa
 
 @pytest.mark.usefixtures("words_alone")
 def test_the_command(leg, tmp_path, run):
-    done = run(
-        "session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
-        "--starts", 1, "--workers", 1, "--figure", tmp_path / "out" / "trials.svg",
-    )  # fmt: skip
+    command = ("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
+               "--starts", 1, "--workers", 1)  # fmt: skip
+    done = run(*command, "--figure", tmp_path / "out" / "trials.svg")
     assert done.code == 0
     assert (tmp_path / "out" / "trials.svg").exists()
     assert "could not be read: broken" in done.err
     assert "[6/6] all together" in done.err
     assert "joint" in done.out
-    again = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
-                "--starts", 1, "--workers", 1)  # fmt: skip
+    again = run(*command)
     assert again.err.count("(kept)") == 4
     assert run("session", leg, "--output", tmp_path / "o", "--mvc", "x.csv").code == 2
 
