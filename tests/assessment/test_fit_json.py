@@ -327,6 +327,7 @@ def overflown(request, result):
 def test_a_model_that_overflows_is_a_status_with_advice(overflown):
     assert overflown.status == "failed"
     assert "overflows" in overflown.message
+    assert "give another start or bounds" in overflown.message
     found = assess(overflown)
     assert math.isnan(found.vaf)
     assert found.ipde is None
