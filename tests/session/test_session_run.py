@@ -121,7 +121,7 @@ def test_a_run_resumes_and_notices_what_changed(done, leg, tmp_path, monkeypatch
     assert made == [["walk 2"], ["passive", "walk 1", "walk 2"]]
 
 
-@pytest.mark.usefixtures("words_alone")
+@pytest.mark.usefixtures("figures_made")
 def test_ctrl_c_keeps_what_is_done(leg, tmp_path, monkeypatch):
     whole, calls = session_run.fit_inputs, []
 
@@ -140,7 +140,7 @@ def test_ctrl_c_keeps_what_is_done(leg, tmp_path, monkeypatch):
     assert "This run was stopped" in (tmp_path / "out" / "report.html").read_text()
 
 
-@pytest.mark.usefixtures("words_alone")
+@pytest.mark.usefixtures("figures_made")
 def test_holds_alone_identify_nothing(leg, tmp_path, run):
     done = run("session", leg / "hold.csv", "--output", tmp_path / "out", "--model", "muscle",
                "--prepared", "--workers", 1)  # fmt: skip
@@ -262,7 +262,7 @@ def test_measured_trials_by_the_plain_model(shared, tmp_path, run):
     assert np.isfinite(result.joint_predictions["Pas_20"].bias)
 
 
-@pytest.mark.usefixtures("words_alone")
+@pytest.mark.usefixtures("figures_made")
 def test_trials_that_contradict_each_other_are_told(done, leg, other_leg, tmp_path):
     """A trial of another leg beside the joint fit."""
     for name in ("walk 1", "walk 2"):
@@ -284,7 +284,7 @@ def test_trials_that_contradict_each_other_are_told(done, leg, other_leg, tmp_pa
     assert alike.count("contradict each other") == 0
 
 
-@pytest.mark.usefixtures("words_alone")
+@pytest.mark.usefixtures("figures_made")
 def test_what_is_wrong_in_every_trial_is_the_mappings(shared, tmp_path):
     """The measured trials as `inspect` proposes them, both signs unset."""
     for name in ("PL_0_01", "PL_100_01", "Pas_5"):
