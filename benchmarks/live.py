@@ -33,13 +33,9 @@ import numpy as np
 import psutil
 import pyxdf
 
-import surae
 from surae.recording.xdf_writing import mended_xdf
 from surae_workbench.live.lsl import SESSION, lsl, outlet
-from surae_workbench.live.pages import ServedRoom
 from surae_workbench.live.recorder import Recorder
-from surae_workbench.live.room import Room
-from surae_workbench.live.showing import Showing
 
 RATE, CHANNELS = 2048.0, 8
 #: Nothing is waited for longer [s].
@@ -109,6 +105,8 @@ def device(name: str, layout: int) -> None:
 
 def layouts(minutes: float, reconnections: int, seed: int = 1) -> Iterator[dict[str, object]]:
     """Each return of the stream, then what is in the files, trial by trial together."""
+    from surae_workbench.live.pages import ServedRoom  # not for what only sends
+
     choice, seconds = random.Random(seed), 60.0 * minutes / (reconnections + 1)
     told: list[str] = []
     own = psutil.Process()
@@ -261,6 +259,8 @@ def losses(count: int, seed: int = 1) -> tuple[list[float], list[float], list[fl
 def soak(minutes: int) -> Iterator[dict[str, float]]:
     """Each minute: samples missing on disk so far, frames per second, processor [% of a core],
     memory [MB]."""
+    from surae_workbench.live.showing import Showing
+
     frames: list[dict] = []
     showing = Showing(frames.append)
     roles = ("angle", "torque", "emg_ta", "emg_gl", "emg_sol", "emg_gm")
@@ -304,6 +304,9 @@ def soak(minutes: int) -> Iterator[dict[str, float]]:
 
 def trials(count: int) -> Iterator[dict[str, object]]:
     """For each trial: seconds from its end to its verdict, and seconds of a plain fit after it."""
+    import surae
+    from surae_workbench.live.room import Room
+
     with tempfile.TemporaryDirectory() as folder, process("send", "beside"):
         room = Room(folder, leg=1, joint=False)
         try:

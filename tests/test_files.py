@@ -88,6 +88,7 @@ def test_numbers_and_plain_texts_are_as_they_are() -> None:
     )
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_what_leaves_the_house_says_no_folder(tmp_path, trial_csv) -> None:
     folder = tmp_path / "Jan Jansen"
     folder.mkdir()

@@ -5,8 +5,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
+from matplotlib.figure import Figure
 
 from surae.measures import compute
+from surae.report import leg, session
 
 #: An image of one dot.
 _PNG = base64.b64decode(
@@ -25,9 +27,17 @@ def few_legs() -> Iterator[None]:
 
 
 @contextmanager
-def blank_figures() -> Iterator[None]:
-    """Figures are a dot each: to draw them takes longer than all else of a small report."""
+def blank_figures(*, made: bool = True) -> Iterator[None]:
+    """Figures are a dot each: to draw them takes longer than all else of a small report.
+
+    Those of a session are not even `made` where another test makes the same.
+    """
+    dot = Figure()
     with pytest.MonkeyPatch.context() as patched:
+        for module in () if made else (leg, session):
+            for name in vars(module).copy():
+                if name.endswith(("_figure", "shares_bar")):
+                    patched.setattr(module, name, lambda *_, **__: dot)
         for module in ("output", "figures"):
             patched.setattr(f"surae.report.{module}.png", lambda *_: _PNG)
             patched.setattr(f"surae.report.{module}.svg", lambda *_: _SVG)

@@ -327,6 +327,7 @@ def overflown(request, result):
 def test_a_model_that_overflows_is_a_status_with_advice(overflown):
     assert overflown.status == "failed"
     assert "overflows" in overflown.message
+    assert "give another start or bounds" in overflown.message
     found = assess(overflown)
     assert math.isnan(found.vaf)
     assert found.ipde is None
@@ -384,11 +385,7 @@ def test_tables_that_are_no_parameters(content, tmp_path):
         (("parameters", "m", "free"), 1, r"parameters\.m\.free: 1 is not true or false"),
         (("traces", 1, "emg"), encode(np.zeros((3, 4))), r"traces\[1\]\.emg: an array is \[3, 4\]"),
         (("traces", 1, "residual", "data"), "AAAA", r"traces\[1\]\.residual: "),
-        (
-            ("traces", 0, "files"),
-            [{"path": "a"}],
-            r"traces\[0\]\.files\[0\]\.sha256: it is",
-        ),
+        (("traces", 0, "files"), [{"path": "a"}], r"traces\[0\]\.files\[0\]\.sha256: it is"),
         (("traces", 0, "lowpass"), [6.0], r"traces\[0\]\.lowpass: \[6\.0\] are 1 values, not 2"),
         (("starts", "all", 2, "sse"), "much", r"starts\.all\[2\]\.sse: 'much'"),
         (("priors", "k_rel"), {"median": 1.0}, r"priors\.k_rel\.spread: it is missing"),

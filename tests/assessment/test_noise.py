@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from surae.assessment.residual import autocovariance
-from surae.estimation.noise import NoiseModel, autoregressive
+from surae.estimation.noise import NoiseModel, autoregressive, level_above, whitened
 
 PHI = np.array([1.6, -0.7])
 
@@ -64,3 +64,23 @@ def test_what_is_no_autocovariance_does_not_break_it(gamma):
     assert isinstance(found, NoiseModel)
     assert np.isfinite(found.spectrum(64)).all()
     assert found.uncertainty().shape == (found.order, found.order)
+
+
+def test_behind_its_own_filter_noise_is_white_and_of_variance_1():
+    model = NoiseModel(PHI, 9.0, np.zeros(1), 1e4)
+    rows = whitened(3.0 * np.stack([series(50_000, seed) for seed in (1, 2)]), model)
+    np.testing.assert_allclose(rows.std(axis=1), 1.0, rtol=0.02)
+    for row in rows:
+        assert abs(np.mean(row[1:] * row[:-1])) < 0.03
+
+
+def test_above_a_part_of_the_rate_the_spectrum_falls_no_further():
+    found, part = model_of(series(50_000), 2), 0.1
+    level, edge = level_above(found, part), int(4096 * part)
+    before, after = found.spectrum(4096), level.spectrum(4096)
+    assert level.order == found.order
+    assert before[edge:].min() < 0.05 * before[edge]
+    assert after[edge:].min() > 0.7 * before[edge]
+    expected = np.where(np.arange(2049) < edge, before, np.maximum(before, before[edge]))
+    assert after.mean() == pytest.approx(expected.mean(), rel=0.01)
+    assert level_above(found, 0.5) is found

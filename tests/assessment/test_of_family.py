@@ -14,6 +14,7 @@ from surae.protocol import Protocol, generate
 from surae.signals import Film
 from surae.studies import virtual_subject, virtual_trial
 
+pytestmark = pytest.mark.usefixtures("few")
 SCALE, ZERO = 0.02, 3e-3
 
 

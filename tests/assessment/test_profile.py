@@ -195,12 +195,9 @@ def test_one_without_influence_at_its_bound_does_not_lead_astray():
 
 def test_the_fixed_ones_stay(line):
     problem = replace(
-        line.problem,
-        free=("a", "c"),
-        base=np.array([0.0, 1.9, 0.0]),
-        lower=np.full(2, -100.0),
+        line.problem, free=("a", "c"), base=np.array([0.0, 1.9, 0.0]), lower=np.full(2, -100.0),
         upper=np.full(2, 100.0),
-    )
+    )  # fmt: skip
     fit = fit_problem(problem, starts=1)
     found = profile(fit, "a")
     assert found.others == ("c",)

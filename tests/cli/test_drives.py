@@ -12,17 +12,9 @@ from .test_simulate import columns, simulate
 
 def fit(run, *arguments: object):
     return run(
-        "fit",
-        "--model",
-        "muscle",
-        "trial.csv",
-        "--prepared",
-        "--starts",
-        "1",
-        "--output",
-        "f.json",
-        *arguments,
-    )
+        "fit", "--model", "muscle", "trial.csv", "--prepared", "--starts", "1", "--output",
+        "f.json", *arguments,
+    )  # fmt: skip
 
 
 def found(files) -> dict:

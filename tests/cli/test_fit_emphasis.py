@@ -52,12 +52,9 @@ def test_priors_of_a_population_and_given_ones(run, files) -> None:
     assert priors["f0"] == {"median": 2.0, "spread": 0.1}
     assert priors["l0_tri"] == {"median": 0.0378, "spread": 0.2}
     fit_again = surae.fit(
-        files / "trial.csv",
-        "muscle",
-        prepared=True,
-        starts=1,
+        files / "trial.csv", "muscle", prepared=True, starts=1,
         priors=("patient", {"f0": (2.0, 0.1)}),
-    )
+    )  # fmt: skip
     assert fit_again.values["m"] == fitted(files)["parameters"]["m"]["value"]
     alone = surae.fit(files / "trial.csv", "muscle", prepared=True, starts=1, priors="patient")
     assert alone.result.problem.priors["f0"].median == 1.96

@@ -27,14 +27,9 @@ pytestmark = pytest.mark.skipif(not SURAE.exists(), reason="no surae command bes
 
 def run(*arguments: str, folder: Path, **options: Any) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [SURAE, *arguments],
-        check=False,
-        cwd=folder,
-        stderr=subprocess.PIPE,
-        text=True,
-        timeout=PATIENCE,
-        **options,
-    )
+        [SURAE, *arguments], check=False, cwd=folder, stderr=subprocess.PIPE, text=True,
+        timeout=PATIENCE, **options,
+    )  # fmt: skip
 
 
 def shell(script: str, folder: Path) -> subprocess.CompletedProcess[str]:
@@ -131,16 +126,9 @@ def _end(process: "subprocess.Popen[bytes]", screen: int) -> int:
 def test_a_terminal_shows_how_far_the_fit_is_and_ctrl_c_keeps_the_best(files) -> None:
     screen, terminal = pty.openpty()
     arguments = [
-        "fit",
-        "--model",
-        "muscle",
-        "trial.csv",
-        "--prepared",
-        "--starts",
-        "10000",
-        "--output",
+        "fit", "--model", "muscle", "trial.csv", "--prepared", "--starts", "10000", "--output",
         "f.json",
-    ]
+    ]  # fmt: skip
     with subprocess.Popen(
         [SURAE, *arguments], cwd=files, stdout=subprocess.PIPE, stderr=terminal, stdin=terminal,
         text=True, env=os.environ | {"TERM": "xterm", "COLUMNS": "80"},

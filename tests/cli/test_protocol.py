@@ -8,12 +8,7 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from surae.protocol import (
-    Protocol,
-    generate,
-    named_device,
-    read_protocol,
-)
+from surae.protocol import Protocol, generate, named_device, read_protocol
 from surae.protocol.planning.torque import requested_limits
 
 from .conftest import refused

@@ -21,13 +21,9 @@ def imported(*commands: list[str], folder=None) -> set[str]:
         "print(json.dumps(sorted(sys.modules)), file=sys.__stderr__)\n"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        check=False,
-        text=True,
-        timeout=300,
+        [sys.executable, "-c", code], capture_output=True, check=False, text=True, timeout=300,
         cwd=folder,
-    )
+    )  # fmt: skip
     return {name.split(".")[0] for name in json.loads(done.stderr.splitlines()[-1])}
 
 

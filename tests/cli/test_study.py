@@ -23,7 +23,7 @@ from surae.studies.study import FACTORS
 from .conftest import refused
 from .test_startup import COMPUTING, imported
 
-#: Sixty fits of a hundredth of a second.
+#: Thirty fits of a hundredth of a second.
 STUDY = """
 name = "small"
 protocol = "ramp-and-hold"
@@ -31,9 +31,9 @@ rate_hz = 50
 starts = 1
 chirp_amplitude = [0.0, 0.1, 0.2]
 chirp_rate = [0.3, 0.5]
-subjects = 12
+subjects = 6
 """
-ROWS, FITS = 72, 60
+ROWS, FITS = 36, 30
 #: Seconds that anything may take on a computer that is busy with other things.
 PATIENCE = 300.0
 
@@ -117,18 +117,18 @@ def within(*arguments: str) -> str:
 def test_run_status_export(run, study, finished, undisturbed) -> None:
     done = run("study", "run", "study.toml", "--store", "s.db", "--workers", 1)
     assert (done.code, done.err) == (0, "")
-    assert done.out.startswith("small: 60 fits (for 72 combinations), all there; 60 computed now")
+    assert done.out.startswith("small: 30 fits (for 36 combinations), all there; 30 computed now")
     kept = outcomes(study / "s.db")
     again = run("study", "run", "study.toml", "--store", "s.db")
     assert "; 0 computed now" in again.out
     assert outcomes(study / "s.db") == kept
     status = run("study", "status", "s.db")
-    assert status.out.startswith("small: 60 of 60 fits (for 72 combinations) done (100 %)\n")
+    assert status.out.startswith("small: 30 of 30 fits (for 36 combinations) done (100 %)\n")
     assert "last run: finished\n" in status.out
     done = run("study", "export", "s.db", "--output", "table.csv")
     assert (done.code, done.err) == (0, "")
     told = re.fullmatch(
-        r"table: table\.csv, 72 rows; without its seconds it has the hash ([0-9a-f]{16})\n",
+        r"table: table\.csv, 36 rows; without its seconds it has the hash ([0-9a-f]{16})\n",
         done.out,
     )
     assert told
@@ -146,7 +146,7 @@ def test_run_status_export(run, study, finished, undisturbed) -> None:
 def test_a_changed_setting_computes_only_what_it_touches(run, ran) -> None:
     (ran / "study.toml").write_text(STUDY.replace("[0.3, 0.5]", "[0.3, 0.6]"))
     done = run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
-    assert "; 24 computed now" in done.out  # two amplitudes of twelve subjects at the new rate
+    assert "; 12 computed now" in done.out  # two amplitudes of six subjects at the new rate
 
 
 def test_wrong_use_is_one_line(run, study) -> None:
@@ -171,13 +171,13 @@ def test_the_table_never_replaces_the_store(run, ran) -> None:
 
 def test_an_unfinished_study_is_exported_as_far_as_it_is(run, ran) -> None:
     file = sqlite3.connect(ran / "s.db")
-    file.execute("DELETE FROM result WHERE key IN (SELECT key FROM plan WHERE row >= 70)")
+    file.execute("DELETE FROM result WHERE key IN (SELECT key FROM plan WHERE row >= 34)")
     file.commit()
     file.close()
     done = run("study", "export", "s.db", "--output", "table.csv")
     assert done.code == 0
-    assert done.out.startswith("table: table.csv, 70 rows;")
-    assert done.err == "surae: 2 of 72 rows are left out: they are not done yet, or damaged\n"
+    assert done.out.startswith("table: table.csv, 34 rows;")
+    assert done.err == "surae: 2 of 36 rows are left out: they are not done yet, or damaged\n"
 
 
 def test_status_imports_no_library_that_computes(run, ran) -> None:
@@ -301,7 +301,7 @@ def test_a_killed_worker_costs_a_retry(study, undisturbed) -> None:
         process.send_signal(signal.SIGCONT)
         out, err = process.communicate(timeout=PATIENCE)
     assert (process.returncode, err) == (0, "")
-    assert "; 60 computed now" in out
+    assert "; 30 computed now" in out
     assert exported(study) == undisturbed
 
 

@@ -16,11 +16,7 @@ _MADE = (
 PAGES = tuple(
     sorted(
         path.relative_to(ROOT).as_posix()
-        for path in (
-            ROOT / "README.md",
-            ROOT / "CONTRIBUTING.md",
-            *(ROOT / "docs").rglob("*.md"),
-        )
+        for path in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md"))
         if not path.relative_to(ROOT).as_posix().startswith(_MADE)
     )
 )

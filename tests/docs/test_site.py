@@ -66,10 +66,3 @@ def test_pages_show_nothing_from_outside_hosts():
     sources = [*DOCS.glob("*.md"), *DOCS.glob("*/*.md"), DOCS.parent / "README.md"]
     shown = r"!\[[^\]]*\]\(https?:|\{image\} https?:|<(?:img|script|link)\b"
     assert [path.name for path in sources if re.search(shown, path.read_text())] == []
-
-
-def test_help_names_every_model():
-    from surae import names
-    from surae.model import MODELS
-
-    assert set(names.MODELS) == set(MODELS)

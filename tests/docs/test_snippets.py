@@ -266,8 +266,7 @@ def test_commands_have_the_options_that_long_pages_give_them(workplace):
 
 @pytest.mark.usefixtures("undrawn", "small_example", "quick_fits")
 @pytest.mark.parametrize(
-    "page",
-    [pytest.param(page, marks=pytest.mark.slow if page in LONG else ()) for page in PAGES],
+    "page", [pytest.param(page, marks=pytest.mark.slow if page in LONG else ()) for page in PAGES]
 )
 def test_a_page_works_as_it_is_printed(page, workplace, surae):
     namespace: dict[str, object] = {"__name__": "printed"}

@@ -251,15 +251,6 @@ def test_at_a_bound_is_a_millionth_of_the_range(value, expected):
     assert is_at_bound(value, 1.0, 2.0) is expected
 
 
-@pytest.mark.parametrize("fixed", [{"k_tri": 1e6, "x0_tri": 1e-3}, {"m": 1e153}])
-def test_a_model_that_overflows_says_so(fixed, noisy):
-    bounds = {name: (0.5 * value, 2 * value) for name, value in fixed.items()}
-    result = fit_problem(make_problem([noisy], fixed=fixed, bounds=bounds), starts=2)
-    assert result.status == "failed"
-    assert "overflows" in result.message
-    assert "give another start or bounds" in result.message
-
-
 def test_one_start_that_overflows_among_others(clean, subject):
     # Only the default start is out of reach of the numbers.
     problem = make_problem(

@@ -13,6 +13,7 @@ from surae.estimation.learning import learnt_sizes
 from surae.estimation.noise import NoiseModel
 from surae.estimation.observed import measured
 from surae.estimation.posterior import LogPosterior
+from surae.estimation.uncertainty import shifts_by_source
 from surae.frozen import read_only
 from surae.protocol import Protocol, generate
 from surae.signals import Film
@@ -138,3 +139,16 @@ def test_what_the_data_do_not_tell_stays_as_it_was() -> None:
     posterior = posterior.having(noise=(huge,))
     point = posterior.descend(posterior.start({}), evaluations=0, tolerance=1.0)
     assert learnt_sizes(posterior, point, _BEGIN) == pytest.approx(_BEGIN, rel=1e-3)
+
+
+def test_what_makes_estimates_unsure_adds_up_to_their_covariance() -> None:
+    """V = V·JᵀJ·V + Σ V·P·V: priors, latents, films and fast gains, and the rest is noise."""
+    posterior = a_posterior(films=True).having(fast=0.1)
+    point = posterior.descend(posterior.start({}), evaluations=0, tolerance=1.0)
+    V = posterior.covariance(point)
+    shifts = shifts_by_source(posterior, point.blocks, V)
+    total = sum(by.T @ by for by in shifts.values())
+    sd = np.sqrt(np.diag(V))
+    # But for rounding, beside the widest of coordinates of very different size.
+    np.testing.assert_allclose(total / sd / sd[:, None], V / sd / sd[:, None], atol=1e-3)
+    assert {"noise", "population", "zero", "emg_gain", "film_drift", "emg_noise"} <= set(shifts)

@@ -6,12 +6,7 @@ import pytest
 from surae.assessment import assess
 from surae.errors import InputError
 from surae.estimation import Prior, fit_problem, make_problem
-from surae.estimation.population import (
-    WIDENED,
-    population_of,
-    population_priors,
-    wide_priors,
-)
+from surae.estimation.population import WIDENED, population_of, population_priors, wide_priors
 from surae.model import ModelOptions, get_model
 from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
 from surae.model.registry import PARAMETERS

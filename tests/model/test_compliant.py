@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.interpolate import make_interp_spline
+from test_rigid import HEALTHY as RIGID
+from test_rigid import LONGER, rms
 
 from surae.model import ModelOptions, adapted, get_model
 from surae.model.muscle_tendon import MuscleTendonSimulator
@@ -15,15 +17,7 @@ from surae.signals import ModelInputs
 SPEC = get_model("muscle-tendon")
 NAMES = list(SPEC.names)
 ALL = range(len(NAMES))
-HEALTHY = {
-    "m": 2.0, "k_tri": 200.0, "k_tib": 110.0, "x0_tri": 0.018, "x0_tib": 0.065,
-    "tau_rel": 2.0, "k_rel": 0.4, "g1": 0.6e6, "g2": 0.9e6, "g3": 1.3e6, "g4": 1.0e6,
-    "l0_tri": 0.045, "l0_tib": 0.075, "f0": 2.0, "beta": 1.0,
-}  # fmt: skip
-LONGER = {
-    "k_tri": 60.0, "k_tib": 70.0, "x0_tri": 0.030, "x0_tib": 0.075,
-    "l0_tri": 0.080, "l0_tib": 0.105,
-}  # fmt: skip
+HEALTHY = {**RIGID, "x0_tib": 0.065}
 SLACK_LENGTH = {"tendon_strain": "slack-length"}
 CASES = {
     "thesis": ({}, {}, 256.0),
@@ -41,10 +35,6 @@ every_case = pytest.mark.parametrize("case", CASES)
 
 def vector(options: ModelOptions | None = None, **changes: float) -> np.ndarray:
     return SPEC.vector({**HEALTHY, **changes}, options or ModelOptions())
-
-
-def rms(signal: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(signal))))
 
 
 @pytest.fixture

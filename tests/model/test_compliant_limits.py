@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from test_rigid import rms
 
 from surae.model import ModelOptions, adapted, get_model
 from surae.model.activation import ActivationFilter, Drive
@@ -25,10 +26,6 @@ STARTS = {p.name: p.start for p in SPEC.parameters}
 
 def vector(**changes: float) -> np.ndarray:
     return SPEC.vector({**STARTS, "k_tri": 200.0, "x0_tri": 0.018, **changes}, ModelOptions())
-
-
-def rms(signal: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(signal))))
 
 
 def residual(simulator: MuscleTendonSimulator, p: np.ndarray, inputs: ModelInputs,

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from test_rigid import rms
 
 from surae.model import ModelOptions, get_model
 from surae.model.contraction import force_velocity
@@ -17,10 +18,6 @@ THESIS = ModelOptions(integrator="explicit-euler")
 STARTS = {p.name: p.start for p in SPEC.parameters}
 P = SPEC.vector({**STARTS, "k_tri": 200.0, "x0_tri": 0.018}, THESIS)
 VMAX = 8 * P[[NAMES.index("l0_tri"), NAMES.index("l0_tib")]]
-
-
-def rms(signal: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(signal))))
 
 
 @pytest.mark.parametrize("speed", [-0.359, -0.2, -1e-6, 0.0, 1e-6, 0.1, 0.359])

@@ -22,9 +22,13 @@ PACKAGE = Path(surae.__file__).parent
 
 @pytest.fixture
 def fresh(tmp_path, monkeypatch) -> Iterator[Path]:
-    """A copy of the package's sources as the package, an empty cache, nothing remembered."""
+    """A copy of the package's sources as the package, an empty cache, nothing remembered.
+
+    What kernels neither are nor need is left out.
+    """
     package = tmp_path / "surae"
-    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    others = ("__pycache__", "report", "recording", "quality", "measures", "studies", "cli", "api")
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns(*others))
     monkeypatch.setattr(jit, "_PACKAGE", package)
     monkeypatch.setenv("SURAE_CACHE", str(tmp_path / "cache"))
     jit.cache_folder.cache_clear()

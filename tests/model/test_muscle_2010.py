@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.signal import StateSpace, butter, lsim, sosfiltfilt
+from test_rigid import rms
 
 from surae.errors import InputError
 from surae.model import ModelOptions, adapted, check_value, get_model
@@ -38,10 +39,6 @@ every_case = pytest.mark.parametrize("case", CASES)
 
 def vector(**changes: float) -> np.ndarray:
     return SPEC.vector({**HEALTHY, **changes}, THESIS)
-
-
-def rms(signal: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(signal))))
 
 
 @pytest.fixture

@@ -32,10 +32,7 @@ def test_defaults_are_the_thesis() -> None:
             {"tendon_strain": "metres"},
             "option tendon_strain is 'metres'; use one of: thesis, slack-length",
         ),
-        (
-            {"integrator": "rk4"},
-            "option integrator is 'rk4'; use one of: implicit, explicit-euler",
-        ),
+        ({"integrator": "rk4"}, "option integrator is 'rk4'; use one of: implicit, explicit-euler"),
         ({"theta_foot": "0"}, "option theta_foot is '0'; give a finite number"),
         ({"theta_foot": float("inf")}, "option theta_foot is inf; give a finite number"),
         ({"vmax_factor": float("nan")}, "option vmax_factor is nan; give a finite number"),

@@ -174,16 +174,9 @@ def held(angle: float, seconds: float, rate_hz: float = 256.0) -> ModelInputs:
     n = round(seconds * rate_hz)
     zero = np.zeros(n)
     return ModelInputs(
-        name="held",
-        rate_hz=rate_hz,
-        time=np.arange(n) / rate_hz,
-        angle=np.full(n, angle),
-        velocity=zero,
-        acceleration=zero,
-        emg=np.zeros((n, 4)),
-        emg_unit="V",
-        torque=None,
-    )
+        name="held", rate_hz=rate_hz, time=np.arange(n) / rate_hz, angle=np.full(n, angle),
+        velocity=zero, acceleration=zero, emg=np.zeros((n, 4)), emg_unit="V", torque=None,
+    )  # fmt: skip
 
 
 def released(rate_hz: float = 256.0) -> ModelInputs:

@@ -7,13 +7,7 @@ import pytest
 from scipy.io import loadmat
 
 from surae.errors import InputError
-from surae.protocol import (
-    Protocol,
-    generate,
-    read_protocol,
-    write_protocol_csv,
-    write_protocol_mat,
-)
+from surae.protocol import Protocol, generate, read_protocol, write_protocol_csv, write_protocol_mat
 
 TRAJECTORY = generate(Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=125.0))
 HEADER = ["time_s", "angle_rad", "emg_ta", "emg_gl", "emg_sol", "emg_gm"]

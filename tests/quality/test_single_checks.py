@@ -7,14 +7,7 @@ import pytest
 
 import surae
 from surae.frozen import read_only
-from surae.quality import (
-    CODES,
-    SEVERITIES,
-    Commanded,
-    Quality,
-    check_recording,
-    recording_of,
-)
+from surae.quality import CODES, SEVERITIES, Commanded, Quality, check_recording, recording_of
 from surae.recording import Channel, Recording
 from surae.records import from_plain
 

@@ -268,8 +268,7 @@ def test_xdf_refuses(table, data, says):
 
 
 @pytest.mark.parametrize(
-    ("parse", "package"),
-    [(c3d.parse, "ezc3d"), (edf.parse, "edfio"), (xdf.parse, "pyxdf")],
+    ("parse", "package"), [(c3d.parse, "ezc3d"), (edf.parse, "edfio"), (xdf.parse, "pyxdf")]
 )
 def test_a_missing_library_names_the_extra(monkeypatch, parse, package):
     data = SEEDS[parse.__module__.rpartition(".")[2]][0]()

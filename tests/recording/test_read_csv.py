@@ -305,14 +305,6 @@ def test_time_stamps_rounded_as_programs_write_them_are_uniform(tmp_path, rate, 
     np.testing.assert_allclose(axis.axis.time, time, atol=10**-decimals)
 
 
-def test_a_missing_sample_is_no_rounding(tmp_path):
-    time = np.delete(np.arange(400) / 256, 200)
-    rows = "".join(f"{t:.5f},{t:.3f}\n" for t in time)
-    (tmp_path / "t.csv").write_text("time_s,angle_rad\n" + rows, encoding="utf-8")
-    with pytest.raises(InputError, match="no samples from"):
-        timing(read(tmp_path / "t.csv").channels["angle"], "t")
-
-
 def test_a_table_of_more_columns_than_a_recording_has_is_refused_at_its_header(tmp_path) -> None:
     path = tmp_path / "x.csv"
     names = ",".join(f"c{k}" for k in range(10_001))

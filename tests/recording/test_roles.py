@@ -3,13 +3,7 @@
 import pytest
 
 from surae.recording.recording import ROLES
-from surae.recording.roles import (
-    CONFIDENCES,
-    guess_role,
-    heading_unit,
-    is_plate_moment,
-    words_of,
-)
+from surae.recording.roles import CONFIDENCES, guess_role, heading_unit, is_plate_moment, words_of
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ def test_layout(tmp_path):
     write_sto(tmp_path / "a.sto", recording(name="a\nb"))
     lines = (tmp_path / "a.sto").read_text(encoding="utf-8").splitlines()
     assert lines[:7] == [
-        *("a b", "version=1", "nRows=5", "nColumns=7", "inDegrees=no", "emg=raw", "endheader"),
+        *("a b", "version=1", "nRows=5", "nColumns=7", "inDegrees=no", "emg=raw", "endheader")
     ]
     assert lines[7].split("\t")[:3] == ["time", "angle_rad", "torque_Nm"]
     assert len(lines) == 8 + 5

@@ -15,12 +15,7 @@ from surae.model.sources import SOURCES
 from surae.report.budget import budget_of, budget_section, what_to_measure, what_would_help
 from surae.report.document import TableBlock
 from surae.report.fit import fit_report
-from surae.report.laboratory import (
-    family_section,
-    family_text,
-    laboratory_section,
-    trials_section,
-)
+from surae.report.laboratory import family_section, family_text, laboratory_section, trials_section
 from surae.report.parameters import parameters_section, repeatable, shown_parameters
 
 from . import parts

@@ -49,6 +49,13 @@ def undrawn(monkeypatch) -> None:
 @pytest.fixture
 def words_alone():
     """Reports without figures: their words are what is read."""
+    with blank_figures(made=False):
+        yield
+
+
+@pytest.fixture
+def figures_made():
+    """Reports whose figures are made, of what is unusual, and not drawn."""
     with blank_figures():
         yield
 
@@ -92,8 +99,9 @@ def leg(tmp_path_factory):
 
 
 MOVES = Protocol(
-    profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.2, rate_hz=50.0, task="active"
-)
+    profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.2, rate_hz=50.0, task="active",
+    duration=20.0,
+)  # fmt: skip
 
 
 def write_trial(path, trial):
@@ -123,5 +131,5 @@ def other_leg(tmp_path_factory):
 def done(leg, tmp_path_factory):
     """The leg's session, fitted: its folder and its result."""
     folder = tmp_path_factory.mktemp("out")
-    with blank_figures(), few_legs():
+    with blank_figures(made=False), few_legs():
         return folder, surae.session(leg).run(folder, model="muscle", prepared=True, starts=1)

@@ -157,10 +157,7 @@ def test_moments_of_force_plates_are_named_as_such(shared):
             assert f"force plate {number}" in moment.remark
             assert "not the ankle's" in moment.remark
     assert "not the ankle's" not in channels["FX1"].remark
-    assert {c.column for c in found.open["torque"]} == {
-        "A22:LAnkleMoment.X",
-        "A22:RAnkleMoment.X",
-    }
+    assert {c.column for c in found.open["torque"]} == {"A22:LAnkleMoment.X", "A22:RAnkleMoment.X"}
 
 
 def test_an_ankle_beside_a_thigh_stays_the_ankle(tmp_path):
@@ -168,15 +165,3 @@ def test_an_ankle_beside_a_thigh_stays_the_ankle(tmp_path):
     (tmp_path / "x.csv").write_text("\n".join(lines))
     found = inspect(tmp_path / "x.csv")
     assert {"angle", "torque"} <= found.roles.keys()
-
-
-def test_a_tab_separated_export_with_a_block_about_the_recording(tmp_path):
-    lines = ["Noraxon MR3\t", "Record:\twalk 1", "Sampling rate\t1000", "",
-             "Time [s]\tAnkle Dorsiflexion RT [deg]\tTorque [Nm]\tTIB.ANT. RT [uV]"]  # fmt: skip
-    lines += [f"{k / 1000:.6g}\t{k}\t{2 * k}\t{k % 3}" for k in range(50)]
-    (tmp_path / "x.tsv").write_text("\n".join(lines) + "\n")
-    found = inspect(tmp_path / "x.tsv")
-    roles = {role: (c.column, c.known_unit) for role, c in found.roles.items()}
-    assert roles["angle"] == ("Ankle Dorsiflexion RT [deg]", "deg")
-    assert roles["emg_ta"] == ("TIB.ANT. RT [uV]", "uV")
-    assert found.side == "right"

@@ -215,7 +215,7 @@ def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkey
 def test_the_commands_write_it_in_the_readers_language(done, leg, tmp_path, run) -> None:
     folder, _ = done
     made = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
-               "--starts", 1, "--before", folder, "--language", "de")  # fmt: skip
+               "--starts", 1, "--workers", 1, "--before", folder, "--language", "de")  # fmt: skip
     assert made.code == 0, made.err
     page = (tmp_path / "out" / "report.de.html").read_text(encoding="utf-8")
     assert "Wie steif ist es?" in page

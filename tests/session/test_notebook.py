@@ -1,7 +1,5 @@
 """A notebook feels at home: one screen, tables, plots, DataFrames in and out."""
 
-import copy
-import pickle
 import subprocess
 import sys
 
@@ -223,12 +221,6 @@ def test_a_recording_is_one_screen(trial):
     assert "EMG envelopes" in lines[0]
     assert "torque" in lines[2]
     assert "Nm" in lines[2]
-
-
-def test_fits_are_copied_pickled_and_equal(fit):
-    assert pickle.loads(pickle.dumps(fit)) == fit
-    assert copy.deepcopy(fit) == fit
-    assert hash(copy.deepcopy(fit)) == hash(fit)
 
 
 def test_the_example_as_object_and_file(tmp_path):

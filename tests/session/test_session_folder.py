@@ -33,7 +33,7 @@ def test_the_folder_of_the_recordings_is_no_place_for_results(walks, tmp_path, r
     shutil.copytree(walks[0], leg)
     shutil.copy(leg / "walk 1.csv", leg / "table.csv")  # which the results would replace
     before = content(leg)
-    done = run("session", leg, "--output", leg, "--model", "muscle", "--prepared")
+    done = run("session", leg, "--output", leg, "--model", "muscle", "--prepared", "--workers", 1)
     assert done.code == 2
     assert "holds the recordings themselves" in done.err
     with pytest.raises(InputError, match="holds the recordings themselves"):

@@ -121,7 +121,7 @@ def test_a_run_resumes_and_notices_what_changed(done, leg, tmp_path, monkeypatch
     assert made == [["walk 2"], ["passive", "walk 1", "walk 2"]]
 
 
-@pytest.mark.usefixtures("words_alone")
+@pytest.mark.usefixtures("figures_made")
 def test_ctrl_c_keeps_what_is_done(leg, tmp_path, monkeypatch):
     whole, calls = session_run.fit_inputs, []
 
@@ -140,10 +140,10 @@ def test_ctrl_c_keeps_what_is_done(leg, tmp_path, monkeypatch):
     assert "This run was stopped" in (tmp_path / "out" / "report.html").read_text()
 
 
-@pytest.mark.usefixtures("words_alone")
+@pytest.mark.usefixtures("figures_made")
 def test_holds_alone_identify_nothing(leg, tmp_path, run):
     done = run("session", leg / "hold.csv", "--output", tmp_path / "out", "--model", "muscle",
-               "--prepared")  # fmt: skip
+               "--prepared", "--workers", 1)  # fmt: skip
     assert done.code == 1
     assert "no trial could be fitted" in done.err
     index = json.loads((tmp_path / "out" / "session.json").read_text())
@@ -200,15 +200,15 @@ def test_what_was_there_already_is_no_measure_of_the_time_left(done, leg, tmp_pa
 
 @pytest.mark.usefixtures("words_alone")
 def test_the_command(leg, tmp_path, run):
-    done = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
-               "--starts", 1, "--figure", tmp_path / "out" / "trials.svg")  # fmt: skip
+    command = ("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
+               "--starts", 1, "--workers", 1)  # fmt: skip
+    done = run(*command, "--figure", tmp_path / "out" / "trials.svg")
     assert done.code == 0
     assert (tmp_path / "out" / "trials.svg").exists()
     assert "could not be read: broken" in done.err
     assert "[6/6] all together" in done.err
     assert "joint" in done.out
-    again = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
-                "--starts", 1)  # fmt: skip
+    again = run(*command)
     assert again.err.count("(kept)") == 4
     assert run("session", leg, "--output", tmp_path / "o", "--mvc", "x.csv").code == 2
 
@@ -262,7 +262,7 @@ def test_measured_trials_by_the_plain_model(shared, tmp_path, run):
     assert np.isfinite(result.joint_predictions["Pas_20"].bias)
 
 
-@pytest.mark.usefixtures("words_alone")
+@pytest.mark.usefixtures("figures_made")
 def test_trials_that_contradict_each_other_are_told(done, leg, other_leg, tmp_path):
     """A trial of another leg beside the joint fit."""
     for name in ("walk 1", "walk 2"):
@@ -284,7 +284,7 @@ def test_trials_that_contradict_each_other_are_told(done, leg, other_leg, tmp_pa
     assert alike.count("contradict each other") == 0
 
 
-@pytest.mark.usefixtures("words_alone")
+@pytest.mark.usefixtures("figures_made")
 def test_what_is_wrong_in_every_trial_is_the_mappings(shared, tmp_path):
     """The measured trials as `inspect` proposes them, both signs unset."""
     for name in ("PL_0_01", "PL_100_01", "Pas_5"):

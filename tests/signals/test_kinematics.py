@@ -61,10 +61,7 @@ def test_error_at_the_ends_is_as_documented(
 
 
 @settings(max_examples=50)
-@given(
-    coefficients=st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=7),
-    n=st.integers(15, 60),
-)
+@given(coefficients=st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=7), n=st.integers(15, 60))
 def test_polynomials_of_degree_6_are_exact_everywhere(coefficients: list[float], n: int) -> None:
     polynomial = np.polynomial.Polynomial(coefficients, domain=[0.0, (n - 1) / 100.0])
     time = np.arange(n) / 100.0

@@ -24,11 +24,7 @@ def test_lists_are_crossed_the_last_factor_fastest() -> None:
     )
     assert study.size == 12
     rows = [(c["protocol"], c["subject"], c["model"]) for c in study.combinations()]
-    assert rows[:3] == [
-        ("sine", 1, "muscle"),
-        ("sine", 1, "muscle-tendon"),
-        ("sine", 2, "muscle"),
-    ]
+    assert rows[:3] == [("sine", 1, "muscle"), ("sine", 1, "muscle-tendon"), ("sine", 2, "muscle")]
     assert len(set(rows)) == 12
 
 

@@ -17,16 +17,10 @@ from surae.studies import (
 
 SUBJECT = virtual_subject(4)
 SIZES = {
-    "torque_noise": 0.7,
-    "crosstalk": 0.08,
-    "axis_forward": 0.01,
-    "axis_up": -0.01,
-    "knee_motion": 0.05,
-    "effort_variation": 0.2,
-    "unmeasured": 0.15,
-    "gain_variation": 0.3,
+    "torque_noise": 0.7, "crosstalk": 0.08, "axis_forward": 0.01, "axis_up": -0.01,
+    "knee_motion": 0.05, "effort_variation": 0.2, "unmeasured": 0.15, "gain_variation": 0.3,
     "reflex_gain": 0.3,
-}
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")

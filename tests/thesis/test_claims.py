@@ -68,13 +68,10 @@ def test_a_verdict_that_there_is_not_is_refused() -> None:
 
 
 RULES = {
-    "protocols": [movements.__name__],
-    "tendons": [tendons.__name__],
-    "simulation": simulation.RULES,
-    "subjects": [subjects.RULES],
-    "beyond": [beyond.__name__],
+    "protocols": [movements.__name__], "tendons": [tendons.__name__],
+    "simulation": simulation.RULES, "subjects": [subjects.RULES], "beyond": [beyond.__name__],
     "appendix": [appendix.__name__],
-}
+}  # fmt: skip
 #: The views that sections have, by section; of the others there is one.
 VIEWS = {
     "simulation": {SIGNED, MAGNITUDE, IN_TURN, INTEGRATOR},

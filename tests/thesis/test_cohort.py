@@ -11,13 +11,7 @@ from surae.model import ModelOptions, get_model
 from surae.protocol import generate, named_device
 from surae.studies import Imperfections
 from surae_thesis import legs
-from surae_thesis.cohort.members import (
-    COMPLETED,
-    GAIN,
-    SUBJECTS,
-    cohort_protocol,
-    make_cohort,
-)
+from surae_thesis.cohort.members import COMPLETED, GAIN, SUBJECTS, cohort_protocol, make_cohort
 from surae_thesis.cohort.trials import TRUE_MODEL, cohort_recording
 from surae_thesis.cohort.work import inputs_of
 from surae_thesis.legs import thesis_leg

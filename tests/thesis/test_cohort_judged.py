@@ -13,13 +13,7 @@ from surae_thesis.cohort.boxes import Box, snsem_figure, vaf_figure
 from surae_thesis.cohort.drawings import spectra_figure
 from surae_thesis.cohort.members import COMPLETED, make_cohort
 from surae_thesis.cohort.results import Fits, Ways, clearly_lower, paired
-from surae_thesis.cohort.rules import (
-    CONSTANT,
-    WANDERING,
-    described,
-    spectrum,
-    thesis_means,
-)
+from surae_thesis.cohort.rules import CONSTANT, WANDERING, described, spectrum, thesis_means
 from surae_thesis.cohort.work import MODELS
 from surae_thesis.section import Context
 

@@ -7,15 +7,7 @@ import pytest
 
 from surae_thesis import tendons
 from surae_thesis.claims import judge, read_claims
-from surae_thesis.tendons import (
-    EPS0,
-    F_MAX,
-    Numbers,
-    errors,
-    printed_force,
-    reversals,
-    toes,
-)
+from surae_thesis.tendons import EPS0, F_MAX, Numbers, errors, printed_force, reversals, toes
 
 CLAIMS = read_claims("tendons", tendons.__name__)
 

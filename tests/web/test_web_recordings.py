@@ -64,11 +64,7 @@ def test_inspections_wait_in_a_queue_that_shows_its_length(
 
 @pytest.mark.parametrize(
     ("data", "says"),
-    [
-        (b"\x00\x01\x02binary", "binary"),
-        (b"time_s,angle_rad\n0,1\n0,nan\n", "row"),
-        (b"hello", ""),
-    ],
+    [(b"\x00\x01\x02binary", "binary"), (b"time_s,angle_rad\n0,1\n0,nan\n", "row"), (b"hello", "")],
 )
 def test_unreadable_files_are_refused_by_their_users_name(browser, data, says) -> None:
     answer = browser.post("/api/uploads", params={"name": "mine.csv"}, content=data)
