@@ -56,6 +56,8 @@ _NEARLY_NONE = {"gain": 1e-3, "drift": 1e-2, "misfit": 1e-3}
 #: Rounds in which noise and sizes are learnt at most, and the part of each standard deviation below
 #: which the mode rests.
 _ROUNDS, _AT_REST = 5, 0.1
+#: What is to be gained in −2 ln p where a search ends.
+_ENDS = 0.01
 #: Slow residual under effort over that at rest from which errors of the drive are sought, and their
 #: standard deviations that are tried.
 _LOUDER, _ERRORS = 1.6, (0.06, 0.11, 0.15, 0.21)
@@ -319,6 +321,7 @@ class _Search:
         own, best = self._learnt(own, best, 2 if own.fast else _ROUNDS)
         if own.fast is None and not self._perfect:
             own, best = self._with_drive_errors(own, best, ())
+        best = own.descend(best.z, best.c, best.w, evaluations=10, tolerance=_ENDS)
         return ChosenDepartures(own, best, scored, full.names)
 
     def _with_drive_errors(
