@@ -115,15 +115,3 @@ def test_undo_does_not_bring_back_what_somebody_else_deleted(server) -> None:
         assert not there()
     other.post("/api/draft/undo")
     assert there()
-
-
-def test_the_later_of_two_who_edit_is_told_what_he_would_overwrite(server) -> None:
-    first, other = server.browser(), server.browser()
-    seen = first.post("/api/subjects", json={"code": "edited by two"}).json()
-    path, seen_too = f"/api/subjects/{seen['id']}", {"If-Match": f'"{seen["revision"]}"'}
-    assert other.patch(path, json={"notes": "left leg"}, headers=seen_too).status_code == 200
-    answer = first.patch(path, json={"notes": "right leg"}, headers=seen_too)
-    assert answer.status_code == 409
-    assert "notes 'left leg'" in answer.json()["error"]
-    now = {"If-Match": f'"{other.patch(path, json={}).json()["revision"]}"'}
-    assert first.patch(path, json={"notes": "both"}, headers=now).status_code == 200

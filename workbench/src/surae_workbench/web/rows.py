@@ -146,13 +146,6 @@ class _Job(_Row):
     ended: _Time | None
 
 
-class _Trash(_Row):
-    kind: str
-    files: list[str]
-    day: int
-    content: Any
-
-
 #: The form of each kind; others, of a newer surae, are not looked at.
 KINDS: dict[str, type[_Row]] = {
     "subject": _Subject,
@@ -163,7 +156,6 @@ KINDS: dict[str, type[_Row]] = {
     "protocol": _Protocol,
     "upload": _Upload,
     "job": _Job,
-    "trash": _Trash,
 }
 
 

@@ -280,9 +280,10 @@ class RecordingPatch(Strict):
 
 
 class LiveRequest(Strict):
-    """What to simulate."""
+    """What to simulate: the draft's model, or another that a fit has come to."""
 
     recording: Id | None = None
+    model: Model | None = None
     values: Numbers = {}
     points: Points = 1000
 
@@ -381,6 +382,7 @@ class ProtocolFile(Strict):
     """A protocol to export, and why, where it has no device or exceeds a limit of it."""
 
     settings: ProtocolSettings
+    name: Line = ""
     reason: Annotated[str, StringConstraints(max_length=300)] = ""
 
 

@@ -25,10 +25,8 @@ from surae_workbench.web.workbench import Workbench
 
 #: Connections that are served at a time; the twenty browsers of a laboratory need a hundred.
 _CONNECTIONS = 250
-#: A connection that has not said within this time what it wants is closed [s]; and so is, at once,
-#: the oldest of those that have said nothing where fewer places than this are left. Not by address:
-#: a clinic may have one.
-_PATIENCE, _SPARE = 5.0, 10
+#: A connection that has not said within this time what it wants is closed [s].
+_PATIENCE = 5.0
 
 
 class Served(Protocol):
@@ -140,19 +138,10 @@ class _Connection(H11Protocol):
     """A connection that may not hold its place without asking for anything."""
 
     _late: asyncio.TimerHandle | None = None
-    _since = 0.0
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
         self._wait()
-        self._since = self.loop.time()
-        if len(self.connections) > _CONNECTIONS - _SPARE:
-            others = (each for each in self.connections if isinstance(each, _Connection))
-            silent = (each for each in others if each.cycle is None and each is not self)
-            oldest = min(silent, key=lambda each: each._since, default=None)
-            if oldest is not None:
-                self.connections.discard(oldest)  # at once: it takes a while to close
-                oldest.transport.close()
 
     def on_response_complete(self) -> None:
         self._wait()

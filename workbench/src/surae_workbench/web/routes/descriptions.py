@@ -6,7 +6,6 @@ from fastapi import APIRouter
 
 from surae.errors import InputError
 from surae.files import sha256_of
-from surae_workbench.web import answers
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.imports import file_name, row_of
 from surae_workbench.web.places import recording_suffix, uploads_of
@@ -37,7 +36,7 @@ def get_description(id: PathId, bench: Bench) -> dict[str, Any]:
         seen = bench.workers.ask("imports:inspected", files=files)["columns"]
         columns = [column for column in seen if column["usable"]]
     else:
-        path = str(bench.project.path("recordings", id, ".h5"))
+        path = str(bench.project.file("recording", id))
         columns = bench.workers.ask("remap:imported_columns", path=path, first=first)
     uploads = dict.fromkeys(column["upload"] for column in columns)
     names = {file["id"]: file["name"] for file in files or []}
@@ -61,7 +60,7 @@ def get_description(id: PathId, bench: Bench) -> dict[str, Any]:
     }
 
 
-@router.post("/descriptions/preview", response_model=answers.Preview)
+@router.post("/descriptions/preview")
 def preview_description(body: DescriptionRequest, bench: Bench) -> dict[str, Any]:
     """What a description makes of the first recording: its ranges, and what the check finds."""
     row = bench.project.need("recording", body.recordings[0])
@@ -114,7 +113,7 @@ def _made(
     """What a description makes of what was imported, kept where `output` says so."""
     first = first_mapping(row)
     files = _uploaded(bench, wanted) if needs_files(first, wanted) else None
-    path = str(bench.project.path("recordings", row["id"], ".h5"))
+    path = str(bench.project.file("recording", row["id"]))
     try:
         result: dict[str, Any] = bench.workers.ask(
             "remap:redescribed",
