@@ -52,15 +52,6 @@ def test_maps_are_changed_key_by_key(browser) -> None:
     assert state["draft"]["options"]["vmax_factor"] == 8.0
 
 
-def test_the_slower_of_two_tabs_is_told(browser) -> None:
-    revision = browser.get("/api/draft").json()["revision"]
-    change = {"change": {"seed": 1}, "label": "seed", "revision": revision}
-    assert browser.patch("/api/draft", json=change).status_code == 200
-    answer = browser.patch("/api/draft", json={**change, "change": {"seed": 2}})
-    assert answer.status_code == 409
-    assert "another tab" in answer.json()["error"]
-
-
 @pytest.mark.parametrize(
     "change",
     [

@@ -11,13 +11,7 @@ from surae_workbench.live.rehearsal import CONTROL
 
 
 class Laboratory:
-    """A running `surae_workbench.live.rehearsal`.
-
-    Parameters
-    ----------
-    seed : int
-        Whose leg it is.
-    """
+    """A running `surae_workbench.live.rehearsal` with the leg of a seed."""
 
     def __init__(self, seed: int) -> None:
         self._words: Any = outlet("surae control", "Control", [], [], 0.0, CONTROL)

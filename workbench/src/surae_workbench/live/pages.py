@@ -16,10 +16,10 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from surae._version import __version__
-from surae.api import Trajectory
+from surae.api import PROFILES, TASKS, Trajectory
 from surae.errors import InputError
 from surae.files import PathLike, template
-from surae_workbench.live.room import Room, RoomOptions, known
+from surae_workbench.live.room import MAXIMUM, Room, RoomOptions
 from surae_workbench.live.showing import Showing, roles_of
 from surae_workbench.live.target import KIND
 from surae_workbench.web.app import bare_app
@@ -70,13 +70,7 @@ def _curve(path: Trajectory | None, angle: bool = True) -> dict[str, Any] | None
 
 
 class ServedRoom:
-    """A room and the pages that show it.
-
-    Parameters
-    ----------
-    folder, **room
-        As of `Room`.
-    """
+    """A room, made as `Room` is, and the pages that show it."""
 
     def __init__(self, folder: PathLike, **room: Unpack[RoomOptions]) -> None:
         self.events = Events()
@@ -114,7 +108,8 @@ class ServedRoom:
             "asked": room.asked,
             "moves": f"{room.device.name}, {low:.0f}° to {high:.0f}°",
             **self.health(),
-            **known(),
+            "profiles": [*PROFILES, MAXIMUM],
+            "tasks": list(TASKS),
         }
 
     def moment(self) -> dict[str, Any]:
@@ -228,10 +223,10 @@ def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIA
         served.showing.forget()
 
     @app.post("/api/live/fault")
-    def fault(kind: _Text) -> None:
+    def fault(kind: _Text, at: Annotated[float | None, Body(ge=0, le=3600)] = None) -> None:
         if room.laboratory is None:
             raise InputError("this is no rehearsal: nothing can be made to go wrong")
-        room.laboratory.fault(kind=kind)
+        room.laboratory.fault(kind=kind, **({} if at is None else {"at": at}))
 
     operator = Security(app, policy, RoomBrowsers("live"))
     second = Policy(policy.hosts, policy.any_address, subject, policy.upload_bytes)

@@ -5,42 +5,25 @@ Routes keep to these forms: a missing field is an error, and what stands in no f
 
 from typing import Any, Literal
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict
+
+from surae_workbench.web import rows
 
 
 class Answer(BaseModel):
     """An entry of the project."""
 
+    model_config = ConfigDict(strict=False, extra="ignore")
+
     id: str
     created: str | None  #: In UTC.
 
 
-class Subject(Answer):
-    """Whose leg it is, by a code."""
+class Subject(rows.Subject, Answer):
+    """Whose leg it is, with how many recordings and fits."""
 
-    code: str
-    group: str
-    notes: str
-    body_mass: float | None  #: [kg].
     recordings: int
     fits: int
-
-
-class Channel(BaseModel):
-    """A signal of a recording."""
-
-    role: str
-    unit: str
-    n: int
-    rate_hz: float
-    source: str
-
-
-class File(BaseModel):
-    """A file that a recording was made of."""
-
-    name: str
-    sha256: str
 
 
 class Trial(Answer):
@@ -59,8 +42,8 @@ class Recording(Trial):
     """A recording, and what it was made of."""
 
     emg: str | None
-    channels: list[Channel]
-    files: list[File]
+    channels: list[rows.Channel]
+    files: list[rows.File]
     mapping: dict[str, Any] | None
     fixed: dict[str, float]
     version: int
@@ -129,8 +112,5 @@ class Job(Answer):
     fit: str | None
     recordings: list[str]
     position: int | None
-    started: str | None
-    ended: str | None
-    seconds: float | None
     progress: dict[str, Any] | None
     mine: bool

@@ -71,21 +71,11 @@ class _Kept:
 
 
 class Database:
-    """The file, open, for all of the server's threads.
+    """The file, made where it is missing, open for all of the server's threads.
 
-    Parameters
-    ----------
-    path : Path
-        The file; made where it is missing.
-    still_ours : callable
-        Raises where nothing may be written any more: somebody else has taken the project.
-
-    Raises
-    ------
-    InputError
-        It is none of ours, of a newer surae, or holds more than our tables.
-    ComputationError
-        It cannot be read or written; of all methods too.
+    `still_ours` raises where nothing may be written any more: somebody else has taken the project.
+    A file that is none of ours, of a newer surae, or that holds more than our tables is an
+    InputError; one that cannot be read or written, now or later, a ComputationError.
     """
 
     def __init__(self, path: Path, still_ours: Callable[[], None] = lambda: None) -> None:

@@ -94,18 +94,11 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
     taken = {id(channel): role for role, channel in inspection.roles.items()}
     columns = [
         {
-            **{
-                key: getattr(channel, key)
-                for key in ("rate_hz", "n", "low", "high", "usable", "remark")
-            },
+            **{key: getattr(channel, key) for key in ("low", "high", "usable")},
             "upload": ids[channel.file],
             "name": channel.column,
             "unit": channel.known_unit or channel.unit,
             "role": taken.get(id(channel)),
-            "could_be": [] if channel.guess is None else list(channel.guess.roles),
-            "rule": None if channel.guess is None else channel.guess.rule,
-            "sign": 1,
-            "mean": previews.get((channel.file, channel.column), {}).get("mean"),
             "preview": previews.get((channel.file, channel.column), {"t": [], "v": []}),
         }
         for channel in inspection.channels
@@ -233,8 +226,6 @@ def described(recording: api.Recording) -> dict[str, Any]:
                 "n": len(channel.time),
                 "low": float(channel.values.min()),
                 "high": float(channel.values.max()),
-                "mean": float(channel.values.mean()),
-                "preview": preview(channel.time, channel.values),
             }
             for channel in channels
         ],
@@ -300,9 +291,9 @@ def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
 
 
 def preview(time: FloatArray, values: FloatArray) -> dict[str, Any]:
-    """A curve of few points, and its mean."""
+    """A curve of few points."""
     good = np.isfinite(time) & np.isfinite(values)
     if not good.any():
-        return {"t": [], "v": [], "mean": None}
+        return {"t": [], "v": []}
     t, v = api.min_max(time[good], values[good], _PREVIEW - 2)
-    return {"t": t.tolist(), "v": v.tolist(), "mean": float(values[good].mean())}
+    return {"t": t.tolist(), "v": v.tolist()}

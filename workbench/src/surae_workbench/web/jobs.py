@@ -36,16 +36,9 @@ Finish = Callable[[Entry, Mapping[str, Any]], str | None]
 
 
 class Jobs:
-    """All jobs of a project.
+    """All jobs of a project, of which so many `fits` run at a time.
 
-    Parameters
-    ----------
-    project : Project
-        Where they are kept.
-    events : Events
-        Who hears of them.
-    fits : int
-        Fits at a time; one study or design is made beside them.
+    One study or design is made beside them.
     """
 
     def __init__(self, project: Project, events: Events, fits: int) -> None:
@@ -139,19 +132,13 @@ class Jobs:
 
     def shown(self, job: Entry, session: BrowserSession | None) -> answers.Job:
         """A job as the API shows it."""
-        started, ended = job["started"], job["ended"]
-        running = job["state"] == "running"
-        until = ended or (time.time() if running else None)
         return answers.Job(
             **{key: job[key] for key in ("id", "kind", "label", "state", "message", "result")},
             fit=job["task"].get("fit"),
             recordings=job["task"].get("recordings", []),
             position=self._position(job),
             created=when(job["created"]),
-            started=when(started),
-            ended=when(ended),
-            seconds=None if started is None or until is None else round(until - started, 3),
-            progress=self._progress.get(job["id"]) if running else None,
+            progress=self._progress.get(job["id"]) if job["state"] == "running" else None,
             mine=session is not None and job["session"] == session.key,
         )
 

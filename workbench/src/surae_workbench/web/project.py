@@ -38,18 +38,10 @@ _TRASHED = re.compile(r"[a-z]+-[0-9a-f]{16}[a-z0-9.-]{0,40}")
 class Project:
     """A project's folder, open; one server at a time has it.
 
-    Parameters
-    ----------
-    folder : path
-        Made where it is missing, or begun where it is empty: ``project.db``, ``recordings/*.h5``,
-        ``fits/*.json``, ``sessions/*.json``, ``studies/*.db``,
-        ``uploads/`` and ``trash/``.
-
-    Raises
-    ------
-    InputError
-        The folder holds something else, links, or cannot be used; another server has it, or a
-        newer surae wrote it.
+    It is made where it is missing, or begun where it is empty: ``project.db``,
+    ``recordings/*.h5``, ``fits/*.json``, ``sessions/*.json``, ``studies/*.db``, ``uploads/`` and
+    ``trash/``. One that holds something else, or links, that another server has or a newer surae
+    wrote, is an InputError.
     """
 
     def __init__(self, folder: PathLike) -> None:

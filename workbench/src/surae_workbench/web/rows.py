@@ -33,14 +33,18 @@ class _Row(BaseModel):
     model_config = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
 
 
-class _Subject(_Row):
+class Subject(_Row):
+    """Whose leg it is, by a code."""
+
     code: str
     group: str
     notes: str
-    body_mass: float | None
+    body_mass: float | None  #: [kg].
 
 
-class _Channel(_Row):
+class Channel(_Row):
+    """A signal of a recording."""
+
     role: str
     unit: str
     n: int
@@ -48,7 +52,9 @@ class _Channel(_Row):
     source: str
 
 
-class _File(_Row):
+class File(_Row):
+    """A file that a recording was made of."""
+
     name: str
     sha256: str
 
@@ -62,8 +68,8 @@ class _Recording(_Row):
     duration_s: float
     emg: str | None
     fixed: dict[str, float]
-    channels: list[_Channel]
-    files: list[_File]
+    channels: list[Channel]
+    files: list[File]
     mapping: dict[str, Any] | None
     findings: list[dict[str, Any]] | None = None
     first: dict[str, Any] | None = None
@@ -88,11 +94,8 @@ class _Fit(_Row):
     r2: float | None = None
     grade: str | None = None
     ipde: float | None
-    seconds: float
     recordings: Annotated[list[_Id], Field(min_length=1)]
     names: list[str]
-    starts: int
-    agreeing: int | None
     parameters: dict[str, _Estimate]
     settings: dict[str, Any]
     profiles: dict[str, dict[str, Any]] = {}
@@ -148,7 +151,7 @@ class _Job(_Row):
 
 #: The form of each kind; others, of a newer surae, are not looked at.
 KINDS: dict[str, type[_Row]] = {
-    "subject": _Subject,
+    "subject": Subject,
     "recording": _Recording,
     "fit": _Fit,
     "session": _Session,

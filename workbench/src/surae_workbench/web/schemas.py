@@ -205,7 +205,6 @@ class DraftPatch(Strict):
 
     change: DraftChange
     label: Named = "change"
-    revision: Annotated[int, Field(ge=0)] | None = None
     merge: bool = False
 
 
@@ -260,15 +259,6 @@ class SubjectRequest(Strict):
     body_mass: BodyMass | None = None
 
 
-class SubjectPatch(Strict):
-    """What changes of a subject."""
-
-    code: Named | None = None
-    group: Group | None = None
-    notes: Notes | None = None
-    body_mass: BodyMass | None = None
-
-
 class RecordingPatch(Strict):
     """What changes of a recording's labels."""
 
@@ -289,10 +279,9 @@ class LiveRequest(Strict):
 
 
 class FitRequest(Strict):
-    """A fit to make: of a draft, or of the session's own."""
+    """A fit to make, as the session's draft asks."""
 
     name: Named | None = None
-    draft: DraftChange | None = None
 
 
 class TrialsRequest(Strict):
@@ -303,10 +292,9 @@ class TrialsRequest(Strict):
 
 
 class SessionRequest(TrialsRequest):
-    """A session to fit: each trial, and all together; as the session's draft asks, or one given."""
+    """A session to fit: each trial, and all together; as the session's draft asks."""
 
     name: Named | None = None
-    draft: DraftChange | None = None
 
 
 class NameRequest(Strict):

@@ -168,14 +168,8 @@ class Browsers(Protocol):
 class Security:
     """ASGI middleware that refuses what the policy does not allow.
 
-    Parameters
-    ----------
-    app : ASGIApp
-        The application.
-    policy : Policy
-        What is allowed.
-    sessions : Browsers
-        Found by cookie; made for whoever loads a page or asks for ``/api/session``.
+    `sessions` are found by cookie, and made for whoever loads a page or asks for
+    ``/api/session``.
     """
 
     def __init__(self, app: ASGIApp, policy: Policy, sessions: Browsers) -> None:

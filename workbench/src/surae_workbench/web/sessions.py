@@ -123,19 +123,11 @@ class BrowserSessions:
         change: Mapping[str, Any],
         label: str,
         *,
-        revision: int | None = None,
         merge: bool = False,
     ) -> None:
-        """Change the draft, as one step that can be undone.
-
-        It is refused where somebody else, another tab, has changed it since `revision`.
-        """
+        """Change the draft: a step that can be undone, or more of the last one (`merge`)."""
         with self._database.transaction():
             draft, now = self._read(session)
-            if revision is not None and revision != now:
-                raise RefusedError(
-                    409, "another tab has changed this work meanwhile; load it again and repeat"
-                )
             after_change = changed(draft, change)
             keys = [key for key in after_change if after_change[key] != draft.get(key)]
             if not keys:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -109,8 +110,6 @@ def session(task: Task) -> dict[str, Any]:
 
 def summary(fitted: "api.Fit") -> dict[str, Any]:
     """What lists and tables show of a fit."""
-    from math import isfinite
-
     return {
         "model": fitted.result.problem.spec.name,
         "status": fitted.status,
@@ -118,10 +117,7 @@ def summary(fitted: "api.Fit") -> dict[str, Any]:
         "r2": fitted.adequacy.r2 if isfinite(fitted.adequacy.r2) else None,
         "vaf": fitted.vaf if isfinite(fitted.vaf) else None,
         "ipde": fitted.ipde,
-        "seconds": fitted.result.seconds,
         "names": [recording.name for recording in fitted.assessment.recordings],
-        "starts": len(fitted.result.starts),
-        "agreeing": fitted.result.agreeing,
         "parameters": {
             p.name: {
                 "value": p.value,

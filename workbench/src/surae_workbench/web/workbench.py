@@ -24,15 +24,7 @@ _RECORDINGS, _PREPARED, _REPORTS = 400e6, 400e6, 40e6
 
 
 class Workbench:
-    """The server's state, behind all routes.
-
-    Parameters
-    ----------
-    folder : path
-        The project's.
-    workers : int
-        Fits at a time.
-    """
+    """The server's state, behind all routes: one project, so many fits at a time (`workers`)."""
 
     def __init__(self, folder: PathLike, workers: int) -> None:
         self.project = Project(folder)

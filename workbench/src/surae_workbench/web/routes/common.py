@@ -9,10 +9,9 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Request, Response
 from fastapi import Path as InPath
 
-from surae_workbench.web.draft import Draft, changed, empty_draft
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.rows import Entry
-from surae_workbench.web.schemas import DraftChange, Error, NameRequest
+from surae_workbench.web.schemas import Error
 from surae_workbench.web.security import NO_SESSION
 from surae_workbench.web.sessions import BrowserSession
 from surae_workbench.web.workbench import Workbench
@@ -83,20 +82,6 @@ def offer_deletion(router: APIRouter, path: str, kind: str) -> None:
     router.delete(path, status_code=204, name=f"delete_{kind}")(delete)
 
 
-def offer_renaming(
-    router: APIRouter, path: str, kind: str, shown: Callable[[Workbench, Entry], Any]
-) -> None:
-    """Have things of a kind renamed by their address."""
-
-    def rename(id: PathId, body: NameRequest, bench: Bench) -> Any:
-        """Give it another name."""
-        row = bench.project.change(kind, id, name=body.name)
-        bench.events.changed(f"{kind}s")
-        return shown(bench, row)
-
-    router.patch(path, name=f"rename_{kind}")(rename)
-
-
 def report_file(bench: Workbench, row: Entry, kind: str, task: str, **settings: str) -> Response:
     """A report that a worker writes, of what never changes: one file to keep."""
 
@@ -106,10 +91,3 @@ def report_file(bench: Workbench, row: Entry, kind: str, task: str, **settings: 
     key = (row["id"], kind + settings.get("language", ""))
     data = bench.reports.get(key, lambda: made_file(f"report.{kind}", write))
     return Response(data, media_type=_TYPES[kind], headers=attachment(row["name"], f".{kind}"))
-
-
-def chosen_draft(bench: Workbench, browser: BrowserSession, body: DraftChange | None) -> Draft:
-    """The settings that came with a request, else those of the session."""
-    if body is None:
-        return bench.sessions.draft(browser)
-    return changed(empty_draft(), body.plain())

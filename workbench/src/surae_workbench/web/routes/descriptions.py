@@ -7,13 +7,12 @@ from fastapi import APIRouter
 from surae.errors import InputError
 from surae.files import sha256_of
 from surae_workbench.web.http_errors import RefusedError
-from surae_workbench.web.imports import file_name, row_of
-from surae_workbench.web.places import recording_suffix, uploads_of
+from surae_workbench.web.imports import row_of
+from surae_workbench.web.places import recording_suffix
 from surae_workbench.web.remap import (
     FIELDS,
     first_mapping,
     like,
-    needs_files,
     present_mapping,
     proposals,
 )
@@ -30,27 +29,18 @@ router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
 def get_description(id: PathId, bench: Bench) -> dict[str, Any]:
     """How it is described now, the columns to choose from, and what else is of the same kind."""
     row = bench.project.need("recording", id)
-    first = first_mapping(row)
-    files = _uploaded(bench, first)
-    if files is not None:
-        seen = bench.workers.ask("imports:inspected", files=files)["columns"]
-        columns = [column for column in seen if column["usable"]]
-    else:
-        path = str(bench.project.file("recording", id))
-        columns = bench.workers.ask("remap:imported_columns", path=path, first=first)
-    uploads = dict.fromkeys(column["upload"] for column in columns)
-    names = {file["id"]: file["name"] for file in files or []}
+    path, first = str(bench.project.file("recording", id)), first_mapping(row)
+    columns = bench.workers.ask("remap:imported_columns", path=path, first=first)
+    named = ", ".join(file["name"] for file in row["files"])
     return {
         "mapping": present_mapping(row),
-        "version": row.get("version", 0),
-        "whole": files is not None,
         "files": [
             {
                 "id": upload,
-                "name": names.get(upload) or ", ".join(file["name"] for file in row["files"]),
+                "name": named,
                 "columns": [column for column in columns if column["upload"] == upload],
             }
-            for upload in uploads
+            for upload in dict.fromkeys(column["upload"] for column in columns)
         ],
         "alike": [
             {"id": other["id"], "name": other["name"]}
@@ -111,31 +101,14 @@ def _made(
     bench: Workbench, row: Entry, wanted: dict[str, Any], output: str | None
 ) -> dict[str, Any]:
     """What a description makes of what was imported, kept where `output` says so."""
-    first = first_mapping(row)
-    files = _uploaded(bench, wanted) if needs_files(first, wanted) else None
     path = str(bench.project.file("recording", row["id"]))
     try:
         result: dict[str, Any] = bench.workers.ask(
-            "remap:redescribed",
-            path=path, files=files, first=first, wanted=wanted, output=output,
-        )  # fmt: skip
+            "remap:redescribed", path=path, first=first_mapping(row), wanted=wanted, output=output
+        )
     except InputError as error:
         raise RefusedError(400, f"{row['name']}: {error}") from None
     return result
-
-
-def _uploaded(bench: Workbench, mapping: dict[str, Any]) -> list[dict[str, str]] | None:
-    """The files that a description names, where they are all still there."""
-    files = []
-    for id_ in dict.fromkeys(channel["upload"] for channel in mapping["channels"].values()):
-        upload = bench.database.get("upload", id_)
-        if upload is None:
-            return None
-        path = uploads_of(bench.project.folder, upload["session"]) / id_
-        if not path.is_file():
-            return None
-        files.append({"id": id_, "path": str(path), "name": file_name(upload["name"])})
-    return files
 
 
 def _columns(row: Entry) -> set[str]:

@@ -52,7 +52,7 @@ def patch_draft(body: DraftPatch, bench: Bench, browser: Browser) -> dict[str, A
                 raise RefusedError(
                     400, f"window {start:g} … {end:g} s: its end must follow its start"
                 )
-    bench.sessions.change(browser, change, body.label, revision=body.revision, merge=body.merge)
+    bench.sessions.change(browser, change, body.label, merge=body.merge)
     return bench.sessions.state(browser)
 
 

@@ -17,12 +17,10 @@ from surae_workbench.web.routes.common import (
     Browser,
     PathId,
     attachment,
-    chosen_draft,
     offer_deletion,
-    offer_renaming,
     report_file,
 )
-from surae_workbench.web.schemas import FitRequest, ProfileRequest, ValidateRequest
+from surae_workbench.web.schemas import FitRequest, NameRequest, ProfileRequest, ValidateRequest
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["fits"])
 
@@ -30,7 +28,7 @@ router = APIRouter(prefix="/api", responses=ERRORS, tags=["fits"])
 @router.post("/fits", status_code=202)
 def post_fit(body: FitRequest, bench: Bench, browser: Browser) -> Job:
     """Ask for a fit; wrong settings are refused now, not in the job, which is the answer."""
-    draft = chosen_draft(bench, browser, body.draft)
+    draft = bench.sessions.draft(browser)
     recordings = bench.draft_recordings(draft)
     check_draft(bench, draft)
     ids = [recording["id"] for recording in recordings]
@@ -69,7 +67,14 @@ def get_fit(id: PathId, bench: Bench) -> dict[str, Any]:
     }  # fmt: skip
 
 
-offer_renaming(router, "/fits/{id}", "fit", fit_summary)
+@router.patch("/fits/{id}")
+def rename_fit(id: PathId, body: NameRequest, bench: Bench) -> Fit:
+    """Give it another name."""
+    row = bench.project.change("fit", id, name=body.name)
+    bench.events.changed("fits")
+    return fit_summary(bench, row)
+
+
 offer_deletion(router, "/fits/{id}", "fit")
 
 

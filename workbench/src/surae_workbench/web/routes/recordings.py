@@ -14,7 +14,7 @@ from surae_workbench.web.project import dated
 from surae_workbench.web.remap import present_mapping, proposals
 from surae_workbench.web.routes.common import ERRORS, Bench, PathId, offer_deletion
 from surae_workbench.web.rows import Entry
-from surae_workbench.web.schemas import Points, RecordingPatch, SubjectPatch, SubjectRequest
+from surae_workbench.web.schemas import Points, RecordingPatch, SubjectRequest
 from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
@@ -45,13 +45,11 @@ def post_subject(body: SubjectRequest, bench: Bench) -> Subject:
 
 
 @router.patch("/subjects/{id}")
-def patch_subject(id: PathId, body: SubjectPatch, bench: Bench) -> Subject:
+def patch_subject(id: PathId, body: SubjectRequest, bench: Bench) -> Subject:
     """Change one."""
-    changes = body.model_dump(exclude_unset=True)
-    changes = {k: v for k, v in changes.items() if v is not None or k == "body_mass"}
     with bench.database.transaction():
-        _refuse_twice(bench, "subject", "code", changes.get("code"), id)
-        subject = bench.project.change("subject", id, **changes)
+        _refuse_twice(bench, "subject", "code", body.code, id)
+        subject = bench.project.change("subject", id, **body.model_dump())
     bench.events.changed("subjects")
     return _subject(bench, subject)
 

@@ -19,9 +19,7 @@ from surae_workbench.web.routes.common import (
     Bench,
     Browser,
     PathId,
-    chosen_draft,
     offer_deletion,
-    offer_renaming,
     report_file,
 )
 from surae_workbench.web.rows import Entry
@@ -40,7 +38,7 @@ def post_trials(body: TrialsRequest, bench: Bench) -> dict[str, Any]:
 @router.post("", status_code=202)
 def post_session(body: SessionRequest, bench: Bench, browser: Browser) -> Job:
     """Ask for the fits of a session; what cannot be kept is refused now, not in the job."""
-    draft = chosen_draft(bench, browser, body.draft)
+    draft = bench.sessions.draft(browser)
     sorted_trials = sorted_as(bench, body.recordings, body.efforts)
     moving = [each["recording"] for each in sorted_trials if each["fitted"]]
     if not moving:
@@ -187,6 +185,3 @@ def session_summary(bench: Workbench, session: Entry) -> Leg:
         grade=None if adequacy is None else adequacy["grade"],
         fit=main_fit(bench, session),
     )
-
-
-offer_renaming(router, "/{id}", "session", session_summary)

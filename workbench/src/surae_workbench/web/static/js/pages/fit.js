@@ -168,7 +168,7 @@ function finish(ended) {
 byId("start").addEventListener("click", () =>
   attempt(box.fit, async () => {
     byId("job-said").textContent = "";
-    watch(await post("/api/fits", { name: null, draft: null }));
+    watch(await post("/api/fits"));
   }),
 );
 byId("cancel").addEventListener("click", () => job && attempt(box.fit, () => cancel(job.id), byId("cancel")));
