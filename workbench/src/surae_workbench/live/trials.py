@@ -16,19 +16,24 @@ from collections.abc import Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any, Literal, TypedDict
+
+from pydantic import BaseModel, ConfigDict, Field
 
 from surae.api import ROLES, mended_xdf
 from surae.database import lock
 from surae.errors import InputError, SuraeError
-from surae.files import PathLike, is_link, shown, write_atomic, write_json
+from surae.files import PathLike, is_link, read_bytes, shown, write_atomic, write_json
 from surae.processes import Child, End
-from surae.units import FACTORS, kind, plain
+from surae.units import FACTORS, kind
+from surae.units import plain as plain_unit
 from surae_workbench.live.recorder import Recorder, Show, Tell
-from surae_workbench.live.rows import trial_of
 from surae_workbench.live.stream import Stream
 from surae_workbench.live.target import KIND
+from surae_workbench.web.rows import plain
 
+#: The JSON of a trial, its findings and reasons take far less [bytes].
+_LARGEST = 4 * 2**20
 #: After the end of a trial, the samples of its last moments are waited for so long at most [s].
 _LATE = 0.25
 #: A trial is held against so many others at most: it must not be judged later and later.
@@ -341,7 +346,7 @@ class Trials:
         unjudged = []
         for number in self._numbers("trial"):
             row, source = self.path(number, ".json"), self.path(number, ".xdf")
-            trial = trial_of(row, number)
+            trial = _trial_of(row, number)
             note = f"trial {number} broke off; what had arrived is kept"
             if trial is None and row.exists():
                 _set_aside(row)
@@ -416,7 +421,7 @@ def mapping_of(streams: list[Stream]) -> str:
     lines: dict[str, str] = {}
     for stream in streams:
         for column, label, unit in zip(stream.columns, stream.labels, stream.units, strict=True):
-            role, known = plain(label), plain(unit)
+            role, known = plain_unit(label), plain_unit(unit)
             if role not in ROLES or known not in FACTORS[kind(role)] or stream.kind == KIND:
                 continue
             if role in lines:
@@ -429,3 +434,37 @@ def mapping_of(streams: list[Stream]) -> str:
 
 def _now() -> str:
     return time.strftime("%Y-%m-%dT%H:%M:%S%z")
+
+
+class _Trial(BaseModel):
+    """Nothing is taken for what it is not; what a newer surae adds is left as it is."""
+
+    model_config = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
+
+    trial: int
+    state: str
+    marks: list[dict[str, Any]]
+    effort: Literal["maximal", "passive"] | None = None
+    protocol: str | None = None
+    file: str | None = Field(None, min_length=1)
+    note: str | None = None
+    verdict: Literal["keep", "look", "repeat"] | None = None
+    why: str | None = None
+    advice: str | None = None
+    grade: str | None = None
+    vaf: float | None = None
+    findings: list[dict[str, Any]] = []
+    reasons: list[str] = []
+
+
+def _trial_of(path: Path, number: int) -> dict[str, Any] | None:
+    """A trial of before, by its number; None where there is no file, or it is damaged."""
+    try:
+        text = read_bytes(path, _LARGEST).decode()
+        trial = plain(text)
+        json.dumps(trial, ensure_ascii=False).encode()  # half a character is no text
+        known = _Trial.model_validate(trial)
+    except (InputError, ValueError):
+        return None
+    graded = known.grade is None or known.vaf is not None
+    return dict(trial) if known.trial == number and graded else None

@@ -1,7 +1,6 @@
 """Files come in: uploaded to the session, looked into, mapped, imported as recordings."""
 
 import hashlib
-import re
 from collections.abc import Mapping
 from typing import Annotated, Any
 
@@ -19,7 +18,7 @@ from surae_workbench.web.remap import proposals
 from surae_workbench.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae_workbench.web.routes.recordings import shown_recording
 from surae_workbench.web.rows import Entry
-from surae_workbench.web.schemas import ImportRequest
+from surae_workbench.web.schemas import Id, ImportRequest
 from surae_workbench.web.sessions import BrowserSession
 from surae_workbench.web.workbench import Workbench
 
@@ -35,7 +34,6 @@ _VIRTUAL_SUBJECT = {
     "notes": "simulated, not measured",
     "body_mass": None,
 }
-_IDS = re.compile(r"^[0-9a-f]{16}(,[0-9a-f]{16}){0,15}$")
 
 
 @router.post(
@@ -108,13 +106,10 @@ def inspect_upload(
     id: PathId,
     bench: Bench,
     browser: Browser,
-    also: Annotated[str | None, Query(max_length=300)] = None,
+    also: Annotated[list[Id], Query(max_length=MOST_UPLOADS)] = [],  # noqa: B006
 ) -> dict[str, Any]:
     """What is in a file, and in others that belong to it, and a guess of what each column is."""
-    if also is not None and not _IDS.match(also):
-        raise RefusedError(400, "also: give ids with commas")
-    upload = _upload(bench, browser, id)
-    others = [] if also is None else [_upload(bench, browser, other) for other in also.split(",")]
+    upload, *others = (_upload(bench, browser, each) for each in (id, *also))
     files = _files(bench, browser, [upload, *others])
     result = bench.workers.ask("imports:inspected", files=files)
     if not result["columns"]:  # a mapping: what it names may be among all uploads

@@ -39,7 +39,7 @@ function keys(event) {
 const showJobs = latest(async () => {
   const jobs = await active();
   byId("jobs").hidden = !jobs.length;
-  const href = { fit: "/fit", study: "/studies" }[jobs[0]?.kind] ?? "/";
+  const href = { fit: "/fit", session: "/analyse", design: "/plan", study: "/studies" }[jobs[0]?.kind] ?? "/";
   replace(byId("jobs"), jobs.length > 0 && h("a", { href }, jobs.length === 1 ? `${jobs[0].kind} ${jobs[0].state}` : `${jobs.length} jobs running`));
 });
 

@@ -17,6 +17,7 @@ import { trialList } from "../ui/trials.js";
 const box = { page: byId("error"), fit: byId("fit-error"), parameters: byId("parameters-error") };
 let models = null;
 let recordings = [];
+let sorted = false; // whether those that are chosen stand first
 let job = null;
 let shown = null; // which recording is drawn
 
@@ -61,6 +62,8 @@ function live(values) {
 
 function showRecordings() {
   const chosen = draft().recordings;
+  if (!sorted) recordings.sort((a, b) => chosen.includes(b.id) - chosen.includes(a.id));
+  sorted = true;
   replace(byId("recordings"), trialList(recordings, new Set(chosen), choose, (one) => [seconds(one.duration_s), excludedText(one.id)]));
   const known = chosen.filter((id) => recordings.some((one) => one.id === id));
   shown = known.includes(shown) ? shown : (known[0] ?? null);
@@ -188,6 +191,7 @@ byId("adopt").addEventListener("click", () => {
 
 const refresh = latest(() => attempt(box.page, async () => {
   ({ recordings } = await get("/api/recordings"));
+  sorted = false;
   const none = !recordings.length;
   byId("bench").hidden = none;
   byId("empty").hidden = !none;

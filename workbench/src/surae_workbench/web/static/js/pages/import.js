@@ -108,7 +108,7 @@ const isMapping = (id) => inspected.get(id)?.format === "TOML mapping";
 /** Several files as one recording; undefined where they are none. */
 function both() {
   const [first, ...others] = [...included].sort((a, b) => isMapping(b) - isMapping(a)); // which says what the others hold
-  return attempt(box.inspect, () => get(`/api/uploads/${first}/inspect${query({ also: others.join(",") })}`));
+  return attempt(box.inspect, () => get(`/api/uploads/${first}/inspect?${others.map((id) => `also=${id}`).join("&")}`));
 }
 
 async function showMapping() {
