@@ -25,7 +25,7 @@ from surae_workbench.live.target import KIND
 from surae_workbench.web.app import bare_app
 from surae_workbench.web.events import Events
 from surae_workbench.web.security import Policy, Security
-from surae_workbench.web.server import run, token_for
+from surae_workbench.web.server import Address, run
 from surae_workbench.web.sessions import BrowserSession, key_of
 
 _HERE = Path(__file__).parent
@@ -246,31 +246,18 @@ def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIA
     return dispatched
 
 
-def serve(
-    folder: PathLike,
-    *,
-    host: str,
-    port: int,
-    token: str | None,
-    open_browser: bool,
-    **room: Unpack[RoomOptions],
-) -> None:
-    """Record, show and judge until the user stops it.
-
-    `host`, `port`, `token` and `open_browser` are as of `web.server.run`, all else as of
-    `room.Room`.
-    """
-    token = token_for(host, token)
-    subject = None if token is None else secrets.token_urlsafe(12)
+def serve(folder: PathLike, address: Address, **room: Unpack[RoomOptions]) -> None:
+    """Record, show and judge until the user stops it; `room` is as of `Room`."""
+    subject = None if address.token is None else secrets.token_urlsafe(12)
 
     def make() -> tuple[ServedRoom, ASGIApp]:
         served = ServedRoom(folder, **room)
         for sentence in served.room.trials.broken:
             click.echo(f"surae: {sentence}", err=True)
-        return served, create_app(served, Policy.of(host, token), subject)
+        return served, create_app(served, Policy.of(address.host, address.token), subject)
 
     def more(root: str) -> None:
         mark = "" if subject is None else f"?token={subject}"
         click.echo(f"the subject's page: {root}subject{mark}")
 
-    run(make, "live", host=host, port=port, token=token, open_browser=open_browser, more=more)
+    run(make, "live", address, more)

@@ -238,17 +238,6 @@ def described(recording: api.Recording) -> dict[str, Any]:
     }
 
 
-def row_of(result: Mapping[str, Any]) -> dict[str, Any]:
-    """What the project's database keeps of what `described` says."""
-    return {
-        **{key: result[key] for key in ("emg", "fixed", "duration_s", "findings")},
-        "channels": [
-            {key: channel[key] for key in ("role", "unit", "n", "rate_hz", "source")}
-            for channel in result["channels"]
-        ],
-    }
-
-
 def read_recording(path: str | Path) -> api.Recording:
     """A recording of the project, as it was read from the user's own files."""
     recording = api.read(path)

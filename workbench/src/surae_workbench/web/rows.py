@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from surae import api
 from surae.errors import InputError
-from surae_workbench.web.schemas import DraftChange, ProtocolSettings
+from surae_workbench.web.schemas import ProtocolSettings
 
 #: An entry: its content with its `id` and `created`.
 Entry = dict[str, Any]
@@ -207,20 +207,6 @@ def plain(text: object) -> Any:
         return _DECODER.decode(text)
     except (ValueError, RecursionError):
         raise ValueError("it is no JSON that can be read") from None
-
-
-def draft_parts(data: object) -> dict[str, Any]:
-    """The keys of a draft that are as they should be."""
-    if not isinstance(data, dict):
-        return {}
-    good = {}
-    for key, value in data.items():
-        try:
-            DraftChange.model_validate({key: value})
-        except ValidationError:
-            continue
-        good[key] = value
-    return good
 
 
 def _finite(text: str) -> float:

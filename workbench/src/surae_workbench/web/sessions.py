@@ -9,13 +9,16 @@ from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any, NamedTuple
 
+from pydantic import TypeAdapter
+from typing_extensions import TypedDict  # as pydantic asks before Python 3.12
+
 from surae.errors import SuraeError
 from surae_workbench.web.draft import Draft, changed, empty_draft, shown, upgraded
 from surae_workbench.web.events import Events
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.places import plural
 from surae_workbench.web.project import KEPT, Project
-from surae_workbench.web.rows import draft_parts, plain
+from surae_workbench.web.rows import plain
 
 #: Steps that can be undone.
 _STEPS = 200
@@ -52,24 +55,21 @@ class _Step(NamedTuple):
     after: dict[str, Any]
 
 
-def _content(kind: str, text: str) -> dict[str, Any]:
-    """What a step holds; a ValueError where that makes no sense."""
-    table = plain(text)
-    if kind == "deleted":
-        sound = isinstance(table, dict) and all(
-            isinstance(table.get(k), str) for k in ("kind", "id")
-        )
-    elif kind == "described":
-        rows = table.get("rows") if isinstance(table, dict) else None
-        sound = isinstance(rows, dict) and all(
-            isinstance(row, dict) and isinstance(row.get("version"), int | None)
-            for row in rows.values()
-        )
-    else:
-        sound = kind == "draft" and isinstance(table, dict)
-    if not sound:
-        raise ValueError(kind)
-    return dict(table)
+class _Deleted(TypedDict):
+    kind: str
+    id: str
+
+
+class _Described(TypedDict):
+    rows: dict[str, dict[str, Any]]
+
+
+#: What is kept of the time before and after a step, by its kind.
+_STATES: dict[str, TypeAdapter[Any]] = {
+    "draft": TypeAdapter(dict[str, Any]),
+    "deleted": TypeAdapter(_Deleted),
+    "described": TypeAdapter(_Described),
+}
 
 
 class BrowserSessions:
@@ -185,10 +185,11 @@ class BrowserSessions:
         """Let recordings be as they are `then`, if all are as they are `now`; whether it did."""
         for id_, fields in now.items():
             row = self._database.get("recording", id_)
-            if row is None or row.get("version", 0) != (fields["version"] or 0):
+            if row is None or row.get("version", 0) != (fields.get("version") or 0):
                 return False
         for id_, fields in then.items():
-            self._database.update("recording", id_, {**fields, "version": fields["version"] or 0})
+            version = fields.get("version") or 0
+            self._database.update("recording", id_, {**fields, "version": version})
         return True
 
     def move(self, session: BrowserSession, *, back: bool) -> None:
@@ -201,7 +202,9 @@ class BrowserSessions:
             here, there = (step.after, step.before) if back else (step.before, step.after)
             moved = True
             if step.kind == "draft":
-                draft |= {key: part for key, part in draft_parts(there).items() if key in draft}
+                for key, value in there.items():
+                    if key in draft and upgraded({key: value})[key] == value:
+                        draft[key] = value
             elif step.kind == "described":
                 moved = self._switch(here["rows"], there["rows"])
             else:
@@ -263,8 +266,9 @@ class BrowserSessions:
             f"ORDER BY id {order} LIMIT {_STEPS}",
             session.key, done,
         ):  # fmt: skip
-            with suppress(ValueError):
-                return _Step(*row[:3], *(_content(row[2], text) for text in row[3:]))
+            with suppress(ValueError, KeyError):
+                state = _STATES[row[2]].validate_python
+                return _Step(*row[:3], *(state(plain(text)) for text in row[3:]))
         return None
 
     @contextmanager
@@ -285,7 +289,7 @@ class BrowserSessions:
         with suppress(ValueError):
             saved = plain(row[0])
         revision = row[1] if isinstance(row[1], int) and 0 <= row[1] < 2**53 else 0
-        return {**empty_draft(), **draft_parts(upgraded(saved))}, revision
+        return upgraded(saved), revision
 
     def _write(self, session: BrowserSession, draft: Draft, revision: int) -> None:
         self._database.write(

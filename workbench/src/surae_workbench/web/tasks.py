@@ -18,7 +18,7 @@ from surae.files import write_json
 from surae.names import LANGUAGES
 from surae.processes import tell
 from surae_workbench.web import imports, sliders
-from surae_workbench.web.draft import settings_of, upgraded
+from surae_workbench.web.draft import settings_of
 from surae_workbench.web.fit_progress import FitProgress
 from surae_workbench.web.places import FILES, file_of, recording_suffix
 
@@ -45,7 +45,7 @@ def _request_of(
     task: Task,
 ) -> "tuple[api.FitSettings, list[api.Recording], tuple[api.ModelInputs, ...]]":
     """What the draft of a task asks, its recordings, and what a model reads of them."""
-    draft = upgraded(task["draft"])
+    draft = task["draft"]
     settings = settings_of(draft, task["recordings"])
     recordings = _read(task, task["recordings"])
     contractions = _read(task, draft["mvc"])
@@ -80,7 +80,7 @@ def session(task: Task) -> dict[str, Any]:
         for id_, recording in zip(task["recordings"], _read(task, task["recordings"]), strict=True)
     ]
 
-    settings = settings_of(upgraded(task["draft"]), ())
+    settings = settings_of(task["draft"], ())
     efforts = {task["names"][id_]: effort for id_, effort in task["efforts"].items()}
     leg = api.session(recordings, name=task["name"], efforts=efforts)
 

@@ -42,18 +42,14 @@ def session(request: Request) -> BrowserSession:
     return state
 
 
-#: "muscle-tendon-" of "muscle-tendon-muscle-tendon-left"; numbers may well come twice.
-_TWICE = re.compile(r"(?<![A-Za-z0-9_-])([A-Za-z][A-Za-z0-9_-]*)-\1(?=-|$)")
-
 Bench = Annotated[Workbench, Depends(workbench)]
 Browser = Annotated[BrowserSession, Depends(session)]
 PathId = Annotated[str, InPath(pattern=r"^[0-9a-f]{16}$")]
 
 
 def attachment(name: str, suffix: str) -> dict[str, str]:
-    """Headers of a download; only plain words of the name are kept, none said twice in a row."""
-    slug = "-".join(re.findall(r"[A-Za-z0-9_]+", name[:200]))
-    slug = _TWICE.sub(r"\1", slug)[:80].strip("-")
+    """Headers of a download; only plain words of the name are kept."""
+    slug = "-".join(re.findall(r"[A-Za-z0-9_]+", name[:200]))[:80].strip("-")
     return {"content-disposition": f'attachment; filename="{slug or "surae"}{suffix}"'}
 
 

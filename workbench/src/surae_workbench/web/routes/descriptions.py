@@ -7,7 +7,6 @@ from fastapi import APIRouter
 from surae.errors import InputError
 from surae.files import sha256_of
 from surae_workbench.web.http_errors import RefusedError
-from surae_workbench.web.imports import row_of
 from surae_workbench.web.places import recording_suffix
 from surae_workbench.web.remap import (
     FIELDS,
@@ -76,10 +75,8 @@ def post_description(body: DescriptionRequest, bench: Bench, browser: Browser) -
             path = bench.project.path("recordings", row["id"], recording_suffix(number))
             paths.append(path)
             result = _made(bench, row, wanted, str(path))
-            described[row["id"]] = {
-                **row_of(result), "version": number, "version_sha256": sha256_of(path),
-                "mapping": wanted,
-            }  # fmt: skip
+            made = {"version": number, "version_sha256": sha256_of(path), "mapping": wanted}
+            described[row["id"]] = {key: (result | made)[key] for key in FIELDS}
         others = f" and {len(rows) - 1} more" if len(rows) > 1 else ""
         firsts = {row["id"]: first_mapping(row) for row in rows}
         bench.sessions.describe(

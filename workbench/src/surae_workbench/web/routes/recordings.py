@@ -142,20 +142,12 @@ def get_window(
     for name in names:
         if name not in channels:
             raise RefusedError(400, f"no signal {name[:40]!r}; there are: {', '.join(channels)}")
-    times = [time for time, *_ in channels.values()]
     shown = []
     for name in dict.fromkeys(names):
         time, values, unit = channels[name]
-        n, t, v = window(time, values, start, end, points)
-        shown.append(
-            {"role": name, "unit": unit, "n": n, "reduced": len(t) < n, "t": t.tolist(),
-             "v": v.tolist()}
-        )  # fmt: skip
-    return {
-        "start": min(float(t[0]) for t in times) if start is None else start,
-        "end": max(float(t[-1]) for t in times) if end is None else end,
-        "signals": shown,
-    }
+        t, v = window(time, values, start, end, points)
+        shown.append({"role": name, "unit": unit, "t": t.tolist(), "v": v.tolist()})
+    return {"signals": shown}
 
 
 #: Times [s], values and unit of signals by name.
@@ -175,8 +167,4 @@ def _prepared(bench: Workbench, id_: str) -> _Signals:
     for column, role in enumerate(role for role in api.ROLES if role.startswith("emg_")):
         if role.removeprefix("emg_") not in inputs.missing_emg:
             signals[role] = (inputs.emg[:, column], inputs.emg_unit)
-    signals |= {
-        "velocity": (inputs.velocity, "rad/s"),
-        "acceleration": (inputs.acceleration, "rad/s2"),
-    }
     return {role: (inputs.time, values, unit) for role, (values, unit) in signals.items()}

@@ -12,7 +12,7 @@ from surae.units import FACTORS, kind
 from surae_workbench.web.answers import Recording, Upload
 from surae_workbench.web.database import new_id
 from surae_workbench.web.http_errors import RefusedError, not_found
-from surae_workbench.web.imports import file_name, row_of
+from surae_workbench.web.imports import file_name
 from surae_workbench.web.project import dated, unique_name
 from surae_workbench.web.remap import proposals
 from surae_workbench.web.routes.common import ERRORS, Bench, Browser, PathId
@@ -199,13 +199,11 @@ def _added(
 ) -> Recording:
     """Add a recording, whose file is there, to the project."""
     data = {
-        **row_of(result),
+        **result,
         "name": unique_name(bench.database.all("recording"), result["name"], 120),
         "subject": subject,
-        "side": result["side"],
         "trial": trial,
         "condition": condition,
-        "files": result["files"],
         "mapping": mapping,
     }
     bench.project.add("recording", data, id_)

@@ -71,8 +71,6 @@ const ROLES = {
   emg_gm: "EMG gastrocnemius medialis",
   angular_velocity: "Angular velocity",
   angular_acceleration: "Angular acceleration",
-  velocity: "Angular velocity",
-  acceleration: "Angular acceleration",
 };
 const MUSCLES = { tib: "tibialis", gl: "gastrocnemius lateralis", sol: "soleus", gm: "gastrocnemius medialis" };
 const FILMED = { fascicle: "Fascicle length", pennation: "Pennation" };

@@ -6,7 +6,7 @@ import { change, draft, onDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
 import { number, seconds, r2 } from "../core/format.js";
 import { attempt, calm, complain } from "../core/notice.js";
-import { latest, perFrame } from "../core/pace.js";
+import { latest } from "../core/pace.js";
 import { torquePlot } from "../plot/torque.js";
 import { demoButton } from "../ui/demo.js";
 import { PHASES, active, cancel, follow } from "../ui/jobs.js";
@@ -108,7 +108,7 @@ function showDraft() {
 
 let phase = "";
 
-const progress = perFrame((report) => {
+function progress(report) {
   if (!job) return;
   if (report.starts) byId("progress").value = Math.min((report.start ?? 0) / report.starts, 1);
   byId("job-line").textContent = [
@@ -125,7 +125,7 @@ const progress = perFrame((report) => {
     table.move(report.values);
     draw();
   }
-});
+}
 
 function watch(found) {
   job = found;
