@@ -69,7 +69,7 @@ def test_a_fit_tells_of_its_better_points(monkeypatch) -> None:
     for _ in range(5):  # at once: only the first is told
         following.point(spec, values, 1.0)
     following.start(1, 3, 1.0)
-    assert [(m["start"], m["iteration"], m["model"]) for m in told] == [
-        (1, 1, "muscle"), (2, 5, "muscle")
+    assert [(m["done"], m["iteration"], m["model"]) for m in told] == [
+        (0, 1, "muscle"), (1, 5, "muscle")
     ]  # fmt: skip
     assert told[0]["values"]["m"] == pytest.approx(values[spec.names.index("m")])

@@ -328,15 +328,11 @@ def test_the_keyboard_reaches_the_content_first(desk: Desk) -> None:
     expect(page.locator("#main")).to_be_focused()
 
 
-def test_a_theme_that_was_chosen_stays(desk: Desk) -> None:
+def test_the_theme_is_the_systems(desk: Desk) -> None:
     page = desk.go("/studies")
-    root = page.locator("html")
-    expect(root).to_have_attribute("data-theme", "light")
-    page.get_by_role("button", name="Dark theme").click()
-    expect(root).to_have_attribute("data-theme", "dark")
-    page.reload()
-    expect(root).to_have_attribute("data-theme", "dark")
-    page.get_by_role("button", name="Light theme").wait_for()
+    for scheme in ("dark", "light"):
+        page.emulate_media(color_scheme=scheme)
+        expect(page.locator("html")).to_have_attribute("data-theme", scheme)
 
 
 def test_what_was_deleted_comes_back(desk: Desk) -> None:

@@ -16,15 +16,13 @@ class FitProgress:
     """Tells how a fit goes on; made for `follow` and `progress` of `surae.fit`."""
 
     def __init__(self, starts: int) -> None:
-        self._news: dict[str, Any] = {
-            "phase": "fitting", "start": 1, "starts": starts, "iteration": 0
-        }  # fmt: skip
+        self._news: dict[str, Any] = {"done": 0, "total": starts, "iteration": 0}
         self._last = 0.0
 
     def start(self, done: int, starts: int, best: float) -> None:
         """A start is done."""
         del best
-        self._news["start"] = min(done + 1, starts)
+        self._news |= {"done": done, "total": starts}
         tell(self._news)
 
     def point(self, spec: api.ModelSpec, values: FloatArray, sse: float) -> None:

@@ -5,7 +5,6 @@ import { draftState, history, loadDraft, onDraft } from "./draft.js";
 import { listen, onChanged } from "./events.js";
 import { alertBox, complain } from "./notice.js";
 import { latest } from "./pace.js";
-import { themeButton } from "./theme.js";
 import { active } from "../ui/jobs.js";
 
 const box = alertBox();
@@ -46,7 +45,6 @@ const showJobs = latest(async () => {
 byId("undo").addEventListener("click", () => history("undo", box));
 byId("redo").addEventListener("click", () => history("redo", box));
 addEventListener("keydown", keys);
-themeButton(byId("theme"));
 const research = byId("research");
 research.checked = document.documentElement.hasAttribute("data-research");
 research.addEventListener("change", () => {

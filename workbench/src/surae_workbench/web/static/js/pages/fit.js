@@ -9,7 +9,7 @@ import { attempt, calm, complain } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { torquePlot } from "../plot/torque.js";
 import { demoButton } from "../ui/demo.js";
-import { PHASES, active, cancel, follow } from "../ui/jobs.js";
+import { active, jobControls, progressText } from "../ui/jobs.js";
 import { parameterTable } from "../ui/parameters.js";
 import { settingsForm } from "../ui/settings.js";
 import { trialList } from "../ui/trials.js";
@@ -18,7 +18,6 @@ const box = { page: byId("error"), fit: byId("fit-error"), parameters: byId("par
 let models = null;
 let recordings = [];
 let sorted = false; // whether those that are chosen stand first
-let job = null;
 let shown = null; // which recording is drawn
 
 const plot = torquePlot();
@@ -38,7 +37,7 @@ let slid = {};
 /** The model and the values that the fit is at, until a slider is moved. */
 let reached = null;
 const draw = latest(async () => {
-  if (!shown || (job && !reached)) return;
+  if (!shown || (controls.busy() && !reached)) return;
   try {
     const seen = await post("/api/live", { recording: shown, points: 2000, ...(reached ?? { values: slid }) });
     plot.show(seen.t, seen.measured, seen.modelled);
@@ -90,10 +89,10 @@ const showTable = latest(async () => {
   byId("plot").hidden = !chosen;
   if (report.problem && chosen) complain(box.fit, report.problem);
   else calm(box.fit);
-  if (!job) byId("live-figures").textContent = chosen ? "" : "Choose a recording above.";
-  byId("start").disabled = Boolean(report.problem) || job !== null;
+  if (!controls.busy()) byId("live-figures").textContent = chosen ? "" : "Choose a recording above.";
+  byId("start").disabled = Boolean(report.problem) || controls.busy();
   slid = {};
-  if (!job) reached = null;
+  if (!controls.busy()) reached = null;
   draw();
 });
 
@@ -106,75 +105,34 @@ function showDraft() {
 
 // --- the fit
 
-let phase = "";
-
-function progress(report) {
-  if (!job) return;
-  if (report.starts) byId("progress").value = Math.min((report.start ?? 0) / report.starts, 1);
-  byId("job-line").textContent = [
-    PHASES[report.phase] ?? report.phase,
-    report.start && `start ${report.start} of ${report.starts}`,
-    report.iteration && `iteration ${report.iteration}`,
-  ].filter(Boolean).join(" · ");
-  if (report.phase !== phase) {
-    phase = report.phase;
-    byId("job-said").textContent = `${PHASES[phase] ?? phase} …`;
-  }
-  if (report.values) {
-    reached = { model: report.model, values: report.values };
-    table.move(report.values);
-    draw();
-  }
-}
+const elements = { start: byId("start"), stop: byId("cancel"), bar: byId("progress"), line: byId("job-line"), said: byId("job-said") };
+const controls = jobControls(elements, box.fit, {
+  progress: (report) => {
+    if (report.values) {
+      reached = { model: report.model, values: report.values };
+      table.move(report.values);
+      draw();
+    }
+    return report.total ? `start ${Math.min(report.done + 1, report.total)} of ${report.total} · iteration ${report.iteration}` : progressText(report, "");
+  },
+  ended: (now) => {
+    const words = { done: "The fit is done.", cancelled: now.result ? "Stopped; the best so far is kept." : "Stopped before there was anything to keep.", interrupted: "The server was stopped during the fit. Choose Fit to do it again." };
+    return [words[now.state] ?? "", " ", now.result && h("a", { href: `/fits/${now.result}`, class: "button small primary" }, "Open the result")];
+  },
+  done: (now) => {
+    table.lock(false);
+    if (now.result) draw();
+    else if (now.state !== "failed") showTable(); // which would take the reason away
+  },
+});
 
 function watch(found) {
-  job = found;
-  phase = "";
   reached = null;
-  byId("job").hidden = false;
-  byId("cancel").hidden = false;
-  byId("cancel").disabled = false;
-  byId("start").disabled = true;
-  byId("progress").removeAttribute("value");
   table.lock(true);
-  byId("job-said").className = "sr"; // said aloud; seen above the plot
-  follow(found.id, {
-    state: (now) => {
-      byId("job-line").textContent = now.state === "queued" ? `Waiting, ${now.position ?? 1} in line` : now.message || "Started";
-      if (now.progress) progress(now.progress);
-    },
-    progress,
-    end: finish,
-  });
+  controls.watch(found);
 }
 
-function finish(ended) {
-  job = null;
-  byId("job").hidden = true;
-  byId("cancel").hidden = true;
-  byId("start").disabled = false;
-  table.lock(false);
-  const said = byId("job-said");
-  said.className = "";
-  if (ended.state === "failed") {
-    said.textContent = "";
-    complain(box.fit, ended.message);
-  } else {
-    const words = { done: "The fit is done.", cancelled: ended.result ? "Stopped; the best so far is kept." : "Stopped before there was anything to keep.", interrupted: "The server was stopped during the fit." };
-    replace(said, `${words[ended.state]} `, ended.result && h("a", { href: `/fits/${ended.result}`, class: "button small primary", id: "open-result" }, "Open the result"));
-    if (ended.state === "interrupted") byId("job-said").append(" Choose Fit to do it again.");
-  }
-  if (ended.result) draw();
-  else showTable();
-}
-
-byId("start").addEventListener("click", () =>
-  attempt(box.fit, async () => {
-    byId("job-said").textContent = "";
-    watch(await post("/api/fits"));
-  }),
-);
-byId("cancel").addEventListener("click", () => job && attempt(box.fit, () => cancel(job.id), byId("cancel")));
+byId("start").addEventListener("click", () => attempt(box.fit, async () => watch(await post("/api/fits"))));
 byId("which").addEventListener("change", () => {
   shown = byId("which").value;
   draw();

@@ -5,12 +5,10 @@ import { replace } from "../core/dom.js";
 import { attempt, complain } from "../core/notice.js";
 
 /** What a job is doing before it counts. */
-export const PHASES = {
+const PHASES = {
   reading: "Reading",
   preparing: "Preparing the signals",
   compiling: "Compiling the model (only once)",
-  fitting: "Fitting",
-  assessing: "Working out the uncertainty",
 };
 
 /** How far a job is, in words: what is counted, or its phase. */
@@ -55,30 +53,32 @@ export function follow(id, handlers) {
 export const cancel = (id) => post(`/api/jobs/${id}/cancel`);
 
 /**
- * Follows a job with these elements: `start` is off, `stop` and the `bar` are there while it is at
- * work, `said` holds what `progress` and `ended` make of its news. Errors go to `box`.
+ * Follows a job with these elements: `start` is off, `stop`, the `bar` and the `line` are there while
+ * it is at work; the line holds what `progress` makes of its news, `said`, which is read aloud, what
+ * `ended` does. Where there is no line, `said` holds both. Errors go to `box`.
  *
  * @returns {watch(job), busy()}
  */
-export function jobControls({ start, stop, said, bar = null }, box, { progress, ended: text, done = () => null }) {
+export function jobControls({ start, stop, said, bar = null, line = null }, box, { progress, ended: text, done = () => null }) {
   let job = null;
   const working = (found) => {
     job = found;
     start.disabled = job !== null;
     stop.hidden = job === null;
-    if (bar) bar.hidden = job === null;
+    for (const one of [bar, line]) if (one) one.hidden = job === null;
   };
   const heard = (report) => {
-    said.textContent = progress(report);
+    (line ?? said).textContent = progress(report);
     if (bar && report.total) bar.value = report.done / report.total;
   };
   stop.addEventListener("click", () => job && attempt(box, () => cancel(job.id), stop));
   function watch(found) {
     working(found);
     bar?.removeAttribute("value");
+    said.textContent = "At work …";
     follow(found.id, {
       state: (now) => {
-        if (now.state === "queued") said.textContent = `Waiting, ${now.position ?? 1} in line`;
+        if (now.state === "queued") (line ?? said).textContent = `Waiting, ${now.position ?? 1} in line`;
         if (now.progress) heard(now.progress);
       },
       progress: heard,
