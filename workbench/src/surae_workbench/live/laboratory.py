@@ -24,11 +24,6 @@ class Laboratory:
         threading.Thread(target=self._run, args=({"seed": seed},), daemon=True).start()
 
     @property
-    def process(self) -> int | None:
-        """The number of its process."""
-        return self._child.process
-
-    @property
     def ready(self) -> bool:
         """Whether it hears, and has what was loaded last."""
         return self._hears and (self._wanted is None or self._loaded == self._wanted[0])

@@ -11,7 +11,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -251,11 +251,8 @@ def quality(path: str) -> list[dict[str, Any]]:
 
 def findings(recording: api.Recording) -> list[dict[str, Any]]:
     """What is questionable about a recording."""
-    rows = [asdict(finding) for finding in api.check(recording).findings]
-    return [
-        {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in finding.items()}
-        for finding in rows
-    ]
+    found: list[dict[str, Any]] = api.check(recording).as_dict()["findings"]
+    return found
 
 
 def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
