@@ -445,9 +445,8 @@ def test_a_damaged_trial_is_judged_anew_or_named(judged_at_once, what, source) -
     assert kept == (content.encode() if isinstance(content, str) else content)
 
 
-def test_what_describes_streams_is_never_dropped_on_a_full_disk(lsl, tmp_path, monkeypatch) -> None:
-    """The disk is full for longer than samples are kept, while a file and a stream begin."""
-    monkeypatch.setattr("surae_workbench.live.recorder._WAITING", 0.2)
+def test_nothing_is_dropped_on_a_full_disk(lsl, tmp_path, monkeypatch) -> None:
+    """The disk is full while a file and a stream begin."""
     write, full = os.write, [False]
 
     def writing(file: int, data: bytes) -> int:
@@ -463,8 +462,6 @@ def test_what_describes_streams_is_never_dropped_on_a_full_disk(lsl, tmp_path, m
         recorder.turn(tmp_path / "b.xdf")
         before = of(recorder).received
         device.until(lambda: of(recorder).received > before + 10)
-        time.sleep(0.5)
-        device.until(lambda: recorder._dropped)
         full[0] = False
         device.until(lambda: not recorder.trouble)
         device.all_arrive(recorder)

@@ -1,5 +1,7 @@
 """`surae serve`, before it serves."""
 
+from typing import Any
+
 import pytest
 from click.testing import CliRunner
 
@@ -35,12 +37,14 @@ def test_without_its_package_it_says_how_to_get_it(monkeypatch) -> None:
 
 
 def test_a_token_need_not_be_seen_in_the_list_of_processes(tmp_path, monkeypatch) -> None:
-    given: dict[str, object] = {}
-    monkeypatch.setattr("surae_workbench.web.server.serve", lambda _, **told: given.update(told))
+    given: list[Any] = []
+    monkeypatch.setattr(
+        "surae_workbench.web.server.serve", lambda *told, **_: given.append(told[1])
+    )
     (tmp_path / "token").write_text("out of a file\n")
     CliRunner().invoke(group, ["serve", "--token-file", str(tmp_path / "token")])
-    assert given["token"] == "out of a file"
+    assert given[-1].token == "out of a file"
     CliRunner().invoke(group, ["serve"], env={"SURAE_TOKEN": "out of the environment"})
-    assert given["token"] == "out of the environment"
+    assert given[-1].token == "out of the environment"
     (tmp_path / "token").write_text("short\n")
     assert "at least 8" in refused("--token-file", str(tmp_path / "token"))

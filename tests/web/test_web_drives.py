@@ -8,11 +8,7 @@ import pytest
 import surae
 from surae.model import get_model
 from surae.model.registry import with_optional
-from surae.protocol import Protocol, generate
-from surae.settings import FitSettings
-from surae.signals import thinned, thinning_factor
-from surae.studies import virtual_subject, virtual_trial
-from surae_workbench.web.fit_progress import FitProgress
+from surae_workbench.web import fit_progress
 
 REFLEX = ("reflex_tri", "reflex_tib", "reflex_delay")
 
@@ -55,53 +51,25 @@ def test_a_slider_moves_the_delay(browser, recorded, trial) -> None:
     assert still["modelled"] != answer["modelled"]
 
 
-@pytest.fixture(scope="module")
-def chirped():
-    protocol = Protocol(
-        profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=125.0
-    )
-    return virtual_trial(virtual_subject(1), generate(protocol), noise=0.0)
+def test_a_fit_that_goes_through_a_simpler_model_is_drawn(browser, recorded, trial) -> None:
+    """As it goes on a fit tells its own model, and all values of it."""
+    browser.change(recordings=[recorded], prepared=True, model="muscle-tendon")
+    spec = with_optional(get_model("muscle"), ("emd",))
+    values = {p.name: 0.1 if p.name == "emd" else p.start for p in spec.parameters}
+    body = {"model": "muscle", "values": values, "points": 2000}
+    drawn = browser.post("/api/live", json=body).json()["modelled"]
+    assert drawn == pytest.approx(surae.simulate("muscle", values, trial).tolist(), 1e-5, 1e-5)
 
 
-@pytest.fixture
-def told(monkeypatch) -> list[dict[str, Any]]:
-    """What the process that makes a fit tells its parent."""
-    messages: list[dict[str, Any]] = []
-    monkeypatch.setattr("surae_workbench.web.fit_progress.tell", messages.append)
-    return messages
-
-
-def test_a_chirp_is_followed_with_all_its_peaks(chirped, told) -> None:
-    following = FitProgress([chirped], ["a" * 16], FitSettings(starts=1))
-    spec = get_model("muscle")
-    following.point(spec, np.array([p.start for p in spec.parameters]), 1.0)
-    (trace,) = told[0]["traces"]
-    assert 400 < len(trace["t"]) == len(trace["measured"]) == len(trace["modelled"]) <= 1000
-    whole = thinned(chirped, thinning_factor(chirped, 60.0, 500)).torque
-    shown = np.array(trace["measured"])
-    assert (shown.min(), shown.max()) == pytest.approx((whole.min(), whole.max()), rel=1e-5)
-    # Up and down as often and as far, but for the last, fastest swings; every fifth sample alone
-    # would show a slower chirp, of a fifth of the way.
-    way = np.abs(np.diff(shown)).sum() / np.abs(np.diff(whole)).sum()
-    assert 0.8 < way <= 1.0
-
-
-def test_a_drive_joins_a_fit_that_is_under_way(chirped, told) -> None:
-    following = FitProgress([chirped], ["a" * 16], FitSettings(starts=1))
-    plain = get_model("muscle")
-    driven = with_optional(plain, ("emd",))
-    for spec in (plain, driven):
-        following._last = 0.0
-        values = np.array([0.1 if p.name == "emd" else p.start for p in spec.parameters])
+def test_a_fit_tells_of_its_better_points(monkeypatch) -> None:
+    told: list[dict[str, Any]] = []
+    monkeypatch.setattr(fit_progress, "tell", lambda message: told.append(dict(message)))
+    following, spec = fit_progress.FitProgress(3), get_model("muscle")
+    values = np.array([p.start for p in spec.parameters])
+    for _ in range(5):  # at once: only the first is told
         following.point(spec, values, 1.0)
-    first, second = (line["traces"][0]["modelled"] for line in told)
-    assert first != second
-    assert told[1]["values"]["emd"] == 0.1
-
-
-def test_many_recordings_share_the_points(chirped, told) -> None:
-    ids = [f"{i:016x}" for i in range(20)]
-    following = FitProgress([chirped] * 20, ids, FitSettings(starts=1))
-    spec = get_model("muscle")
-    following.point(spec, np.array([p.start for p in spec.parameters]), 1.0)
-    assert all(len(trace["t"]) <= 400 for trace in told[0]["traces"])
+    following.start(1, 3, 1.0)
+    assert [(m["done"], m["iteration"], m["model"]) for m in told] == [
+        (0, 1, "muscle"), (1, 5, "muscle")
+    ]  # fmt: skip
+    assert told[0]["values"]["m"] == pytest.approx(values[spec.names.index("m")])

@@ -94,7 +94,7 @@ def test_a_draft_is_a_request() -> None:
 
 
 def test_of_a_draft_what_is_not_known_is_left_out() -> None:
-    kept = {"recordings": ["a"], "starts": 3, "peaks": 4.0}
-    assert upgraded(kept) == empty_draft() | {"recordings": ["a"], "starts": 3}
+    kept = {"recordings": ["a" * 16], "starts": 3, "peaks": 4.0, "seed": "x"}
+    assert upgraded(kept) == empty_draft() | {"recordings": ["a" * 16], "starts": 3}
     for damaged in (None, [], {"parameters": 3}):
         assert upgraded(damaged) == empty_draft()

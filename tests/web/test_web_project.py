@@ -114,21 +114,21 @@ def test_what_was_read_is_kept_until_it_is_written(serve, monkeypatch) -> None:
     with database.transaction():
         for number in range(200):
             database.add("recording", recording(f"r{number}"), f"{number:016x}")
-    assert browser.get("/api/recordings").json()["total"] == 200
+    assert len(browser.get("/api/recordings").json()["recordings"]) == 200
     read = module.entry
     monkeypatch.setattr(module, "entry", lambda *row: (reads.append(row), read(*row))[1])
     for _ in range(3):
-        assert browser.get("/api/recordings").json()["total"] == 200
+        assert len(browser.get("/api/recordings").json()["recordings"]) == 200
     assert reads == []
     path = f"/api/recordings/{3:016x}"
     assert browser.patch(path, json={"name": "r7"}).status_code == 409  # found among those kept
     assert browser.patch(path, json={"name": "other"}).status_code == 200
     assert browser.delete(f"/api/recordings/{4:016x}").status_code == 204
-    told = browser.get("/api/recordings", params={"find": "OTH er"}).json()
-    assert [row["name"] for row in told["recordings"]] == ["other"]
-    assert browser.get("/api/recordings").json()["total"] == 199
+    told = browser.get("/api/recordings").json()["recordings"]
+    assert len(told) == 199
+    assert "other" in [row["name"] for row in told]
     assert browser.post("/api/draft/undo").status_code == 200
-    assert browser.get("/api/recordings").json()["total"] == 200
+    assert len(browser.get("/api/recordings").json()["recordings"]) == 200
     assert len(reads) < 20
 
 
@@ -142,31 +142,3 @@ def test_what_a_transaction_takes_back_was_never_there(serve) -> None:
         assert [row["code"] for row in database.all("subject")] == ["S02"]
         raise KeyError
     assert [row["code"] for row in database.all("subject")] == ["S01"]
-
-
-def test_lists_come_in_parts(serve) -> None:
-    server = serve()
-    database, browser = server.bench.database, server.browser()
-    database.add("subject", SUBJECT, "1" * 16)
-    with database.transaction():
-        for number in range(120):
-            row = {**recording(f"trial {number}"), "duration_s": float(number % 7)}
-            database.add("recording", row | {"subject": "1" * 16 if number == 5 else None})
-
-    def named(**asked: object) -> list[str]:
-        told = browser.get("/api/recordings", params=asked)
-        assert told.status_code == 200, told.text
-        return [row["name"] for row in told.json()["recordings"]]
-
-    assert len(named()) == 100
-    assert len(named(start=100)) == 20
-    assert named(sort="name", count=3) == ["trial 0", "trial 1", "trial 2"]
-    assert named(sort="name", down=True, count=2) == ["trial 119", "trial 118"]
-    assert named(sort="subject", count=1) == ["trial 5"]  # what is missing comes last
-    assert named(sort="subject", down=True, count=1) == ["trial 5"]
-    assert named(find="s01") == ["trial 5"]
-    assert browser.get("/api/recordings", params={"sort": "x"}).status_code == 400
-    ids = {row["name"]: row["id"] for row in browser.get("/api/recordings").json()["recordings"]}
-    told = browser.get("/api/recordings", params={"find": "119", "also": ids["trial 3"]}).json()
-    assert [row["name"] for row in told["also"]] == ["trial 3"]
-    assert (len(told["recordings"]), told["total"]) == (1, 1)

@@ -1,6 +1,5 @@
 """Files in, curves out: import, subjects, windows, quality."""
 
-import json
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
@@ -27,7 +26,7 @@ def test_an_upload_is_looked_into_and_imported(browser, trial) -> None:
     preview = browser.post("/api/imports/preview", json={"mapping": mapping}).json()
     ours = surae.read(trial)
     torque = next(channel for channel in preview["channels"] if channel["role"] == "torque")
-    assert torque["mean"] == pytest.approx(-ours.channels["torque"].values.mean())
+    assert torque["low"] == pytest.approx(-ours.channels["torque"].values.max())
     mapping["channels"]["torque"]["sign"] = 1
     body = {"mapping": mapping, "trial": "T1"}
     recording = browser.post("/api/imports", json=body).json()
@@ -36,30 +35,22 @@ def test_an_upload_is_looked_into_and_imported(browser, trial) -> None:
     assert recording["mapping"]["channels"]["angle"]["column"] == "angle_rad"
 
 
-def test_inspections_wait_in_a_queue_that_shows_its_length(
-    server, browser, trial, monkeypatch
-) -> None:
-    """Of 40 at once 26 were once refused, and pages waited behind the others."""
+def test_pages_do_not_wait_behind_inspections(server, browser, trial, monkeypatch) -> None:
+    """Of 40 at once 26 were once refused."""
     go_on, call = threading.Event(), LentChild.call
 
     def held(self, *asked, **more):
         assert go_on.wait(PATIENCE)
         return call(self, *asked, **more)
 
-    id_ = browser.upload(trial)
-    path, other = f"/api/uploads/{id_}/inspect", server.browser()
+    path = f"/api/uploads/{browser.upload(trial)}/inspect"
     monkeypatch.setattr(LentChild, "call", held)
-    with ThreadPoolExecutor(40) as threads, other.stream("GET", "/api/events") as events:
+    with ThreadPoolExecutor(40) as threads:
         answers = [threads.submit(browser.get, path) for _ in range(40)]
-        lines, seen = events.iter_lines(), 0
-        while seen < 38:  # two are at work
-            if next(lines) == "event: queue":
-                seen = json.loads(next(lines).removeprefix("data: "))["waiting"]
-        assert other.get("/api/draft").status_code == 200  # pages do not wait behind them
+        assert server.browser().get("/api/draft").status_code == 200
         assert not any(answer.done() for answer in answers)
         go_on.set()
         assert [answer.result().status_code for answer in answers] == [200] * 40
-    assert server.bench.workers.waiting == 0
 
 
 @pytest.mark.parametrize(
@@ -185,7 +176,6 @@ def test_windows(browser, recorded, trial) -> None:
     assert time[0] < 10.0 <= time[1]
     assert time[-2] <= 12.0 < time[-1]
     few = browser.get(url, params={"signals": "torque", "points": 100}).json()["signals"][0]
-    assert few["reduced"] is True
     assert len(few["t"]) <= 102
     assert max(few["v"]) == ours["torque"].values.max()
     assert min(few["v"]) == ours["torque"].values.min()
@@ -204,15 +194,14 @@ def test_a_window_loses_no_peak() -> None:
     time = np.arange(n) / 1000.0
     values = np.random.default_rng(3).standard_normal(n)
     values[123_456], values[200_001] = 50.0, -50.0
-    count, t, v = window(time, values, None, None, 2000)
+    t, v = window(time, values, None, None, 2000)
     assert len(t) <= 2002
-    assert count == n
     assert (v.max(), v.min()) == (50.0, -50.0)
     assert np.all(np.diff(t) > 0)
-    count, t, v = window(time, values, 123.0, 124.0, 2000)
-    assert (count, v.max()) == (len(t), 50.0)
+    t, v = window(time, values, 123.0, 124.0, 2000)
+    assert v.max() == 50.0
     for start, end in ((0.0, 37.3), (12.34, 290.1), (299.0, 400.0), (400.0, 500.0)):
-        _, t, v = window(time, values, start, end, 500)
+        t, v = window(time, values, start, end, 500)
         inside = values[(time >= start) & (time <= end)]
         assert len(t) <= 502
         if len(inside):

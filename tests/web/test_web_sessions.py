@@ -52,15 +52,6 @@ def test_maps_are_changed_key_by_key(browser) -> None:
     assert state["draft"]["options"]["vmax_factor"] == 8.0
 
 
-def test_the_slower_of_two_tabs_is_told(browser) -> None:
-    revision = browser.get("/api/draft").json()["revision"]
-    change = {"change": {"seed": 1}, "label": "seed", "revision": revision}
-    assert browser.patch("/api/draft", json=change).status_code == 200
-    answer = browser.patch("/api/draft", json={**change, "change": {"seed": 2}})
-    assert answer.status_code == 409
-    assert "another tab" in answer.json()["error"]
-
-
 @pytest.mark.parametrize(
     "change",
     [
@@ -115,15 +106,3 @@ def test_undo_does_not_bring_back_what_somebody_else_deleted(server) -> None:
         assert not there()
     other.post("/api/draft/undo")
     assert there()
-
-
-def test_the_later_of_two_who_edit_is_told_what_he_would_overwrite(server) -> None:
-    first, other = server.browser(), server.browser()
-    seen = first.post("/api/subjects", json={"code": "edited by two"}).json()
-    path, seen_too = f"/api/subjects/{seen['id']}", {"If-Match": f'"{seen["revision"]}"'}
-    assert other.patch(path, json={"notes": "left leg"}, headers=seen_too).status_code == 200
-    answer = first.patch(path, json={"notes": "right leg"}, headers=seen_too)
-    assert answer.status_code == 409
-    assert "notes 'left leg'" in answer.json()["error"]
-    now = {"If-Match": f'"{other.patch(path, json={}).json()["revision"]}"'}
-    assert first.patch(path, json={"notes": "both"}, headers=now).status_code == 200

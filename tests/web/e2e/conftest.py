@@ -294,16 +294,17 @@ def done(browser: Any, server: Server, csv: Path) -> dict[str, str]:
         "exclusions": {recording: [[2.0, 3.0]]},
     }
     desk.api("PATCH", "/api/draft", {"change": change, "label": "fit it"})
-    job = desk.wait_for_job(desk.api("POST", "/api/fits", {"name": "seeded fit", "draft": None}))
+    job = desk.wait_for_job(desk.api("POST", "/api/fits", {"name": "seeded fit"}))
     assert job["state"] == "done", job
     asked = {"recordings": [recording], "name": "seeded session"}
-    session = desk.wait_for_job(desk.api("POST", "/api/sessions", asked | {"draft": WHOLE}))
+    whole = WHOLE | {"exclusions": {recording: None}}
+    desk.api("PATCH", "/api/draft", {"change": whole, "label": "all of it"})
+    session = desk.wait_for_job(desk.api("POST", "/api/sessions", asked))
     assert session["state"] == "done", session
-    study = desk.api("POST", "/api/studies", {"toml": 'protocol = "sine"\n', "start": False})
+    desk.api("POST", "/api/studies", {"toml": 'protocol = "sine"\n', "start": False})
     desk.close()
     return {
         "recording": recording,
         "fit": job["result"],
         "session": session["result"],
-        "study": study["id"],
     }

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { bytes, estimate, interval, number, percent, quantity, shownAs, unitText, r2 } from "./js/core/format.js";
+import { bytes, estimate, number, percent, quantity, shownAs, unitText, r2 } from "./js/core/format.js";
 
 test("a number has the digits asked for, a true minus sign and powers in print style", () => {
   assert.equal(number(0.045312), "0.04531");
@@ -30,11 +30,6 @@ test("an estimate goes to the second digit of its standard error", () => {
   assert.equal(estimate(123.456, 7.2), "123.5");
   assert.equal(estimate(123.456, null), "123.5");
   assert.equal(estimate(null, 1), "—");
-});
-
-test("an interval that is open at an end is none", () => {
-  assert.equal(interval([1.234, 1.456], 0.05, 1.345), "1.234 … 1.456");
-  assert.equal(interval([null, 2], 0.1, 1), "—");
 });
 
 test("a VAF never rounds up to a perfect hundred", () => {

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
 
-import { latest, perFrame, settled } from "./js/core/pace.js";
+import { latest, settled } from "./js/core/pace.js";
 
 const soon = () => new Promise((done) => setImmediate(done));
 
@@ -41,18 +41,4 @@ test("work that settles runs once its callers are quiet, with the last arguments
   mock.timers.tick(40);
   assert.deepEqual(seen, [2]);
   mock.timers.reset();
-});
-
-test("at most one call a frame, with the last arguments", () => {
-  const frames = [];
-  globalThis.requestAnimationFrame = (draw) => frames.push(draw);
-  const seen = [];
-  const ask = perFrame((x) => seen.push(x));
-  ask(1);
-  ask(2);
-  assert.equal(frames.length, 1);
-  frames[0]();
-  assert.deepEqual(seen, [2]);
-  ask(3);
-  assert.equal(frames.length, 2);
 });

@@ -10,7 +10,7 @@
   const numbers = (text, Kind) => new Kind(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
   const width = (host) => Math.max(host.clientWidth, 240);
   document.documentElement.classList.add("live");
-  JSON.parse(document.getElementById("signals")?.textContent ?? "[]").forEach((recording, which) => {
+  JSON.parse(document.querySelector("script#signals")?.textContent ?? "[]").forEach((recording, which) => {
     const host = document.getElementById(`explore-${which}`);
     const time = Array.from(numbers(recording.index, Uint32Array), (index) => recording.start + index / recording.rate);
     const plots = [];

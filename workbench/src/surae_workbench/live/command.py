@@ -75,8 +75,9 @@ def command(
         )  # fmt: skip
         return
     from surae_workbench.live.pages import serve
+    from surae_workbench.web.server import Address
 
     serve(
-        output, mapping=mapping, network=network, watch=watch, leg=seed if rehearse else None,
-        device=device, span=range, host=host, port=port, token=token, open_browser=open_,
+        output, Address(host, port, token, open_), mapping=mapping, network=network, watch=watch,
+        leg=seed if rehearse else None, device=device, span=range,
     )  # fmt: skip

@@ -11,13 +11,7 @@ from surae_workbench.live.rehearsal import CONTROL
 
 
 class Laboratory:
-    """A running `surae_workbench.live.rehearsal`.
-
-    Parameters
-    ----------
-    seed : int
-        Whose leg it is.
-    """
+    """A running `surae_workbench.live.rehearsal` with the leg of a seed."""
 
     def __init__(self, seed: int) -> None:
         self._words: Any = outlet("surae control", "Control", [], [], 0.0, CONTROL)
@@ -28,11 +22,6 @@ class Laboratory:
         self._loaded: int | None = None
         self._end: End | None = None
         threading.Thread(target=self._run, args=({"seed": seed},), daemon=True).start()
-
-    @property
-    def process(self) -> int | None:
-        """The number of its process."""
-        return self._child.process
 
     @property
     def ready(self) -> bool:

@@ -1,36 +1,31 @@
 """The operator's page and the subject's, with what they ask for."""
 
-import json
 import secrets
 import threading
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Annotated, Any, Unpack
 
 import click
 import numpy as np
-from starlette.applications import Starlette
-from starlette.concurrency import run_in_threadpool
-from starlette.exceptions import HTTPException
-from starlette.requests import ClientDisconnect, Request
-from starlette.responses import JSONResponse, Response, StreamingResponse
-from starlette.routing import Mount, Route
+from fastapi import Body, Request, Response
+from fastapi.responses import JSONResponse, StreamingResponse
+from starlette.routing import Mount
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from surae._version import __version__
-from surae.api import Trajectory
-from surae.errors import InputError, SuraeError
+from surae.api import PROFILES, TASKS, Trajectory
+from surae.errors import InputError
 from surae.files import PathLike, template
-from surae.processes import one_line
-from surae_workbench.live.room import Room, RoomOptions, known
+from surae_workbench.live.room import MAXIMUM, Room, RoomOptions
 from surae_workbench.live.showing import Showing, roles_of
 from surae_workbench.live.target import KIND
-from surae_workbench.web import STATIC
+from surae_workbench.web.app import bare_app
 from surae_workbench.web.events import Events
 from surae_workbench.web.security import Policy, Security
-from surae_workbench.web.server import run, token_for
+from surae_workbench.web.server import Address, run
 from surae_workbench.web.sessions import BrowserSession, key_of
 
 _HERE = Path(__file__).parent
@@ -47,10 +42,6 @@ class RoomBrowsers:
     def __init__(self, name: str) -> None:
         self.project_id = f"{name}_{secrets.token_hex(4)}"
         self._known: dict[str, BrowserSession] = {}
-
-    def hidden(self, text: str) -> str:
-        """A message as it is: it names no folder of a project."""
-        return text
 
     def open(self, cookies: Sequence[str]) -> BrowserSession | None:
         """The session of the first cookie that has one."""
@@ -79,13 +70,7 @@ def _curve(path: Trajectory | None, angle: bool = True) -> dict[str, Any] | None
 
 
 class ServedRoom:
-    """A room and the pages that show it.
-
-    Parameters
-    ----------
-    folder, **room
-        As of `Room`.
-    """
+    """A room, made as `Room` is, and the pages that show it."""
 
     def __init__(self, folder: PathLike, **room: Unpack[RoomOptions]) -> None:
         self.events = Events()
@@ -123,7 +108,8 @@ class ServedRoom:
             "asked": room.asked,
             "moves": f"{room.device.name}, {low:.0f}° to {high:.0f}°",
             **self.health(),
-            **known(),
+            "profiles": [*PROFILES, MAXIMUM],
+            "tasks": list(TASKS),
         }
 
     def moment(self) -> dict[str, Any]:
@@ -164,61 +150,84 @@ class ServedRoom:
                 self.events.tell("room", "health", self.health())
 
 
+_Seconds = Annotated[float, Body(ge=0, le=3600, embed=True)]
+_Text = Annotated[str, Body(max_length=200, embed=True)]
+
+
 def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIApp:
     """The pages as an ASGI application.
 
     `policy` says who may operate; `subject` is the token of the subject's page, which opens nothing
     else; None where nobody needs one.
     """
+    room = served.room
 
-    def page(name: str) -> Any:
-        async def shown(request: Request) -> Response:
+    def answer(request: Request, status: int, text: str, headers: Any = None) -> Response:  # noqa: ARG001
+        return JSONResponse({"error": text}, status, headers)
+
+    app = bare_app(answer)
+    app.router.routes.insert(0, Mount("/static/live", StaticFiles(directory=_HERE / "static")))
+
+    def page(path: str, name: str) -> None:
+        def shown(request: Request) -> Response:
             text = template(f"{name}.html.j2", "surae_workbench.live").render(
                 csrf=request.state.session.csrf, version=__version__
             )
             return Response(text, media_type="text/html")
 
-        return shown
+        app.get(path)(shown)
 
-    async def state(request: Request) -> Response:  # noqa: ARG001
-        return JSONResponse(await run_in_threadpool(served.state))
+    page("/", "operator")
+    page("/subject", "subject")
 
-    async def subject_state(request: Request) -> Response:  # noqa: ARG001
-        return JSONResponse(await run_in_threadpool(served.subject))
+    @app.get("/api/live")
+    def state() -> dict[str, Any]:
+        return served.state()
 
-    def stream(*topics: str) -> Any:
-        async def news_of(request: Request) -> Response:
-            who = request.state.session.key
-            served.events.refuse_more(who)
-            news = served.events.stream(who, topics, list)
-            return StreamingResponse(_paced(news), media_type="text/event-stream")
+    @app.get("/api/live/events")
+    async def news() -> StreamingResponse:
+        return served.events.answer("frames", "room")
 
-        return news_of
+    @app.get("/api/subject")
+    def subject_state() -> dict[str, Any]:
+        return served.subject()
 
-    async def act(request: Request) -> Response:
-        name = request.path_params["name"]
-        try:
-            body = json.loads(await request.body() or b"{}")
-        except ValueError:
-            raise InputError("the body is no JSON that can be read") from None
-        if not isinstance(body, dict):
-            raise InputError("the body must be a table of names and values")
-        return JSONResponse(await run_in_threadpool(_act, served, name, body))
+    @app.get("/api/subject/events")
+    async def subject_news() -> StreamingResponse:
+        return served.events.answer("subject")
 
-    app = Starlette(
-        routes=[
-            Route("/", page("operator")),
-            Route("/subject", page("subject")),
-            Route("/api/live", state),
-            Route("/api/live/events", stream("frames", "room")),
-            Route("/api/live/{name}", act, methods=["POST"]),
-            Route("/api/subject", subject_state),
-            Route("/api/subject/events", stream("subject")),
-            Mount("/static/live", StaticFiles(directory=_HERE / "static")),
-            Mount("/static", StaticFiles(packages=STATIC)),
-        ],
-        exception_handlers={SuraeError: _refused, HTTPException: _missing, ClientDisconnect: _gone},
-    )
+    @app.post("/api/live/start")
+    def start(countdown: _Seconds = 3.0) -> dict[str, int]:
+        return {"trial": room.start(countdown)}
+
+    @app.post("/api/live/stop")
+    def stop() -> None:
+        room.stop()
+
+    @app.post("/api/live/mark")
+    def mark(text: _Text = "") -> None:
+        room.trials.mark(text)
+
+    @app.post("/api/live/load")
+    def load(
+        profile: _Text, task: _Text, seconds: _Seconds = 35.0, chirp_amplitude: _Seconds = 0.1
+    ) -> None:
+        room.load(profile=profile, task=task, duration=seconds, chirp_amplitude=chirp_amplitude)
+
+    @app.post("/api/live/next")
+    def load_next() -> None:
+        room.load_next()
+
+    @app.post("/api/live/forget")
+    def forget() -> None:
+        served.showing.forget()
+
+    @app.post("/api/live/fault")
+    def fault(kind: _Text, at: Annotated[float | None, Body(ge=0, le=3600)] = None) -> None:
+        if room.laboratory is None:
+            raise InputError("this is no rehearsal: nothing can be made to go wrong")
+        room.laboratory.fault(kind=kind, **({} if at is None else {"at": at}))
+
     operator = Security(app, policy, RoomBrowsers("live"))
     second = Policy(policy.hosts, policy.any_address, subject, policy.upload_bytes)
     watching = Security(app, second, RoomBrowsers("live_subject"))
@@ -237,93 +246,18 @@ def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIA
     return dispatched
 
 
-async def _paced(news: AsyncIterator[str]) -> AsyncIterator[str]:
-    """News as they come; the comment first makes proxies and browsers begin."""
-    yield ": surae\n\n"
-    async for text in news:
-        yield text
-
-
-def _act(served: ServedRoom, name: str, body: Mapping[str, Any]) -> dict[str, Any]:
-    """Do what the operator asks for."""
-    room = served.room
-    if name == "start":
-        return {"trial": room.start(_number(body, "countdown", 3.0))}
-    if name == "stop":
-        room.stop()
-    elif name == "mark":
-        room.trials.mark(_text(body, "text")[:200])
-    elif name == "load":
-        room.load(
-            profile=_text(body, "profile"),
-            task=_text(body, "task"),
-            duration=_number(body, "seconds", 35.0),
-            chirp_amplitude=_number(body, "chirp_amplitude", 0.1),
-        )
-    elif name == "next":
-        room.load_next()
-    elif name == "forget":
-        served.showing.forget()
-    elif name == "fault" and room.laboratory is not None:
-        room.laboratory.fault(**{k: v for k, v in body.items() if k in ("kind", "muscle", "at")})
-    else:
-        raise InputError(f"there is nothing called {name[:40]!r} to do here")
-    return {"running": room.trials.running}
-
-
-def _number(body: Mapping[str, Any], name: str, default: float) -> float:
-    value = body.get(name, default)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 3600:
-        raise InputError(f"{name} must be a number from 0 to 3600")
-    return float(value)
-
-
-def _text(body: Mapping[str, Any], name: str) -> str:
-    value = body.get(name, "")
-    if not isinstance(value, str):
-        raise InputError(f"{name} must be a text")
-    return value
-
-
-async def _refused(request: Request, error: Exception) -> Response:  # noqa: ARG001
-    status = getattr(error, "status", 400)
-    return JSONResponse({"error": one_line(error)}, status)
-
-
-async def _missing(request: Request, error: Exception) -> Response:  # noqa: ARG001
-    status = getattr(error, "status_code", 404)
-    return JSONResponse({"error": "there is no such page"}, status)
-
-
-async def _gone(request: Request, error: Exception) -> Response:  # noqa: ARG001
-    return Response(status_code=400)
-
-
-def serve(
-    folder: PathLike,
-    *,
-    host: str,
-    port: int,
-    token: str | None,
-    open_browser: bool,
-    **room: Unpack[RoomOptions],
-) -> None:
-    """Record, show and judge until the user stops it.
-
-    `host`, `port`, `token` and `open_browser` are as of `web.server.run`, all else as of
-    `room.Room`.
-    """
-    token = token_for(host, token)
-    subject = None if token is None else secrets.token_urlsafe(12)
+def serve(folder: PathLike, address: Address, **room: Unpack[RoomOptions]) -> None:
+    """Record, show and judge until the user stops it; `room` is as of `Room`."""
+    subject = None if address.token is None else secrets.token_urlsafe(12)
 
     def make() -> tuple[ServedRoom, ASGIApp]:
         served = ServedRoom(folder, **room)
         for sentence in served.room.trials.broken:
             click.echo(f"surae: {sentence}", err=True)
-        return served, create_app(served, Policy.of(host, token), subject)
+        return served, create_app(served, Policy.of(address.host, address.token), subject)
 
     def more(root: str) -> None:
         mark = "" if subject is None else f"?token={subject}"
         click.echo(f"the subject's page: {root}subject{mark}")
 
-    run(make, "live", host=host, port=port, token=token, open_browser=open_browser, more=more)
+    run(make, "live", address, more)

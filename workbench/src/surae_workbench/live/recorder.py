@@ -3,9 +3,9 @@
 import json
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -29,8 +29,8 @@ _SYNC = 1.0
 _GAP, _GAP_SAMPLES = 0.05, 5.0
 #: A stream that is silent for this long [s] is said to be.
 _SILENT = 0.5
-#: Clock measurements that a new file begins with, and samples that wait for room on the disk [s].
-_CLOCKS, _WAITING = 120, 60.0
+#: Clock measurements that a new file begins with.
+_CLOCKS = 120
 
 #: A lost stream is talked of for so long [s]; whoever is still there then has come back itself.
 _ECHO = 3.0
@@ -43,31 +43,15 @@ Tell = Callable[[str, Mapping[str, Any]], None]
 Show = Callable[[Stream, FloatArray, npt.NDArray[Any]], None]
 
 
-@dataclass(frozen=True, slots=True)
-class _Piece:
-    """What is to be written."""
-
-    since: float
-    log: XdfLog
-    write: Callable[[XdfLog], None]
-    keep: bool
+#: What is to be written: since when [s], where, and how.
+_Piece = tuple[float, XdfLog, Callable[[XdfLog], None]]
 
 
 class Recorder:
     """Takes all streams that there are and writes them, from its start to its end.
 
-    Parameters
-    ----------
-    path : Path
-        The first file.
-    show : callable
-        Gets samples, once they are written.
-    tell : callable
-        Gets what happens.
-    network : bool
-        As of `surae_workbench.live.lsl.lsl`.
-    but : sequence of str
-        Sources that are not taken.
+    `path` is the first file; `show` gets samples once they are written, `tell` what happens;
+    `network` is as of `lsl`; sources in `but` are not taken.
     """
 
     def __init__(
@@ -78,9 +62,8 @@ class Recorder:
         self._but = frozenset(but)
         self.streams: dict[str, Stream] = {}
         self._lock = threading.RLock()
-        self._waiting: list[_Piece] = []
+        self._waiting: deque[_Piece] = deque()
         self._full = ""
-        self._dropped = 0
         self._wrong = ""
         self._origin: float | None = None
         self._ended = threading.Event()
@@ -110,9 +93,9 @@ class Recorder:
         """
         with self._lock:
             following = None if path is None else XdfLog(path)
-            self._write(_end, keep=True)
+            self._write(_end)
             self._log, self._names = following, {}
-            self._write(lambda log: log.stream(self._events, _EVENTS), keep=True)
+            self._write(lambda log: log.stream(self._events, _EVENTS))
             origin, self._origin = self._origin, None
         return origin
 
@@ -127,7 +110,7 @@ class Recorder:
     def whole(self, path: Path) -> bool:
         """Whether nothing waits for room that belongs to a file."""
         with self._lock:
-            return all(piece.log.path != path for piece in self._waiting)
+            return all(log.path != path for _, log, _ in self._waiting)
 
     def note(self, event: str, **data: Any) -> None:
         """Write down, and tell, what happens."""
@@ -154,10 +137,9 @@ class Recorder:
         """What is wrong with the disk; empty where nothing is."""
         if not self._full:
             return ""
-        seconds = self._waiting[-1].since - self._waiting[0].since if self._waiting else 0.0
-        lost = f"; {self._dropped} pieces are lost already" if self._dropped else ""
+        seconds = self._waiting[-1][0] - self._waiting[0][0] if self._waiting else 0.0
         trouble = f"the disk takes nothing ({self._full}): make room now"
-        return f"{trouble}; {seconds:.0f} s are kept in memory{lost}"
+        return f"{trouble}; {seconds:.0f} s are kept in memory"
 
     def close(self) -> None:
         """End, with all on disk."""
@@ -168,8 +150,8 @@ class Recorder:
             stream.inlet = None  # no sender goes on sending to one who is gone
         self.turn(None)
         with self._lock:
-            for piece in self._waiting:
-                piece.log.close()
+            for _, log, _ in self._waiting:
+                log.close()
 
     def _steadily(self, work: Callable[[], None]) -> None:
         """Work until the end; a mistake of ours is told, and does not end a recording."""
@@ -342,7 +324,7 @@ class Recorder:
             name, end = f"{stream.name} ({other})", f" ({other})</name>"
             xml = stream.xml.replace("</name>", end, 1)
         self._names[stream.number] = name
-        self._write(lambda log: log.stream(stream.number, xml), keep=True)
+        self._write(lambda log: log.stream(stream.number, xml))
         for now, offset in list(stream.clocks):
             self._write(
                 lambda log, now=now, offset=offset: log.clock(stream.number, now, offset)  # type: ignore[misc]
@@ -358,41 +340,28 @@ class Recorder:
                 with suppress(OSError):
                     log.sync()
 
-    def _write(self, write_chunk: Callable[[XdfLog], None], keep: bool = False) -> None:
-        """Write, or keep in memory while the disk takes nothing; in order.
-
-        What must be kept for all else to be readable waits for as long as it takes.
-        """
+    def _write(self, write_chunk: Callable[[XdfLog], None]) -> None:
+        """Write, or keep in memory for as long as the disk takes nothing; in order."""
         with self._lock:
             if self._log is None:
                 return
-            self._waiting.append(_Piece(time.monotonic(), self._log, write_chunk, keep))
+            self._waiting.append((time.monotonic(), self._log, write_chunk))
             try:
                 while self._waiting:
-                    self._waiting[0].write(self._waiting[0].log)
-                    del self._waiting[0]
+                    _, log, write = self._waiting[0]
+                    write(log)
+                    self._waiting.popleft()
             except OSError as error:
                 before, self._full = self._full, error.strerror or str(error)
                 if not before:
                     self._tell("disk", {"message": self.trouble})
-                while (at := self._too_old()) is not None:
-                    del self._waiting[at]
-                    self._dropped += 1
                 return
             except Exception:  # our mistake, which what comes after it must not wait for
-                del self._waiting[0]
-                self._dropped += 1
+                self._waiting.popleft()
                 raise
             if self._full:
                 self._full = ""
                 self._tell("disk", {"message": ""})
-
-    def _too_old(self) -> int | None:
-        """The place of the oldest piece that waits for longer than memory is to keep it."""
-        for at, piece in enumerate(self._waiting):
-            if not piece.keep:
-                return at if piece.since < time.monotonic() - _WAITING else None
-        return None
 
 
 def _end(log: XdfLog) -> None:

@@ -11,8 +11,6 @@ import numpy as np
 from surae.api import (
     DEVICES,
     MUSCLES,
-    PROFILES,
-    TASKS,
     Given,
     Protocol,
     Trajectory,
@@ -56,26 +54,13 @@ class RoomOptions(TrialsOptions, total=False):
 
 
 class Room:
-    """Trials with a target; see `Trials` for the parameters.
+    """Trials with a target; all that is not named here is as of `Trials`.
 
-    Parameters
-    ----------
-    folder, mapping, show, tell, network, joint
-        As of `Trials`.
-    watch : path or None
-        A folder: files that appear in it are trials too.
-    leg : int or None
-        In a rehearsal, whose leg it is; None: the streams are real.
-    device : str
-        What moves the leg: a name, or the TOML file of a device.
-    span : (float, float), optional
-        The subject's full plantarflexion and dorsiflexion [rad]; by default those of a healthy leg,
-        as far as the device reaches.
-
-    Raises
-    ------
-    InputError
-        There is no such device, or it does not reach so far.
+    Files that appear in the folder `watch` are trials too. In a rehearsal `leg` says whose leg it
+    is; None: the streams are real. `device` moves the leg: a name, or the TOML file of a device,
+    refused where there is none. `span` is the subject's full plantarflexion and dorsiflexion [rad],
+    refused where the device does not reach so far; by default that of a healthy leg, as far as it
+    does.
     """
 
     def __init__(
@@ -252,11 +237,6 @@ def _files(folder: Path) -> dict[Path, int]:
                 if path.is_file():
                     sizes[path] = path.stat().st_size
     return sizes
-
-
-def known() -> dict[str, list[str]]:
-    """Names of profiles and tasks that can be loaded."""
-    return {"profiles": [*PROFILES, MAXIMUM], "tasks": list(TASKS)}
 
 
 def _maximum(allowed: tuple[float, float]) -> Trajectory:

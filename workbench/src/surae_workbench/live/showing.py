@@ -42,13 +42,7 @@ def roles_of(mapping: Path | None) -> Roles:
 
 
 class Showing:
-    """Takes samples from the recorder and makes frames of them.
-
-    Parameters
-    ----------
-    send : callable
-        Gets a frame.
-    """
+    """Takes samples from the recorder and makes frames of them, which `send` gets."""
 
     def __init__(self, send: Callable[[dict[str, Any]], None]) -> None:
         self._send = send

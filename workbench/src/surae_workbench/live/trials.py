@@ -14,27 +14,30 @@ import threading
 import time
 from collections.abc import Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any, Literal, TypedDict
+
+from pydantic import BaseModel, ConfigDict, Field
 
 from surae.api import ROLES, mended_xdf
 from surae.database import lock
 from surae.errors import InputError, SuraeError
-from surae.files import PathLike, is_link, shown, write_atomic, write_json
+from surae.files import PathLike, is_link, read_bytes, shown, write_atomic, write_json
 from surae.processes import Child, End
-from surae.units import FACTORS, kind, plain
+from surae.units import FACTORS, kind
+from surae.units import plain as plain_unit
 from surae_workbench.live.recorder import Recorder, Show, Tell
-from surae_workbench.live.rows import trial_of
 from surae_workbench.live.stream import Stream
 from surae_workbench.live.target import KIND
+from surae_workbench.web.rows import plain
 
+#: The JSON of a trial, its findings and reasons take far less [bytes].
+_LARGEST = 4 * 2**20
 #: After the end of a trial, the samples of its last moments are waited for so long at most [s].
 _LATE = 0.25
 #: A trial is held against so many others at most: it must not be judged later and later.
 _EARLIER = 8
-#: Samples of a trial that ended on a full disk are waited for so long [s].
-_ROOM = 65.0
 
 
 def silent(*what: object) -> None:
@@ -52,21 +55,10 @@ class TrialsOptions(TypedDict, total=False):
 class Trials:
     """A session's trials, recorded and judged.
 
-    Parameters
-    ----------
-    folder : path
-        Made where it is missing; trials that are in it are kept, and numbered on.
-    mapping : path or None
-        The session's mapping; None where the streams name their channels as we do.
-    show, tell : callable
-        As of `Recorder`; `tell` hears of trials too.
-    network, but
-        As of `Recorder`.
-    joint : bool
-        Whether all trials so far are fitted together after each, beside everything else.
-    limits : mapping, optional
-        Device and range that what to measure next keeps to, as `judge.together` takes
-        them.
+    The `folder` is made where it is missing; trials in it are kept, and numbered on. `mapping` is
+    the session's; None where the streams name their channels as we do. `show`, `tell`, `network`
+    and `but` are as of `Recorder`; `tell` hears of trials too. With `joint` all trials so far are
+    fitted together after each, beside everything else; `limits` are those of `judge.together`.
     """
 
     def __init__(
@@ -99,27 +91,26 @@ class Trials:
         self.broken: list[str] = []
         self.running: int | None = None
         self._begun = 0.0
-        self._locked: sqlite3.Connection | None = None
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            _refuse_shared(self.folder)
-            self._locked = lock(self.folder / "live")
-            if self._locked is None:
-                raise InputError(
-                    f"{shown(self.folder)}: another surae live records here; end that one, or give "
-                    "another --output"
+        with ExitStack() as opened:
+            try:
+                self.folder.mkdir(parents=True, exist_ok=True)
+                _refuse_shared(self.folder)
+                if (held := lock(self.folder / "live")) is None:
+                    raise InputError(
+                        f"{shown(self.folder)}: another surae live records here; end that one, or "
+                        "give another --output"
+                    )
+                opened.callback(held.close)
+                unjudged, first = self._known(), self._between()
+                self.recorder = Recorder(
+                    first, show=show, tell=self._tell, network=network, but=but
                 )
-            unjudged = self._known()
-            between = self._between()
-            self.recorder = Recorder(between, show=show, tell=self._tell, network=network, but=but)
-        except (OSError, sqlite3.Error) as error:
-            why = getattr(error, "strerror", None) or str(error)
-            raise InputError(f"{shown(self.folder)}: {why}; give another --output") from None
-        finally:
-            if not hasattr(self, "recorder"):
-                self._let_go()
+            except (OSError, sqlite3.Error) as error:
+                why = getattr(error, "strerror", None) or str(error)
+                raise InputError(f"{shown(self.folder)}: {why}; give another --output") from None
+            self._opened = opened.pop_all()
         self.warm = self._work.submit(self._judge.call, "surae_workbench.live.judge:warm", {})
-        self.verdicts = {number: self._submit(number, None, None) for number in unjudged}
+        self.verdicts = {n: self._work.submit(self._judged, n, None, None) for n in unjudged}
         if joint and self.trials:  # what was known before this start is known again
             self._ask_together()
 
@@ -157,7 +148,7 @@ class Trials:
             self._drop_together()
             self._keep(number)
         self._tell("trial", self.trials[number])
-        self.verdicts[number] = self._submit(number, None, time.monotonic())
+        self.verdicts[number] = self._work.submit(self._judged, number, None, time.monotonic())
         return number
 
     def mark(self, text: str = "") -> None:
@@ -186,7 +177,7 @@ class Trials:
         self.trials[number]["state"] = "being judged"
         self._tell("trial", self.trials[number])
         late = None if begin is None or origin is None else begin - origin
-        self.verdicts[number] = self._submit(number, late, ended)
+        self.verdicts[number] = self._work.submit(self._judged, number, late, ended)
         return self.verdicts[number]
 
     def close(self) -> None:
@@ -197,7 +188,7 @@ class Trials:
             child.close()
         for work in (self._work, self._later):
             work.shutdown(cancel_futures=True)
-        self._let_go()
+        self._opened.close()
 
     @property
     def mapping(self) -> Path | None:
@@ -212,21 +203,12 @@ class Trials:
                 self._made = text
         return own if own.exists() else None
 
-    def _let_go(self) -> None:
-        """Let others write to the folder."""
-        if self._locked is not None:
-            self._locked.close()
-
-    def _submit(
-        self, number: int, begin: float | None, ended: float | None
-    ) -> "Future[dict[str, Any]]":
-        return self._work.submit(self._judged, number, begin, ended)
-
     def _judged(self, number: int, begin: float | None, ended: float | None) -> dict[str, Any]:
         """Judge a trial in the child, keep and tell what it says."""
         trial = self.trials[number]
         source = Path(trial["file"]) if "file" in trial else self.path(number, ".xdf")
-        self._settled(source)
+        while not self.recorder.whole(source) and not self._closed:  # there is room on the disk
+            time.sleep(0.05)
         try:
             arguments = self._arguments(number, source, begin)
         except InputError as error:
@@ -290,12 +272,6 @@ class Trials:
         except (OSError, SuraeError) as error:
             note = f"its state is not on disk ({error}); the next start judges it again"
             self.trials[number]["note"] = note
-
-    def _settled(self, file: Path) -> None:
-        """Wait until all of a trial is on disk; not for longer than memory keeps it."""
-        end = time.monotonic() + _ROOM
-        while not self.recorder.whole(file) and time.monotonic() < end:
-            time.sleep(0.05)
 
     def _others(self, number: int) -> list[str]:
         """Recordings of other trials that were not spoilt: maxima, and the newest."""
@@ -370,7 +346,7 @@ class Trials:
         unjudged = []
         for number in self._numbers("trial"):
             row, source = self.path(number, ".json"), self.path(number, ".xdf")
-            trial = trial_of(row, number)
+            trial = _trial_of(row, number)
             note = f"trial {number} broke off; what had arrived is kept"
             if trial is None and row.exists():
                 _set_aside(row)
@@ -445,7 +421,7 @@ def mapping_of(streams: list[Stream]) -> str:
     lines: dict[str, str] = {}
     for stream in streams:
         for column, label, unit in zip(stream.columns, stream.labels, stream.units, strict=True):
-            role, known = plain(label), plain(unit)
+            role, known = plain_unit(label), plain_unit(unit)
             if role not in ROLES or known not in FACTORS[kind(role)] or stream.kind == KIND:
                 continue
             if role in lines:
@@ -458,3 +434,37 @@ def mapping_of(streams: list[Stream]) -> str:
 
 def _now() -> str:
     return time.strftime("%Y-%m-%dT%H:%M:%S%z")
+
+
+class _Trial(BaseModel):
+    """Nothing is taken for what it is not; what a newer surae adds is left as it is."""
+
+    model_config = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
+
+    trial: int
+    state: str
+    marks: list[dict[str, Any]]
+    effort: Literal["maximal", "passive"] | None = None
+    protocol: str | None = None
+    file: str | None = Field(None, min_length=1)
+    note: str | None = None
+    verdict: Literal["keep", "look", "repeat"] | None = None
+    why: str | None = None
+    advice: str | None = None
+    grade: str | None = None
+    vaf: float | None = None
+    findings: list[dict[str, Any]] = []
+    reasons: list[str] = []
+
+
+def _trial_of(path: Path, number: int) -> dict[str, Any] | None:
+    """A trial of before, by its number; None where there is no file, or it is damaged."""
+    try:
+        text = read_bytes(path, _LARGEST).decode()
+        trial = plain(text)
+        json.dumps(trial, ensure_ascii=False).encode()  # half a character is no text
+        known = _Trial.model_validate(trial)
+    except (InputError, ValueError):
+        return None
+    graded = known.grade is None or known.vaf is not None
+    return dict(trial) if known.trial == number and graded else None

@@ -9,14 +9,9 @@ T = TypeVar("T")
 
 
 class Cache(Generic[T]):
-    """Values by key within a budget; made once, however many ask at the same time.
+    """Values by key within a budget of `size`s; made once, however many ask at the same time.
 
-    Parameters
-    ----------
-    budget : float
-        Sum of the sizes that is kept; the newest is kept whatever its size.
-    size : callable
-        Of a value.
+    The newest is kept whatever its size.
     """
 
     def __init__(self, budget: float, size: Callable[[T], float] = lambda _: 1.0) -> None:

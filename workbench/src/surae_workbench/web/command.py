@@ -45,14 +45,11 @@ def command(
         raise InputError("the token is too short; give at least 8 characters, or leave it away")
     if not project:
         raise InputError("the project's folder has no name; give one")
-    from surae_workbench.web.server import serve
+    from surae_workbench.web.server import Address, serve
 
     serve(
         project,
-        host=host,
-        port=port,
-        token=token,
+        Address(host, port, token, open_),
         workers=workers or max(1, (os.cpu_count() or 2) - 1),
         upload_bytes=max_upload * _MIB,
-        open_browser=open_,
     )

@@ -8,8 +8,8 @@ from surae.units import FloatArray
 
 def window(
     time: FloatArray, values: FloatArray, start: float | None, end: float | None, points: int
-) -> tuple[int, FloatArray, FloatArray]:
-    """How many samples lie from `start` to `end` [s], and some `points` of them that show all.
+) -> tuple[FloatArray, FloatArray]:
+    """Some `points` of the samples from `start` to `end` [s] that show all.
 
     One sample before and one after the part are included, so that the curve goes on to the edges
     of a plot.
@@ -17,7 +17,7 @@ def window(
     first = 0 if start is None else max(int(np.searchsorted(time, start)) - 1, 0)
     last = len(time) if end is None else int(np.searchsorted(time, end, "right")) + 1
     part = slice(first, last)
-    return len(time[part]), *api.min_max(time[part], values[part], points)
+    return api.min_max(time[part], values[part], points)
 
 
 def plain(values: FloatArray, digits: int = 7) -> list[float | None]:

@@ -1,19 +1,19 @@
 """project.db: what a project knows, in SQLite (write-ahead), safe from a kill at any time.
 
-Everything the users make is an *entry*: an id, a kind, and its content as JSON. Sessions and their
-steps (undo) have tables of their own. One connection writes, another reads, so that a program that
-holds the file from outside keeps nobody from looking. Entries that are listed are kept in memory,
-and read again where they were written: nobody else writes.
+Everything the users make is an *entry*: an id, a kind, and its content as JSON. All of them are
+kept in memory, and read again where they are written: nobody else writes. Sessions and their steps
+(undo) have tables of their own. One connection writes, another reads, so that a program that holds
+the file from outside keeps nobody from looking.
 """
 
 import json
-import math
 import secrets
 import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +26,8 @@ from surae_workbench.web.rows import KINDS, Entry, entry
 
 #: Jobs that wait or are at work.
 ACTIVE = ("queued", "running")
-#: Later than any time of deletion.
-_EVER = 2**62
+#: Finished jobs that are remembered; results are kept whether or not their job is.
+_JOBS = 500
 #: How long to wait for a program that holds the file [s].
 _PATIENCE = 2.0
 
@@ -58,37 +58,32 @@ FORMAT = Format(
     full=NO_ROOM,
     damaged="recordings and fits beside it are whole; restore a backup",
 )
-#: A row as it is kept: when it was made, its entry, and what is wrong with one that is damaged.
-_Kept = tuple[Any, Entry | None, dict[str, str]]
+_COLUMNS = "SELECT id, kind, created, deleted, data FROM thing"
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """A row: its entry, or what is wrong with it."""
+
+    deleted: bool
+    entry: Entry | None
+    problem: str
 
 
 class Database:
-    """The file, open, for all of the server's threads.
+    """The file, made where it is missing, open for all of the server's threads.
 
-    Parameters
-    ----------
-    path : Path
-        The file; made where it is missing.
-    still_ours : callable
-        Raises where nothing may be written any more: somebody else has taken the project.
-
-    Raises
-    ------
-    InputError
-        It is none of ours, of a newer surae, or holds more than our tables.
-    ComputationError
-        It cannot be read or written; of all methods too.
+    `still_ours` raises where nothing may be written any more: somebody else has taken the project.
+    A file that is none of ours, of a newer surae, or that holds more than our tables is an
+    InputError; one that cannot be read or written, now or later, a ComputationError.
     """
 
     def __init__(self, path: Path, still_ours: Callable[[], None] = lambda: None) -> None:
-        self._name, self._still_ours = shown(path), still_ours
+        self._name, self._still_ours = path.name, still_ours
         self._writing, self._reading = threading.RLock(), threading.Lock()
-        self._writer = threading.local()
-        self._keeping = threading.Lock()
-        #: Things by kind and id; those that have been written since; those of this transaction.
-        self._kept: dict[str, dict[object, _Kept]] = {}
-        self._stale: dict[str, set[object]] = {}
-        self._touched: dict[str, set[object]] = {}
+        self._writer: int | None = None  # the thread that is in a transaction
+        self._touched: set[tuple[str, object]] = set()  # kind and id of what it has changed
+        self._kept: dict[str, dict[object, _Kept]] = {}  # by kind and id, the oldest first
         with sqlite_errors(self._name, FORMAT):
             self._file = open_to_write(path, self._name, FORMAT, _PATIENCE)
             try:
@@ -97,6 +92,8 @@ class Database:
             except BaseException:
                 self._file.close()
                 raise
+        for row in self.rows(f"{_COLUMNS} ORDER BY created, id"):
+            self._keep(*row)
 
     def close(self) -> None:
         """Let go of the file."""
@@ -108,26 +105,27 @@ class Database:
     def transaction(self) -> Iterator[None]:
         """All of what is written within, or nothing; others wait."""
         with self._writing, sqlite_errors(self._name, FORMAT):
-            if self._file.in_transaction:
+            if self._writer is not None:
                 yield
                 return
             try:
                 with transaction(self._file):
                     self._still_ours()
-                    self._writer.here = True
+                    self._writer = threading.get_ident()
                     yield
+            except BaseException:
+                for kind, id_ in self._touched:
+                    self._keep_again(kind, id_)
+                raise
             finally:
-                self._writer.here = False
-                with self._keeping:
-                    for kind, ids in self._touched.items():
-                        self._stale.setdefault(kind, set()).update(ids)
-                self._touched = {}
+                self._writer = None
+                self._touched.clear()
 
     def rows(self, query: str, *values: object) -> list[tuple[Any, ...]]:
         """All rows of a query; within a transaction, as it sees them."""
-        inside = getattr(self._writer, "here", False)
-        with self._writing if inside else self._reading, sqlite_errors(self._name, FORMAT):
-            file = self._file if inside else self._reader
+        inside = self._writer == threading.get_ident()
+        file, lock = (self._file, self._writing) if inside else (self._reader, self._reading)
+        with lock, sqlite_errors(self._name, FORMAT):
             return file.execute(query, values).fetchall()
 
     def row(self, query: str, *values: object) -> tuple[Any, ...] | None:
@@ -142,8 +140,10 @@ class Database:
     def change(self, kind: str, id_: object, query: str, *values: object) -> int:
         """Change the row of an entry; how many were."""
         with self.transaction():
-            self._touched.setdefault(kind, set()).add(id_)
-            return self._file.execute(query, values).rowcount
+            count = self.write(query, *values)
+            self._touched.add((kind, id_))
+            self._keep_again(kind, id_)
+        return count
 
     def add(self, kind: str, data: Mapping[str, Any], id_: str | None = None) -> str:
         """Keep a new entry; its id."""
@@ -155,79 +155,45 @@ class Database:
     def get(self, kind: str, id_: str, *, deleted: bool = False) -> Entry | None:
         """An entry with its `id` and `created`; None where there is none, or it was deleted.
 
-        A damaged row is refused.
+        A damaged one is refused.
         """
-        row = self.row(
-            "SELECT id, created, data FROM thing WHERE id = ? AND kind = ? AND deleted <= ?",
-            id_, kind, _EVER if deleted else 0,
-        )  # fmt: skip
-        try:
-            return None if row is None else entry(kind, *row)
-        except ValueError as error:
+        kept = self._kept.get(kind, {}).get(id_)
+        if kept is None or (kept.deleted and not deleted):
+            return None
+        if kept.problem:
             raise RefusedError(
-                409, f"this {kind} is damaged ({error}); a backup may have it whole"
-            ) from None
+                409, f"this {kind} is damaged ({kept.problem}); a backup may have it whole"
+            )
+        return kept.entry
 
     def all(self, kind: str) -> list[Entry]:
         """All entries of a kind that are whole and not deleted, the oldest first.
 
         They are kept: whoever gets them does not change them.
         """
-        return [whole for _, whole, _ in self._read(kind).values() if whole is not None]
+        kept = list(self._kept.get(kind, {}).values())
+        return [each.entry for each in kept if each.entry is not None and not each.deleted]
 
     def damaged(self) -> list[dict[str, str]]:
         """Rows that are not as they should be: `kind`, `id`, and the `problem`."""
-        return [problem for kind in KINDS for *_, problem in self._read(kind).values() if problem]
-
-    def _read(self, kind: str) -> dict[object, _Kept]:
-        """Things of a kind by id, the oldest first; within a transaction, as it sees them."""
-        with self._keeping:
-            stale, kept = self._stale.pop(kind, set()), self._kept.pop(kind, None)
-            if kept is None or stale:
-                ids = None if kept is None else stale
-                fetched = self._fetched(self._reader, self._reading, kind, ids)
-                kept = _renewed(kept or {}, fetched)
-            self._kept[kind] = kept
-        if getattr(self._writer, "here", False) and (touched := self._touched.get(kind)):
-            return _renewed(kept, self._fetched(self._file, self._writing, kind, touched))
-        return kept
-
-    def _fetched(
-        self,
-        file: sqlite3.Connection,
-        lock: AbstractContextManager[object],
-        kind: str,
-        ids: set[object] | None,
-    ) -> dict[object, _Kept | None]:
-        """Things of a kind, of these ids or all; None where there is none of an id."""
-        query = "SELECT id, created, data FROM thing WHERE kind = ? AND deleted = 0"
-        fetched: dict[object, _Kept | None] = dict.fromkeys(ids or ())
-        with lock, sqlite_errors(self._name, FORMAT):
-            if ids is None:
-                rows = file.execute(query, (kind,)).fetchall()
-            else:
-                one = f"{query} AND id = ?"
-                rows = [row for id_ in ids for row in file.execute(one, (kind, id_))]
-        for row in rows:
-            try:
-                fetched[row[0]] = (row[1], entry(kind, *row), {})
-            except ValueError as error:
-                told_of = {"kind": kind, "id": shown(str(row[0])[:40]), "problem": str(error)}
-                fetched[row[0]] = (row[1], None, told_of)
-        return fetched
+        return [
+            {"kind": kind, "id": shown(str(id_)[:40]), "problem": kept.problem}
+            for kind in KINDS
+            for id_, kept in list(self._kept.get(kind, {}).items())
+            if kept.problem and not kept.deleted
+        ]
 
     def update(self, kind: str, id_: str, changes: Mapping[str, Any]) -> Entry | None:
         """Change some of an entry's content; what it is now."""
         with self.transaction():
-            changed = self.get(kind, id_, deleted=True)
-            if changed is None:
+            before = self.get(kind, id_, deleted=True)
+            if before is None:
                 return None
-            changed |= changes
-            content = {k: v for k, v in changed.items() if k not in ("id", "created")}
-            text = json.dumps(content, allow_nan=False)
+            content = {k: v for k, v in before.items() if k not in ("id", "created")}
+            text = json.dumps({**content, **changes}, allow_nan=False)
             query = "UPDATE thing SET data = ? WHERE id = ? AND kind = ?"
             self.change(kind, id_, query, text, id_, kind)
-        return changed
+            return self.get(kind, id_, deleted=True)
 
     def mark(self, kind: str, id_: str, *, deleted: bool) -> bool:
         """Delete an entry, or bring it back; whether that changed it."""
@@ -239,29 +205,32 @@ class Database:
         """Jobs that wait or are at work, the oldest first."""
         return [job for job in self.all("job") if job["state"] in ACTIVE]
 
-    def forget_jobs(self, most: int) -> None:
+    def forget_jobs(self) -> None:
         """Remove the oldest of the jobs that are finished."""
         with self.transaction():
             finished = [job["id"] for job in self.all("job") if job["state"] not in ACTIVE]
-            for id_ in finished[: max(len(finished) - most, 0)]:
+            for id_ in finished[: max(len(finished) - _JOBS, 0)]:
                 self.remove("job", id_)
 
     def remove(self, kind: str, id_: object) -> None:
         """Remove the row of an entry."""
         self.change(kind, id_, "DELETE FROM thing WHERE kind = ? AND id = ?", kind, id_)
 
+    def _keep(self, id_: object, kind: str, created: object, deleted: int, text: object) -> None:
+        whole, problem = None, ""
+        try:
+            whole = entry(kind, id_, created, text)
+        except ValueError as error:
+            problem = str(error)
+        self._kept.setdefault(kind, {})[id_] = _Kept(deleted != 0, whole, problem)
 
-def _renewed(
-    kept: Mapping[object, _Kept], fetched: Mapping[object, _Kept | None]
-) -> dict[object, _Kept]:
-    """What is kept, with some of it as it is now, the oldest first."""
-    now = {**kept, **fetched}
-    rows = [(id_, row) for id_, row in now.items() if row is not None]
-    return dict(sorted(rows, key=lambda pair: (_time(pair[1][0]), str(pair[0]))))
-
-
-def _time(created: object) -> float:
-    return created if isinstance(created, float) else math.inf
+    def _keep_again(self, kind: str, id_: object) -> None:
+        """Read a row that was written, or whose change was taken back."""
+        found = self._file.execute(f"{_COLUMNS} WHERE id = ? AND kind = ?", (id_, kind)).fetchone()
+        if found is None:
+            self._kept.get(kind, {}).pop(id_, None)
+        else:
+            self._keep(*found)
 
 
 def refuse_damage(file: sqlite3.Connection, name: str) -> None:

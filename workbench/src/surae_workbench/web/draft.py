@@ -1,10 +1,14 @@
 """What a browser is working on: the request of a fit, its recordings, and the sliders."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields, replace
 from typing import Any
 
+from pydantic import ValidationError
+
 from surae import api
+from surae_workbench.web.schemas import DraftChange
 
 #: Keys whose entries a change adds to or, with None, takes away; it replaces all others.
 _MERGED = ("exclusions", "sliders")
@@ -78,12 +82,14 @@ def shown(draft: Draft) -> Draft:
 
 
 def upgraded(data: object) -> Draft:
-    """A draft as it was kept; what this version does not know is left out."""
-    empty = empty_draft()
-    if not isinstance(data, Mapping):
-        return empty
-    known = {key: value for key, value in data.items() if key in empty}
-    return {**empty, **known}
+    """A draft as it was kept; of what makes no sense, or is not known here, the defaults."""
+    whole = empty_draft()
+    kept = data if isinstance(data, Mapping) else {}
+    for key in whole.keys() & kept.keys():
+        with suppress(ValidationError):
+            DraftChange.model_validate({key: kept[key]})
+            whole[key] = kept[key]
+    return whole
 
 
 def settings_of(draft: Draft, recordings: Sequence[str]) -> api.FitSettings:

@@ -3,31 +3,29 @@
 import asyncio
 import json
 import threading
-from collections import Counter
 from collections.abc import AsyncIterator, Callable
 from typing import Any
 
-from surae_workbench.web.http_errors import RefusedError
+from fastapi.responses import StreamingResponse
 
 #: A stream that lags so many messages behind loses the oldest; states are sent whole.
 _WAITING = 64
 #: Something is sent at least this often [s], so that a dead connection is noticed.
 _KEEP_ALIVE = 15.0
-#: Streams that are open at a time, of one browser and of all: each holds a connection.
-_OF_ONE, _OF_ALL = 24, 120
 #: The message that ends a stream.
 _CLOSED = ""
 
-Listener = tuple[asyncio.AbstractEventLoop, "asyncio.Queue[tuple[str, Any]]"]
+#: The event and its data.
+Message = tuple[str, Any]
+_Listener = tuple[asyncio.AbstractEventLoop, "asyncio.Queue[Message]"]
 
 
 class Events:
     """Topics, those who listen to them, and messages from any thread."""
 
     def __init__(self) -> None:
-        self._listeners: dict[str, set[Listener]] = {}
+        self._listeners: dict[str, set[_Listener]] = {}
         self._lock = threading.Lock()
-        self._open: Counter[str] = Counter()
 
     def tell(self, topic: str, event: str, data: Any) -> None:
         """Send a message to all who listen to a topic now."""
@@ -43,10 +41,6 @@ class Events:
         """Tell all browsers that a list has changed."""
         self.tell("project", "changed", {"what": what})
 
-    def queue(self, waiting: int) -> None:
-        """Tell all browsers how many requests wait for files to be read."""
-        self.tell("project", "queue", {"waiting": waiting})
-
     def close(self) -> None:
         """End all streams."""
         with self._lock:
@@ -54,64 +48,53 @@ class Events:
         for topic in topics:
             self.tell(topic, _CLOSED, None)
 
-    def refuse_more(self, who: str) -> None:
-        """Refuse one more stream to whom has too many."""
-        with self._lock:
-            if self._open[who] >= _OF_ONE or self._open.total() >= _OF_ALL:
-                raise RefusedError(503, "too many windows follow the server; close some of them")
-
-    async def stream(
-        self,
-        who: str,
-        topics: tuple[str, ...],
-        first: Callable[[], list[tuple[str, Any]]],
-        last: str = "",
-        view: Callable[[Any], Any] = lambda data: data,
-    ) -> AsyncIterator[str]:
+    def answer(
+        self, *topics: str, first: Callable[[], list[Message]] = list, last: str = _CLOSED
+    ) -> StreamingResponse:
         """A stream of server-sent events: how things stand, then what happens.
 
-        `who` listens to `topics`. The `first` messages are made once the stream listens, so that
-        nothing is missed; after the event `last` it ends; `view` is what this listener sees of a
-        message's data.
+        The `first` messages are made once the stream listens, so that nothing is missed; after the
+        event `last` it ends.
         """
-        queue: asyncio.Queue[tuple[str, Any]] = asyncio.Queue(_WAITING)
+        headers = {"x-accel-buffering": "no", "cache-control": "no-store"}
+        stream = self._stream(topics, first, last)
+        return StreamingResponse(stream, media_type="text/event-stream", headers=headers)
+
+    async def _stream(
+        self, topics: tuple[str, ...], first: Callable[[], list[Message]], last: str
+    ) -> AsyncIterator[str]:
+        queue: asyncio.Queue[Message] = asyncio.Queue(_WAITING)
         listener = (asyncio.get_running_loop(), queue)
         with self._lock:
-            self._open[who] += 1
             for topic in topics:
                 self._listeners.setdefault(topic, set()).add(listener)
         try:
-            for event, data in await asyncio.to_thread(first):
-                yield _written(event, view(data))
-                if event == last:
-                    return
+            yield ": surae\n\n"  # makes proxies and browsers begin
+            waiting = await asyncio.to_thread(first)
             while True:
                 try:
-                    event, data = await asyncio.wait_for(queue.get(), _KEEP_ALIVE)
+                    event, data = waiting.pop(0) if waiting else await _next(queue)
                 except TimeoutError:
                     yield ": keep-alive\n\n"
                     continue
                 if event == _CLOSED:
                     return
-                yield _written(event, view(data))
+                yield f"event: {event}\ndata: {json.dumps(data, allow_nan=False)}\n\n"
                 if event == last:
                     return
         finally:
             with self._lock:
-                self._open[who] -= 1
-                self._open += Counter()  # forgets those that are zero
                 for topic in topics:
-                    listeners = self._listeners.get(topic, set())
-                    listeners.discard(listener)
-                    if not listeners:
-                        self._listeners.pop(topic, None)
+                    self._listeners[topic].discard(listener)
+                    if not self._listeners[topic]:
+                        del self._listeners[topic]
 
 
-def _put(queue: "asyncio.Queue[tuple[str, Any]]", message: tuple[str, Any]) -> None:
+async def _next(queue: "asyncio.Queue[Message]") -> Message:
+    return await asyncio.wait_for(queue.get(), _KEEP_ALIVE)
+
+
+def _put(queue: "asyncio.Queue[Message]", message: Message) -> None:
     if queue.full():
         queue.get_nowait()
     queue.put_nowait(message)
-
-
-def _written(event: str, data: Any) -> str:
-    return f"event: {event}\ndata: {json.dumps(data, allow_nan=False)}\n\n"

@@ -1,36 +1,17 @@
 """What becomes of finished jobs, and what is shown of fits."""
 
-import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from surae import api
 from surae.names import AUTO
-from surae_workbench.web.draft import settings_of, shown, upgraded
+from surae_workbench.web.answers import Fit
+from surae_workbench.web.draft import settings_of
 from surae_workbench.web.project import dated, unique_name
 from surae_workbench.web.rows import Entry
-from surae_workbench.web.sessions import BrowserSession
 
 if TYPE_CHECKING:
     from surae_workbench.web.workbench import Workbench
-
-
-def submit_fit(
-    bench: "Workbench", session: BrowserSession, draft: dict[str, Any], name: str | None
-) -> dict[str, Any]:
-    """Ask for the fit that a draft describes; wrong settings are refused now, not in the job."""
-    task, names = _task(bench, draft, name=name)
-    label = (name or f"{model_title(draft['model'])} · {names}")[:200]
-    return bench.jobs.submit("fit", label, session, task, task["recordings"][0])
-
-
-def _task(bench: "Workbench", draft: dict[str, Any], **more: Any) -> tuple[dict[str, Any], str]:
-    """What a worker is given to do with a draft, and the names of its recordings."""
-    recordings = bench.draft_recordings(draft)
-    check_draft(bench, draft)
-    ids = [recording["id"] for recording in recordings]
-    task = {**more, "draft": draft, "recordings": ids, "versions": versions_of(bench, draft)}
-    return task, ", ".join(recording["name"] for recording in recordings)
 
 
 def versions_of(bench: "Workbench", draft: Mapping[str, Any]) -> dict[str, int]:
@@ -98,38 +79,11 @@ def keep_designs(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str 
 
 def keep_profile(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str:
     """Add finished profiles to those of their fit."""
-    del end
-    id_ = str(job["about"])
-    path = bench.project.path("fits", job["id"], ".profiles.json")
-    profile = json.loads(path.read_text(encoding="utf-8"))["profiles"]
-    path.unlink(missing_ok=True)
-    fit = bench.project.need("fit", id_)
-    profiles = {**fit.get("profiles", {}), **{name: _profile(row) for name, row in profile.items()}}
-    bench.project.change("fit", id_, profiles=profiles)
+    fit = bench.project.need("fit", str(job["about"]))
+    profiles = {**fit.get("profiles", {}), **end["profiles"]}
+    bench.project.change("fit", fit["id"], profiles=profiles)
     bench.events.changed("fits")
-    return id_
-
-
-def keep_study(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str:
-    """A study keeps itself."""
-    del end
-    bench.events.changed("studies")
-    return str(job["about"])
-
-
-def _profile(row: Mapping[str, Any]) -> dict[str, Any]:
-    """What a page draws of a profile."""
-    low, high = row["interval"]
-    return {
-        "values": row["grid"],
-        "delta": row["delta_chi2"],
-        "threshold": row["threshold"],
-        "lower": low,
-        "upper": high,
-        "status": row["status"],
-        "note": row["message"],
-        "open": row["open"],
-    }
+    return str(fit["id"])
 
 
 def model_title(name: str) -> str:
@@ -137,14 +91,19 @@ def model_title(name: str) -> str:
     return "automatic" if name == AUTO else api.MODELS[name].title
 
 
-def fit_summary(bench: "Workbench", fit: Entry) -> dict[str, Any]:
+def fit_summary(bench: "Workbench", fit: Entry) -> Fit:
     """A fit in lists."""
     first = bench.database.get("recording", fit["recordings"][0], deleted=True)
-    return dated(
-        fit,
-        r2=fit.get("r2"),
+    rows = (bench.database.get("recording", id_) for id_ in fit["recordings"])
+    made_of = fit.get("versions", {})
+    return Fit(
+        **dated(fit, r2=fit.get("r2")),
         title=model_title(fit["model"]),
-        older=_older(bench, fit),
+        older=[
+            row["name"]
+            for row in rows
+            if row and row.get("version", 0) != made_of.get(row["id"], 0)
+        ],
         subject=None if first is None else first["subject"],
     )
 
@@ -154,31 +113,3 @@ def main_fit(bench: "Workbench", session: Entry) -> str | None:
     fits = session["fits"]
     id_ = fits.get("joint") or (next(iter(fits.values())) if len(fits) == 1 else None)
     return id_ if id_ and bench.database.get("fit", id_) else None
-
-
-def _older(bench: "Workbench", fit: Entry) -> list[str]:
-    """Names of its recordings that have been described anew since."""
-    rows = (bench.database.get("recording", id_) for id_ in fit["recordings"])
-    made_of = fit.get("versions", {})
-    return [
-        row["name"] for row in rows if row and row.get("version", 0) != made_of.get(row["id"], 0)
-    ]
-
-
-def fit_detail(bench: "Workbench", fit: Entry) -> dict[str, Any]:
-    """What the page of a fit needs beside its report."""
-    return {
-        "summary": fit_summary(bench, fit),
-        "parameters": {
-            name: {"value": p["value"], "free": p["verdict"] != "fixed", **described(name)}
-            for name, p in fit["parameters"].items()
-        },
-        "settings": shown(upgraded(fit["settings"])),
-        "profiles": fit.get("profiles", {}),
-    }
-
-
-def described(name: str) -> dict[str, str]:
-    """Unit and meaning of a parameter."""
-    p = api.PARAMETERS.get(name)
-    return {"unit": "" if p is None else p.unit, "meaning": "" if p is None else p.meaning}

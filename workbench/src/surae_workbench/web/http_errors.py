@@ -4,15 +4,7 @@ from surae.errors import InputError
 
 
 class RefusedError(InputError):
-    """A request that is refused.
-
-    Parameters
-    ----------
-    status : int
-        HTTP status, 4xx.
-    message : str
-        What, where and what to do.
-    """
+    """A request that is refused with an HTTP status, and what, where and what to do."""
 
     def __init__(self, status: int, message: str) -> None:
         super().__init__(message)

@@ -11,7 +11,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -94,18 +94,11 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
     taken = {id(channel): role for role, channel in inspection.roles.items()}
     columns = [
         {
-            **{
-                key: getattr(channel, key)
-                for key in ("rate_hz", "n", "low", "high", "usable", "remark")
-            },
+            **{key: getattr(channel, key) for key in ("low", "high", "usable")},
             "upload": ids[channel.file],
             "name": channel.column,
             "unit": channel.known_unit or channel.unit,
             "role": taken.get(id(channel)),
-            "could_be": [] if channel.guess is None else list(channel.guess.roles),
-            "rule": None if channel.guess is None else channel.guess.rule,
-            "sign": 1,
-            "mean": previews.get((channel.file, channel.column), {}).get("mean"),
             "preview": previews.get((channel.file, channel.column), {"t": [], "v": []}),
         }
         for channel in inspection.channels
@@ -233,8 +226,6 @@ def described(recording: api.Recording) -> dict[str, Any]:
                 "n": len(channel.time),
                 "low": float(channel.values.min()),
                 "high": float(channel.values.max()),
-                "mean": float(channel.values.mean()),
-                "preview": preview(channel.time, channel.values),
             }
             for channel in channels
         ],
@@ -244,17 +235,6 @@ def described(recording: api.Recording) -> dict[str, Any]:
         "fixed": dict(recording.fixed),
         "files": [{"name": channel.path, "sha256": channel.sha256} for channel in recording.files],
         "findings": findings(recording),
-    }
-
-
-def row_of(result: Mapping[str, Any]) -> dict[str, Any]:
-    """What the project's database keeps of what `described` says."""
-    return {
-        **{key: result[key] for key in ("emg", "fixed", "duration_s", "findings")},
-        "channels": [
-            {key: channel[key] for key in ("role", "unit", "n", "rate_hz", "source")}
-            for channel in result["channels"]
-        ],
     }
 
 
@@ -271,11 +251,8 @@ def quality(path: str) -> list[dict[str, Any]]:
 
 def findings(recording: api.Recording) -> list[dict[str, Any]]:
     """What is questionable about a recording."""
-    rows = [asdict(finding) for finding in api.check(recording).findings]
-    return [
-        {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in finding.items()}
-        for finding in rows
-    ]
+    found: list[dict[str, Any]] = api.check(recording).as_dict()["findings"]
+    return found
 
 
 def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
@@ -300,9 +277,9 @@ def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
 
 
 def preview(time: FloatArray, values: FloatArray) -> dict[str, Any]:
-    """A curve of few points, and its mean."""
+    """A curve of few points."""
     good = np.isfinite(time) & np.isfinite(values)
     if not good.any():
-        return {"t": [], "v": [], "mean": None}
+        return {"t": [], "v": []}
     t, v = api.min_max(time[good], values[good], _PREVIEW - 2)
-    return {"t": t.tolist(), "v": v.tolist(), "mean": float(values[good].mean())}
+    return {"t": t.tolist(), "v": v.tolist()}

@@ -5,19 +5,18 @@ does, those that were not finished are found at the next start and marked as int
 """
 
 import logging
+import queue
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
 from typing import Any
 
 from surae.errors import SuraeError
 from surae.processes import Child, where
-from surae_workbench.web.cleanup import JOBS
-from surae_workbench.web.database import new_id
-from surae_workbench.web.events import Events
+from surae_workbench.web import answers
+from surae_workbench.web.database import ACTIVE, new_id
+from surae_workbench.web.events import Events, Message
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import Project, when
 from surae_workbench.web.rows import Entry
@@ -29,77 +28,55 @@ _log = logging.getLogger("surae_workbench.web")
 _WAITING = 500
 #: Computing must not slow down the pages.
 _NICE = 10
-#: What a job is called when its task has ended so.
-_ENDS = {
-    "done": "done",
-    "refused": "failed",
-    "failed": "failed",
-    "cancelled": "cancelled",
-    "killed": "failed",
-}
+#: The line that jobs of some kinds wait in; all others are fits.
+_LANES = {"study": "studies", "design": "studies"}
 
 #: Keeps what a task has made; the id of the result, None where there is none.
 Finish = Callable[[Entry, Mapping[str, Any]], str | None]
 
 
-@dataclass(frozen=True, slots=True)
-class Kind:
-    """A kind of job: the lane that it waits in, and what is done with its result."""
-
-    lane: str
-    finish: Finish
-
-
-@dataclass(slots=True)
-class _Lane:
-    """A queue, and the workers that serve it."""
-
-    waiting: deque[str] = field(default_factory=deque)
-    workers: dict[str, Child] = field(default_factory=dict)
-
-
 class Jobs:
-    """All jobs of a project.
+    """All jobs of a project, of which so many `fits` run at a time.
 
-    Parameters
-    ----------
-    project : Project
-        Where they are kept.
-    events : Events
-        Who hears of them.
-    lanes : mapping of str to int
-        Lanes and the number of jobs that run at a time in each.
+    One study or design is made beside them.
     """
 
-    def __init__(self, project: Project, events: Events, lanes: Mapping[str, int]) -> None:
+    def __init__(self, project: Project, events: Events, fits: int) -> None:
         self._project, self._events = project, events
-        self._kinds: dict[str, Kind] = {}
-        self._lanes = {name: _Lane() for name in lanes}
+        self._finish: dict[str, Finish] = {}
+        counts = {"fits": fits, "studies": 1}
+        self._lanes = {name: queue.SimpleQueue[str | None]() for name in counts}
+        self._workers: dict[str, Child] = {}  # by the job that they are at
         self._progress: dict[str, dict[str, Any]] = {}
         self._cancelled: set[str] = set()
-        self._changed = threading.Condition()
+        self._lock = threading.Lock()
         self._closed = False
-        self._mark_interrupted()
-        self._threads = [
-            threading.Thread(target=self._serve, args=(name,), name=f"{name}-{i}", daemon=True)
-            for name, count in lanes.items()
-            for i in range(count)
-        ]
+        for job in project.database.active():  # that the last server left unfinished
+            message = "the server ended meanwhile; ask for it again"
+            project.change(
+                "job", job["id"], state="interrupted", ended=time.time(), message=message
+            )
+        self._threads = {
+            threading.Thread(target=self._serve, args=(name,), daemon=True): name
+            for name, count in counts.items()
+            for _ in range(count)
+        }
 
-    def start(self, kinds: Mapping[str, Kind]) -> None:
-        """Begin to work."""
-        self._kinds = dict(kinds)
+    def start(self, finish: Mapping[str, Finish]) -> None:
+        """Begin to work; `finish` has what is done with the result of each kind of job."""
+        self._finish = dict(finish)
         for thread in self._threads:
             thread.start()
 
     def close(self) -> None:
         """Stop working; what runs is interrupted, what waits stays for the next start to mark."""
-        with self._changed:
+        with self._lock:
             self._closed = True
-            workers = [w for lane in self._lanes.values() for w in lane.workers.values()]
-            self._changed.notify_all()
+            workers = list(self._workers.values())
         for worker in workers:
             worker.close()
+        for lane in self._threads.values():
+            self._lanes[lane].put(None)
         for thread in self._threads:
             if thread.is_alive():
                 thread.join(5.0)
@@ -111,47 +88,40 @@ class Jobs:
         session: BrowserSession,
         task: Mapping[str, Any],
         about: str | None,
-    ) -> dict[str, Any]:
+    ) -> answers.Job:
         """Ask for a job; the answer is how it stands.
 
         `label` is what lists call it; `task` is what the worker is given; `about` is the entry
         that it is about.
         """
-        if kind not in self._kinds:
-            raise RefusedError(409, f"this surae has no jobs of kind {kind!r}; it stays as it is")
-        lane = self._lanes[self._kinds[kind].lane]
-        with self._changed:
-            if self._closed:
-                raise RefusedError(503, "the server is shutting down")
-            if len(lane.waiting) >= _WAITING:
-                raise RefusedError(409, f"{_WAITING} jobs are waiting already; cancel some first")
-            id_ = new_id()
-            self._project.database.add(
-                "job",
-                {
-                    "kind": kind, "label": label, "state": "queued", "session": session.key,
-                    "task": dict(task), "about": about, "message": "", "result": None,
-                    "started": None, "ended": None,
-                },
-                id_,
-            )  # fmt: skip
-            lane.waiting.append(id_)
-            self._changed.notify_all()
+        if self._closed:
+            raise RefusedError(503, "the server is shutting down")
+        if len(self._project.database.active()) >= _WAITING:
+            raise RefusedError(409, f"{_WAITING} jobs are waiting already; cancel some first")
+        id_ = new_id()
+        self._project.database.add(
+            "job",
+            {
+                "kind": kind, "label": label[:200], "state": "queued", "session": session.key,
+                "task": dict(task), "about": about, "message": "", "result": None,
+                "started": None, "ended": None,
+            },
+            id_,
+        )  # fmt: skip
         job = self._project.need("job", id_)
         self._tell(job)
+        self._lanes[_lane(job)].put(id_)
         return self.shown(job, session)
 
     def cancel(self, id_: str) -> Entry:
         """Stop a job, as Ctrl-C does: what it has found so far is kept."""
-        job = self._project.need("job", id_)
-        with self._changed:
-            lane = self._lanes[self._kinds[job["kind"]].lane]
-            if id_ in lane.waiting:
-                lane.waiting.remove(id_)
-                self._end(id_, "cancelled", "cancelled before it began", None)
-            elif id_ in lane.workers:
+        with self._lock:
+            job = self._project.need("job", id_)
+            if id_ in self._workers:
                 self._cancelled.add(id_)
-                lane.workers[id_].interrupt()
+                self._workers[id_].interrupt()
+            elif job["state"] == "queued":
+                self._end(id_, "cancelled", "cancelled before it began", None)
             else:
                 raise RefusedError(409, f"this job has ended already: {job['state']}")
         return self._project.need("job", id_)
@@ -160,64 +130,62 @@ class Jobs:
         """Jobs about an entry that wait or are at work."""
         return [job for job in self._project.database.active() if job["about"] == about]
 
-    def shown(
-        self, job: Entry, session: BrowserSession | None, *, traces: bool = True
-    ) -> dict[str, Any]:
+    def shown(self, job: Entry, session: BrowserSession | None) -> answers.Job:
         """A job as the API shows it."""
-        state, progress = job["state"], self._progress.get(job["id"])
-        if progress is not None and not traces:
-            progress = {key: value for key, value in progress.items() if key != "traces"}
-        started, ended = job["started"], job["ended"]
-        until = ended or (time.time() if state == "running" else None)
-        return {
+        return answers.Job(
             **{key: job[key] for key in ("id", "kind", "label", "state", "message", "result")},
-            "fit": job["task"].get("fit"),
-            "recordings": job["task"].get("recordings", []),
-            "position": self._position(job),
-            "created": when(job["created"]),
-            "started": when(started),
-            "ended": when(ended),
-            "seconds": None if started is None or until is None else round(until - started, 3),
-            "progress": progress if state == "running" else None,
-            "mine": session is not None and job["session"] == session.key,
-        }
+            fit=job["task"].get("fit"),
+            recordings=job["task"].get("recordings", []),
+            position=self._position(job),
+            created=when(job["created"]),
+            progress=self._progress.get(job["id"]) if job["state"] == "running" else None,
+            mine=session is not None and job["session"] == session.key,
+        )
+
+    def news(self, job: Entry) -> list[Message]:
+        """How a job stands, as messages."""
+        state = self.shown(job, None).model_dump(exclude={"mine"})
+        return [("state", state)] if job["state"] in ACTIVE else [("state", state), ("end", state)]
 
     def _position(self, job: Entry) -> int | None:
+        """Its place among those that wait."""
         if job["state"] != "queued":
             return None
-        with self._changed:
-            waiting = self._lanes[self._kinds[job["kind"]].lane].waiting
-            return waiting.index(job["id"]) + 1 if job["id"] in waiting else None
+        active = [each for each in self._project.database.active() if _lane(each) == _lane(job)]
+        waiting = [each["id"] for each in active if each["state"] == "queued"]
+        return waiting.index(job["id"]) + 1 if job["id"] in waiting else None
 
-    def _serve(self, name: str) -> None:
+    def _serve(self, lane: str) -> None:
         """What the thread of one worker does."""
-        lane, worker = self._lanes[name], Child(nice=_NICE)
-        while True:
-            with self._changed:
-                self._changed.wait_for(lambda: self._closed or lane.waiting)
-                if self._closed:
-                    break
-                id_ = lane.waiting.popleft()
-                lane.workers[id_] = worker
+        worker = Child(nice=_NICE)
+        while (id_ := self._lanes[lane].get()) is not None and not self._closed:
             try:
-                self._run(id_, worker)
+                if (job := self._begun(id_, worker)) is not None:
+                    self._run(job, worker)
             except Exception as error:  # ours to mend; the others' jobs go on
                 _log.error("internal error in a job: %s", where(error))
                 with suppress(SuraeError):
                     self._end(id_, "failed", "internal error; the server's log tells more", None)
             finally:
-                with self._changed:
-                    lane.workers.pop(id_, None)
+                with self._lock:
+                    self._workers.pop(id_, None)
                     self._cancelled.discard(id_)
         worker.close()
 
-    def _run(self, id_: str, worker: Child) -> None:
-        job = self._project.change("job", id_, state="running", started=time.time())
-        self._tell(job)
-        for queued in list(self._lanes[self._kinds[job["kind"]].lane].waiting):
-            waiting = self._project.database.get("job", queued)
-            if waiting is not None:
-                self._tell(waiting)
+    def _begun(self, id_: str, worker: Child) -> Entry | None:
+        """A job that a worker takes up; None where it was cancelled while it waited."""
+        with self._lock:
+            job = self._project.database.get("job", id_)
+            if job is None or job["state"] != "queued":
+                return None
+            job = self._project.change("job", id_, state="running", started=time.time())
+            self._workers[id_] = worker
+        for waiting in self._project.database.active():
+            self._tell(waiting)
+        return job
+
+    def _run(self, job: Entry, worker: Child) -> None:
+        id_ = job["id"]
 
         def heard(message: Mapping[str, Any]) -> None:
             self._progress[id_] = dict(message)
@@ -234,52 +202,30 @@ class Jobs:
             return  # marked as interrupted at the next start
         if end.where:
             _log.error("internal error in a worker: %s", end.where)
-        state, result = _ENDS[end.how], None
-        message = self._project.hidden(end.message)
+        stopped, message, result = id_ in self._cancelled, end.message, None
+        state = "cancelled" if stopped or end.how == "cancelled" else "failed"
         if end.how == "done":
-            message = self._project.hidden(str(end.value.get("message", "")))
+            state = "cancelled" if end.value.get("interrupted") else "done"
+            message = str(end.value.get("message", ""))
             try:
-                result = self._kinds[job["kind"]].finish(job, end.value)
+                result = self._finish[job["kind"]](job, end.value)
             except SuraeError as refusal:  # what it was about is gone, or the disk is full
                 state, message = "failed", str(refusal)
-            if end.value.get("interrupted"):
-                state = "cancelled"
-        elif id_ in self._cancelled:
-            state = "cancelled"
-        self._end(id_, state, message, result)
+        self._end(id_, state, self._project.hidden(message), result)
 
     def _end(self, id_: str, state: str, message: str, result: str | None) -> None:
         self._progress.pop(id_, None)
         job = self._project.change(
             "job", id_, state=state, message=message, result=result, ended=time.time()
         )
-        self._project.database.forget_jobs(JOBS)
+        self._project.database.forget_jobs()
         self._tell(job)
-        self._events.tell(f"job:{id_}", "end", self._owned(job))
 
     def _tell(self, job: Entry) -> None:
-        message = self._owned(job)
-        self._events.tell(f"job:{job['id']}", "state", message)
-        if message["progress"] is not None:
-            message = {**message, "progress": {**message["progress"], "traces": []}}
-        self._events.tell("project", "job", message)
+        for event, data in self.news(job):
+            self._events.tell(f"job:{job['id']}", event, data)
+        self._events.changed("jobs")
 
-    def _owned(self, job: Entry) -> dict[str, Any]:
-        """A job with the session that owns it, for `seen_by`."""
-        return {**self.shown(job, None), "owner": job["session"]}
 
-    @staticmethod
-    def seen_by(session: BrowserSession | None, data: Any) -> Any:
-        """What a browser hears of a job: whether it is its own, not whose."""
-        if not isinstance(data, dict) or "owner" not in data:
-            return data
-        seen = {key: value for key, value in data.items() if key != "owner"}
-        return {**seen, "mine": session is not None and data["owner"] == session.key}
-
-    def _mark_interrupted(self) -> None:
-        """Jobs that the last server left unfinished."""
-        for job in self._project.database.active():
-            self._project.change(
-                "job", job["id"], state="interrupted", ended=time.time(),
-                message="the server ended meanwhile; ask for it again",
-            )  # fmt: skip
+def _lane(job: Entry) -> str:
+    return _LANES.get(job["kind"], "fits")

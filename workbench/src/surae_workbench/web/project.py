@@ -1,18 +1,18 @@
 """A project: one folder that holds all of a laboratory's work, and can be copied and opened."""
 
 import os
+import re
 import sqlite3
 import time
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from surae.database import lock
 from surae.errors import InputError
-from surae.files import PathLike, sha256_of, shown
-from surae_workbench.web.cleanup import KEPT, clean, trash
+from surae.files import PathLike, is_link, sha256_of, shown, write_json
 from surae_workbench.web.database import Database, new_id
 from surae_workbench.web.http_errors import RefusedError, not_found
 from surae_workbench.web.places import (
@@ -21,32 +21,27 @@ from surae_workbench.web.places import (
     FOLDERS,
     file_of,
     new_private,
+    plural,
     recording_suffix,
     refuse_foreign,
     uploads_of,
 )
-from surae_workbench.web.rows import ID, Entry, plain
+from surae_workbench.web.rows import ID, KINDS, Entry
 
-_DAY = 86_400
-#: Days of use that are remembered; a clock that is further ahead than the last number is not used.
-_REMEMBERED, _AHEAD = 400, 40
+#: Deleted entries come back with undo for so long, uploads lie so long, and the trash keeps what
+#: came into it so long [s].
+KEPT = 30 * 86_400.0
+#: A file in the trash that we put there.
+_TRASHED = re.compile(r"[a-z]+-[0-9a-f]{16}[a-z0-9.-]{0,40}")
 
 
 class Project:
     """A project's folder, open; one server at a time has it.
 
-    Parameters
-    ----------
-    folder : path
-        Made where it is missing, or begun where it is empty: ``project.db``, ``recordings/*.h5``,
-        ``fits/*.json``, ``sessions/*.json``, ``studies/*.db``,
-        ``uploads/`` and ``trash/``.
-
-    Raises
-    ------
-    InputError
-        The folder holds something else, links, or cannot be used; another server has it, or a
-        newer surae wrote it.
+    It is made where it is missing, or begun where it is empty: ``project.db``,
+    ``recordings/*.h5``, ``fits/*.json``, ``sessions/*.json``, ``studies/*.db``, ``uploads/`` and
+    ``trash/``. One that holds something else, or links, that another server has or a newer surae
+    wrote, is an InputError.
     """
 
     def __init__(self, folder: PathLike) -> None:
@@ -58,31 +53,30 @@ class Project:
             self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             for name in (f"{DATABASE}.lock", DATABASE):
                 new_private(self.folder / name)
-            self._lock = lock(self.folder / DATABASE)
-        except OSError as error:
-            reason = (error.strerror or str(error)).lower()
+            held = lock(self.folder / DATABASE)
+        except (OSError, sqlite3.Error) as error:
+            reason = (getattr(error, "strerror", None) or str(error)).lower()
             raise InputError(
                 f"cannot use {where} as a project: {reason}; give another folder"
             ) from None
-        except sqlite3.Error as error:
-            raise InputError(f"cannot use {where} as a project: {error}") from None
-        if self._lock is None:
+        if held is None:
             raise InputError(
                 f"{where} is in use by another `surae serve`; stop it, or give another folder"
             )
-        try:
+        with ExitStack() as opened:
+            opened.callback(held.close)
             self._places = self._identities()
             self.database = Database(self.folder / DATABASE, self.still_ours)
-            try:
-                for name in FOLDERS:
-                    (self.folder / name).mkdir(mode=0o700, exist_ok=True)
-                self.id = self._opened()
-            except BaseException:
-                self.database.close()
-                raise
-        except BaseException:
-            self._lock.close()
-            raise
+            opened.callback(self.database.close)
+            for name in FOLDERS:
+                (self.folder / name).mkdir(mode=0o700, exist_ok=True)
+            self.id = self._own_id()
+            self._tidy()
+            self._opened = opened.pop_all()
+
+    def close(self) -> None:
+        """Let go of the folder."""
+        self._opened.close()
 
     def _identities(self) -> list[tuple[int, int]]:
         states = (os.lstat(self.folder / name) for name in (DATABASE, f"{DATABASE}.lock"))
@@ -107,12 +101,6 @@ class Project:
         """What pages call it: the folder's name."""
         return shown(self.folder.name)
 
-    def close(self) -> None:
-        """Let go of the folder."""
-        self.database.close()
-        if self._lock is not None:
-            self._lock.close()
-
     def path(self, folder: str, id_: str, suffix: str) -> Path:
         """The file of an entry; ids are ours, never a user's text.
 
@@ -120,11 +108,14 @@ class Project:
         """
         return file_of(self.folder, folder, id_, suffix)
 
+    def file(self, kind: str, id_: str) -> Path:
+        """The file of an entry, by its kind; of a recording, as it was imported."""
+        return self.path(FILES[kind][0], id_, FILES[kind][1])
+
     def recording_path(self, recording: Mapping[str, Any]) -> Path:
         """The file of a recording as it is described now."""
-        return self.path(
-            "recordings", recording["id"], recording_suffix(recording.get("version", 0))
-        )
+        suffix = recording_suffix(recording.get("version", 0))
+        return self.path("recordings", recording["id"], suffix)
 
     def hidden(self, text: str) -> str:
         """A message without where on this computer the project lies."""
@@ -137,51 +128,10 @@ class Project:
         folder.mkdir(mode=0o700, exist_ok=True)
         return folder
 
-    def _opened(self) -> str:
-        """Count a day of use, tidy up by that count, and give the project's own id.
-
-        Time is not trusted: what is old is told by the days on which the project was used, of which
-        a wrong clock makes one more at the most. Where it is behind, or far ahead, nothing is
-        tidied up.
-        """
-        today = int(time.time() // _DAY)
-        with self.database.transaction():
-            saved: dict[str, Any] = {}
-            for id_, text in self.database.rows("SELECT id, data FROM thing WHERE kind='project'"):
-                own = str(id_)
-                if not ID.fullmatch(own):
-                    raise InputError("its own id is damaged; restore a backup")
-                with suppress(ValueError):
-                    saved = dict(plain(text))
-                break
-            else:
-                own = self.database.add("project", {}, new_id())
-            used = saved.get("used")
-            if not isinstance(used, list) or not all(type(day) is int for day in used):
-                used = []
-            sane = not used or 0 <= today - used[-1] <= _AHEAD
-            count = saved["days"] if type(saved.get("days")) is int else len(used)
-            if not used or today > used[-1]:
-                used, count = [*used, today][-_REMEMBERED:], count + 1
-                self.database.update("project", own, {"used": used, "days": count})
-        self.day, self._used = count, used
-        if sane:
-            clean(self.folder, self.database, self.day, self.before(KEPT))
-        return own
-
-    def before(self, days: int) -> float | None:
-        """The time since which the project was used on so many days [s]; None where on fewer."""
-        return None if len(self._used) <= days else float(self._used[-days - 1] * _DAY)
-
     def add(self, kind: str, data: Mapping[str, Any], id_: str) -> str:
         """Keep an entry whose file is there, with the file's checksum; its id."""
-        folder, suffix = FILES[kind]
-        checksum = sha256_of(self.path(folder, id_, suffix))
+        checksum = sha256_of(self.file(kind, id_))
         return self.database.add(kind, {**data, "sha256": checksum}, id_)
-
-    def discard(self, kind: str, id_: str) -> None:
-        """Put an entry that has no history into the trash, with its files."""
-        trash(self.folder, self.database, self.day, kind, id_)
 
     def need(self, kind: str, id_: str) -> Entry:
         """An entry that has to be there."""
@@ -197,6 +147,56 @@ class Project:
         if row is None:
             raise not_found(kind)
         return row
+
+    def discard(self, kind: str, id_: str) -> None:
+        """Put an entry into the trash for good: its files, and one with what its row held."""
+        row = self.database.row("SELECT * FROM thing WHERE kind = ? AND id = ?", kind, id_)
+        if row is None or kind not in KINDS or not ID.fullmatch(id_):
+            return
+        trash, columns = self.folder / "trash", ("id", "kind", "created", "deleted", "data")
+        moved = [trash / f"{plural(kind)}-{id_}.entry.json"]
+        write_json(moved[0], dict(zip(columns, row, strict=True)))
+        for path in self._files(kind, id_):
+            moved.append(trash / f"{plural(kind)}-{path.name}")
+            path.replace(moved[-1])
+        for path in moved:
+            os.utime(path, (time.time(),) * 2)  # since when it lies there
+        self.database.remove(kind, id_)
+
+    def _files(self, kind: str, id_: str) -> list[Path]:
+        """The files that were made for an entry."""
+        paths: list[Path] = []
+        if kind in FILES:
+            paths = list((self.folder / FILES[kind][0]).glob(f"{id_}.*"))
+        elif kind == "upload":
+            with suppress(RefusedError, TypeError):  # a damaged one has none that we know
+                upload = self.database.get(kind, id_, deleted=True)
+                paths = [uploads_of(self.folder, upload["session"]) / id_]  # type: ignore[index]
+        return [path for path in paths if path.is_file() and not is_link(path)]
+
+    def _own_id(self) -> str:
+        """What tells the project from others on the same computer."""
+        row = self.database.row("SELECT id FROM thing WHERE kind = 'project'")
+        own = self.database.add("project", {}, new_id()) if row is None else str(row[0])
+        if not ID.fullmatch(own):
+            raise InputError("its own id is damaged; restore a backup")
+        return own
+
+    def _tidy(self) -> None:
+        """Set aside what was deleted, or uploaded, long ago; empty the trash of what is as old.
+
+        A clock that is wrong sets things aside too early, where they still lie for as long.
+        """
+        self.database.forget_jobs()
+        old = time.time() - KEPT
+        query = "(deleted > 0 AND deleted < ?) OR (kind = 'upload' AND created < ?)"
+        for kind, id_ in self.database.rows(f"SELECT kind, id FROM thing WHERE {query}", old, old):
+            self.discard(kind, id_)
+        for path in (self.folder / "trash").iterdir():
+            state = path.lstat()
+            lies_since = max(state.st_mtime, state.st_ctime)  # it came in under another name
+            if _TRASHED.fullmatch(path.name) and lies_since < old:
+                path.unlink()
 
 
 def unique_name(rows: Iterable[Mapping[str, Any]], name: str, longest: int = 200) -> str:

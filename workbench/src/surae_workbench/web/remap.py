@@ -9,11 +9,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from surae import api
 from surae.errors import InputError
 from surae.frozen import read_only
 from surae.units import FACTORS, SI, FloatArray, kind
-from surae_workbench.web.imports import CLOCK, Upload, described, imported, preview, read_recording
+from surae_workbench.web.imports import CLOCK, described, preview, read_recording
 from surae_workbench.web.rows import Entry
 
 #: What of a recording's row belongs to its description.
@@ -29,7 +31,7 @@ FIELDS = (
 )
 _UNIT = re.compile(r"\[([^\]]+)\]")
 _ADVISED = re.compile(r'unit = "([^"]+)"')
-_FILE = "the file is needed for another column or clock; drop it on the page Import again"
+_FILE = "for another column drop its file on the page Add trials again"
 
 
 def first_mapping(row: Entry) -> dict[str, Any]:
@@ -72,12 +74,12 @@ def described_anew(
 
     `first` is the description that it was imported with, `wanted` the one that it shall have.
     """
-    roles = {_samples(each): role for role, each in first["channels"].items()}
+    roles = {(each["upload"], each["column"]): role for role, each in first["channels"].items()}
     channels = {}
     for role, new in wanted["channels"].items():
-        source = roles.get(_samples(new))
+        source = roles.get((new["upload"], new["column"]))
         if source is None:
-            raise InputError(f"{role}: {new['column']!r} was not imported so: {_FILE}")
+            raise InputError(f"{role}: {new['column']!r} was not imported: {_FILE}")
         old, measured = first["channels"][source], recording.channels[source]
         unit = new["unit"] or SI[kind(role)]
         if new["scale"] == 0:
@@ -88,11 +90,9 @@ def described_anew(
         values: FloatArray = (
             new["sign"] * (new["scale"] * raw + new["offset"]) * _factor(role, unit)
         )
-        source_text = f"{measured.source.partition(' (')[0]} ({_told(new, unit)})"
-        channels[role] = api.Channel(
-            role, measured.time, read_only(values), "1" if unit == "1" else SI[kind(role)],
-            source_text,
-        )  # fmt: skip
+        times, known = _times(measured.time, new), "1" if unit == "1" else SI[kind(role)]
+        told = f"{measured.source.partition(' (')[0]} ({_told(new, unit)})"
+        channels[role] = api.Channel(role, times, read_only(values), known, told)
     return replace(
         recording,
         channels=channels,
@@ -102,9 +102,12 @@ def described_anew(
     )
 
 
-def _samples(channel: Mapping[str, Any]) -> tuple[Any, ...]:
-    """Where a channel's samples and their times come from."""
-    return channel["upload"], channel["column"], *(channel.get(key) for key in CLOCK)
+def _times(times: FloatArray, channel: Mapping[str, Any]) -> FloatArray:
+    """The times of a channel's samples: as imported, but for what is said of a film's clock."""
+    start, rate = channel.get("start_s"), channel.get("rate_hz")
+    since = times - times[0] if rate is None else np.arange(len(times)) / rate
+    moved = start is not None or rate is not None
+    return read_only((times[0] if start is None else start) + since) if moved else times
 
 
 def _factor(role: str, unit: str) -> float:
@@ -122,15 +125,9 @@ def _told(channel: Mapping[str, Any], unit: str) -> str:
 
 
 def redescribed(
-    path: str,
-    files: Sequence[Upload] | None,
-    first: Mapping[str, Any],
-    wanted: Mapping[str, Any],
-    output: str | None,
+    path: str, first: Mapping[str, Any], wanted: Mapping[str, Any], output: str | None
 ) -> dict[str, Any]:
-    """Describe an imported recording anew, from its own file or, for other columns, the uploads."""
-    if files is not None:
-        return imported(files, wanted, output)
+    """Describe an imported recording anew, and keep it where `output` says so."""
     recording = described_anew(read_recording(path), first, wanted)
     if output is not None:
         api.write_hdf5(output, recording)
@@ -148,17 +145,11 @@ def imported_columns(path: str, first: Mapping[str, Any]) -> list[dict[str, Any]
         columns.append(
             {
                 "upload": channel["upload"], "name": channel["column"], "unit": channel["unit"],
-                "low": float(values.min()), "high": float(values.max()), "usable": True,
+                "low": float(values.min()), "high": float(values.max()),
                 "preview": preview(recording.channels[role].time, values),
             }
         )  # fmt: skip
     return columns
-
-
-def needs_files(first: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
-    """Whether a description names columns, or their clocks, that were not imported."""
-    known = {_samples(each) for each in first["channels"].values()}
-    return any(_samples(each) not in known for each in wanted["channels"].values())
 
 
 def like(wanted: Mapping[str, Any], own: Mapping[str, Any], name: str) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from surae import api
 from surae.errors import InputError
-from surae_workbench.web.schemas import DraftChange, ProtocolSettings
+from surae_workbench.web.schemas import ProtocolSettings
 
 #: An entry: its content with its `id` and `created`.
 Entry = dict[str, Any]
@@ -33,14 +33,18 @@ class _Row(BaseModel):
     model_config = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
 
 
-class _Subject(_Row):
+class Subject(_Row):
+    """Whose leg it is, by a code."""
+
     code: str
     group: str
     notes: str
-    body_mass: float | None
+    body_mass: float | None  #: [kg].
 
 
-class _Channel(_Row):
+class Channel(_Row):
+    """A signal of a recording."""
+
     role: str
     unit: str
     n: int
@@ -48,7 +52,9 @@ class _Channel(_Row):
     source: str
 
 
-class _File(_Row):
+class File(_Row):
+    """A file that a recording was made of."""
+
     name: str
     sha256: str
 
@@ -62,8 +68,8 @@ class _Recording(_Row):
     duration_s: float
     emg: str | None
     fixed: dict[str, float]
-    channels: list[_Channel]
-    files: list[_File]
+    channels: list[Channel]
+    files: list[File]
     mapping: dict[str, Any] | None
     findings: list[dict[str, Any]] | None = None
     first: dict[str, Any] | None = None
@@ -88,11 +94,8 @@ class _Fit(_Row):
     r2: float | None = None
     grade: str | None = None
     ipde: float | None
-    seconds: float
     recordings: Annotated[list[_Id], Field(min_length=1)]
     names: list[str]
-    starts: int
-    agreeing: int | None
     parameters: dict[str, _Estimate]
     settings: dict[str, Any]
     profiles: dict[str, dict[str, Any]] = {}
@@ -146,16 +149,9 @@ class _Job(_Row):
     ended: _Time | None
 
 
-class _Trash(_Row):
-    kind: str
-    files: list[str]
-    day: int
-    content: Any
-
-
 #: The form of each kind; others, of a newer surae, are not looked at.
 KINDS: dict[str, type[_Row]] = {
-    "subject": _Subject,
+    "subject": Subject,
     "recording": _Recording,
     "fit": _Fit,
     "session": _Session,
@@ -163,7 +159,6 @@ KINDS: dict[str, type[_Row]] = {
     "protocol": _Protocol,
     "upload": _Upload,
     "job": _Job,
-    "trash": _Trash,
 }
 
 
@@ -212,20 +207,6 @@ def plain(text: object) -> Any:
         return _DECODER.decode(text)
     except (ValueError, RecursionError):
         raise ValueError("it is no JSON that can be read") from None
-
-
-def draft_parts(data: object) -> dict[str, Any]:
-    """The keys of a draft that are as they should be."""
-    if not isinstance(data, dict):
-        return {}
-    good = {}
-    for key, value in data.items():
-        try:
-            DraftChange.model_validate({key: value})
-        except ValidationError:
-            continue
-        good[key] = value
-    return good
 
 
 def _finite(text: str) -> float:

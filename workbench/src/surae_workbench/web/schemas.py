@@ -205,7 +205,6 @@ class DraftPatch(Strict):
 
     change: DraftChange
     label: Named = "change"
-    revision: Annotated[int, Field(ge=0)] | None = None
     merge: bool = False
 
 
@@ -260,15 +259,6 @@ class SubjectRequest(Strict):
     body_mass: BodyMass | None = None
 
 
-class SubjectPatch(Strict):
-    """What changes of a subject."""
-
-    code: Named | None = None
-    group: Group | None = None
-    notes: Notes | None = None
-    body_mass: BodyMass | None = None
-
-
 class RecordingPatch(Strict):
     """What changes of a recording's labels."""
 
@@ -280,18 +270,18 @@ class RecordingPatch(Strict):
 
 
 class LiveRequest(Strict):
-    """What to simulate."""
+    """What to simulate: the draft's model, or another that a fit has come to."""
 
     recording: Id | None = None
+    model: Model | None = None
     values: Numbers = {}
     points: Points = 1000
 
 
 class FitRequest(Strict):
-    """A fit to make: of a draft, or of the session's own."""
+    """A fit to make, as the session's draft asks."""
 
     name: Named | None = None
-    draft: DraftChange | None = None
 
 
 class TrialsRequest(Strict):
@@ -302,10 +292,9 @@ class TrialsRequest(Strict):
 
 
 class SessionRequest(TrialsRequest):
-    """A session to fit: each trial, and all together; as the session's draft asks, or one given."""
+    """A session to fit: each trial, and all together; as the session's draft asks."""
 
     name: Named | None = None
-    draft: DraftChange | None = None
 
 
 class NameRequest(Strict):
@@ -381,6 +370,7 @@ class ProtocolFile(Strict):
     """A protocol to export, and why, where it has no device or exceeds a limit of it."""
 
     settings: ProtocolSettings
+    name: Line = ""
     reason: Annotated[str, StringConstraints(max_length=300)] = ""
 
 

@@ -11,20 +11,19 @@ import ipaddress
 import re
 import socket
 from collections.abc import Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Protocol
 from urllib.parse import quote, urlencode
 
 from starlette.concurrency import run_in_threadpool
-from starlette.datastructures import Headers, MutableHeaders, QueryParams
+from starlette.datastructures import MutableHeaders
+from starlette.requests import HTTPConnection
 from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from surae.errors import SuraeError
 from surae.processes import one_line
-from surae_workbench.web.bodies import Bodies, too_large
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.sessions import BrowserSession
 
@@ -47,6 +46,8 @@ _HEADERS = {
 }
 #: Largest body of a request that uploads no file [bytes].
 _BODY = 2 * 2**20
+#: The next piece of a body is waited for so long [s].
+_PATIENCE = 20.0
 #: API routes that need no session: one makes it, the other describes the API.
 _OPEN = ("/api/session", "/api/openapi.json")
 #: What a program is told that has not asked for a session.
@@ -99,27 +100,28 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-class _Incoming:
+class _Incoming(HTTPConnection):
     """A request before it reaches the application."""
 
     def __init__(self, scope: Scope) -> None:
-        self.scope, self.method, self.path = scope, str(scope["method"]), str(scope["path"])
+        super().__init__(scope)
+        self.method, self.path = str(scope["method"]), str(scope["path"])
         self.safe = self.method in ("GET", "HEAD", "OPTIONS")
-        self.query = QueryParams(scope.get("query_string", b""))
-        self._headers = Headers(scope=scope)
+        #: Whether somebody opens a page.
+        self.is_page = self.method == "GET" and not self.path.startswith(("/api/", "/static/"))
 
     def header(self, name: str) -> str:
         """A header; empty where it is missing or comes twice."""
-        values = self._headers.getlist(name)
+        values = self.headers.getlist(name)
         return values[0] if len(values) == 1 else ""
 
-    def cookies(self, name: str) -> list[str]:
+    def cookies_of(self, name: str) -> list[str]:
         """The values of the cookies of exactly this name.
 
         Other programs on this computer set cookies too, in forms that no parser of all takes, and
         even by our own names for a part of our addresses.
         """
-        parts = (part for line in self._headers.getlist("cookie") for part in line.split(";"))
+        parts = (part for line in self.headers.getlist("cookie") for part in line.split(";"))
         pairs = (part.strip().partition("=") for part in parts)
         return [value for key, _, value in pairs if key == name and len(value) <= 200][:5]
 
@@ -132,39 +134,27 @@ class _Incoming:
     @property
     def has_body(self) -> bool:
         """Whether more comes than the headers."""
-        return (
-            self.length != 0
-            if "content-length" in self._headers
-            else ("transfer-encoding" in self._headers)
-        )
+        if "content-length" in self.headers:
+            return self.length != 0
+        return "transfer-encoding" in self.headers
 
     @property
     def same_origin(self) -> bool:
         """Whether the request comes from a page of ours, or from no page at all."""
-        if "origin" not in self._headers:
-            return True
         host = self.header("host")
-        return self.header("origin") in {f"{scheme}://{host}" for scheme in ("http", "https")}
+        ours = {f"{scheme}://{host}" for scheme in ("http", "https")}
+        return "origin" not in self.headers or self.header("origin") in ours
 
     @property
     def from_elsewhere(self) -> bool:
         """Whether a browser says that a page of another site asks, or a link on it."""
         return self.header("sec-fetch-site") not in ("", "same-origin", "none")
 
-    @property
-    def is_page(self) -> bool:
-        """Whether somebody opens a page."""
-        return self.method == "GET" and not self.path.startswith(("/api/", "/static/"))
-
 
 class Browsers(Protocol):
     """Browsers kept apart by a cookie, see `surae_workbench.web.sessions`."""
 
     project_id: str
-
-    def hidden(self, text: str) -> str:
-        """A message without names of folders."""
-        ...
 
     def open(self, cookies: Sequence[str]) -> BrowserSession | None:
         """The session of the first cookie that has one."""
@@ -178,20 +168,14 @@ class Browsers(Protocol):
 class Security:
     """ASGI middleware that refuses what the policy does not allow.
 
-    Parameters
-    ----------
-    app : ASGIApp
-        The application.
-    policy : Policy
-        What is allowed.
-    sessions : Browsers
-        Found by cookie; made for whoever loads a page or asks for ``/api/session``.
+    `sessions` are found by cookie, and made for whoever loads a page or asks for
+    ``/api/session``.
     """
 
     def __init__(self, app: ASGIApp, policy: Policy, sessions: Browsers) -> None:
         self._app, self._policy, self._sessions = app, policy, sessions
         self._token = None if policy.token is None else _digest(policy.token)
-        self._guessing, self._bodies = asyncio.Lock(), Bodies()
+        self._guessing = asyncio.Lock()
         # Cookies do not know ports: without the project in their names, two servers on one
         # computer would throw each other's sessions away.
         self._session_cookie = f"surae_session_{sessions.project_id}"
@@ -217,32 +201,29 @@ class Security:
         self, request: "_Incoming", cookies: list[str], limit: int
     ) -> Response | None:
         """What a request is answered instead of being passed on; None where it may pass."""
-        if (foreign := self._foreign(request)) is not None:
-            return foreign
-        if self._token is not None and (
-            not self._knows(request) or (request.is_page and "token" in request.query)
-        ):
-            return await self._ask_token(request, cookies, self._token)
-        if request.length is not None and request.length > limit:
-            return _refused(413, too_large(limit))
         try:
-            return await self._session(request, cookies)
-        except SuraeError as error:  # the project cannot be read or written
-            return _refused(503, self._sessions.hidden(one_line(error)))
-
-    def _foreign(self, request: "_Incoming") -> Response | None:
-        """What somebody else's page, or a link on it, is answered."""
-        if not self._policy.allows_host(request.header("host")):
-            return _refused(400, "this server does not go by that name (Host)")
-        if request.from_elsewhere and request.is_page:
-            return HTMLResponse(_AGAIN)
-        if request.from_elsewhere or not request.same_origin:
-            return _refused(403, "the request comes from another site (Origin, Sec-Fetch-Site)")
+            if not self._policy.allows_host(request.header("host")):
+                raise RefusedError(400, "this server does not go by that name (Host)")
+            if request.from_elsewhere and request.is_page:
+                return HTMLResponse(_AGAIN)
+            if request.from_elsewhere or not request.same_origin:
+                raise RefusedError(
+                    403, "the request comes from another site (Origin, Sec-Fetch-Site)"
+                )
+            if self._token is not None and (
+                not self._knows(request) or (request.is_page and "token" in request.query_params)
+            ):
+                return await self._ask_token(request, cookies, self._token)
+            if (request.length or 0) > limit:
+                raise RefusedError(413, _too_large(limit))
+            await self._session(request, cookies)
+        except SuraeError as error:  # another than ours: the project cannot be read or written
+            return _refused(getattr(error, "status", 503), one_line(error))
         return None
 
     async def _ask_token(self, request: "_Incoming", cookies: list[str], token: str) -> Response:
         """Take the token out of the address, once; refuse who does not know it."""
-        query = dict(request.query)
+        query = dict(request.query_params)
         if request.safe and (self._matches(query.pop("token", "")) or self._knows(request)):
             cookies.append(_cookie(self._token_cookie, token))
             # One slash only: two would lead to another server.
@@ -250,55 +231,46 @@ class Security:
             return RedirectResponse(place + (f"?{urlencode(query)}" if query else ""), 303)
         async with self._guessing:
             await asyncio.sleep(_GUESS)
-        return _refused(403, "this server needs its token; open the address it printed")
+        raise RefusedError(403, "this server needs its token; open the address it printed")
 
     async def _pass(self, request: "_Incoming", receive: Receive, send: Send, limit: int) -> None:
         """Pass a request on, as long as its body is."""
-        session, started = request.scope.get("state", {}).get("session"), False
+        started = False
 
         async def noted(message: Message) -> None:
             nonlocal started
             started = started or message["type"] == "http.response.start"
             await send(message)
 
+        body = _limited(receive, limit) if request.has_body else receive
         try:
-            if not request.has_body:
-                await self._app(request.scope, receive, noted)
-                return
-            body = self._bodies.take(receive, "" if session is None else session.key, limit)
-            with closing(body):
-                await self._app(request.scope, body, noted)
+            await self._app(request.scope, body, noted)
         except RefusedError as error:
             await _refused(error.status, str(error))(request.scope, receive, noted)
         except Exception:  # answered and logged by the application; nothing more to tell
             if not started:
                 raise
 
-    async def _session(self, request: "_Incoming", cookies: list[str]) -> Response | None:
+    async def _session(self, request: "_Incoming", cookies: list[str]) -> None:
         """Find or make the session, and check its CSRF token."""
         if request.path.startswith("/static/"):
-            return None
+            return
         session = await run_in_threadpool(
-            self._sessions.open, request.cookies(self._session_cookie)
+            self._sessions.open, request.cookies_of(self._session_cookie)
         )
-        api = request.path.startswith("/api/")
-        if (
-            session is None
-            and request.method == "GET"
-            and (not api or request.path == "/api/session")
-        ):
+        makes = request.is_page or (request.method, request.path) == ("GET", "/api/session")
+        if session is None and makes:
             session, cookie = await run_in_threadpool(self._sessions.make)
             cookies.append(_cookie(self._session_cookie, cookie))
-        if session is None and api and request.path not in _OPEN:
-            return _refused(403, NO_SESSION)
+        if session is None and request.path.startswith("/api/") and request.path not in _OPEN:
+            raise RefusedError(403, NO_SESSION)
         if not request.safe:
             token = request.header(CSRF_HEADER)
             if session is None or not hmac.compare_digest(token.encode(), session.csrf.encode()):
-                return _refused(
+                raise RefusedError(
                     403, "the header X-CSRF-Token is missing or old; load the page again"
                 )
         request.scope.setdefault("state", {})["session"] = session
-        return None
 
     def _knows(self, request: "_Incoming") -> bool:
         """Whether the request carries the token, as a cookie or a header."""
@@ -307,7 +279,7 @@ class Security:
             return True
         return any(
             hmac.compare_digest(cookie.encode(), (self._token or "").encode())
-            for cookie in request.cookies(self._token_cookie)
+            for cookie in request.cookies_of(self._token_cookie)
         )
 
     def _matches(self, token: str) -> bool:
@@ -327,6 +299,31 @@ def _guarded(send: Send, cookies: list[str]) -> Send:
         await send(message)
 
     return wrapped
+
+
+def _limited(receive: Receive, limit: int) -> Receive:
+    """Receive a body of at most so many bytes, the next piece of which comes soon."""
+    left, coming = limit, True
+
+    async def take() -> Message:
+        nonlocal left, coming
+        if not coming:  # what comes now is that nobody waits for the answer any more
+            return await receive()
+        try:
+            message = await asyncio.wait_for(receive(), _PATIENCE)
+        except TimeoutError:
+            raise RefusedError(408, f"nothing came for {_PATIENCE:g} s; try again") from None
+        left -= len(message.get("body", b""))
+        if left < 0:
+            raise RefusedError(413, _too_large(limit))
+        coming = message.get("more_body", False)
+        return message
+
+    return take
+
+
+def _too_large(limit: int) -> str:
+    return f"too large: at most {limit / 2**20:g} MiB; cut or downsample it"
 
 
 def _cookie(name: str, value: str) -> str:

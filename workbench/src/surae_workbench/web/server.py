@@ -9,6 +9,7 @@ import sys
 import threading
 import webbrowser
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 from urllib.parse import quote
 
@@ -25,10 +26,31 @@ from surae_workbench.web.workbench import Workbench
 
 #: Connections that are served at a time; the twenty browsers of a laboratory need a hundred.
 _CONNECTIONS = 250
-#: A connection that has not said within this time what it wants is closed [s]; and so is, at once,
-#: the oldest of those that have said nothing where fewer places than this are left. Not by address:
-#: a clinic may have one.
-_PATIENCE, _SPARE = 5.0, 10
+#: A connection that has not said within this time what it wants is closed [s].
+_PATIENCE = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class Address:
+    """Where a server listens, the token that is asked for there, and whether a browser is opened.
+
+    A token is made where others reach the address and none is given.
+    """
+
+    host: str
+    port: int
+    token: str | None
+    open_browser: bool
+
+    def __post_init__(self) -> None:
+        if self.token is None and not is_loopback(self.host):
+            object.__setattr__(self, "token", secrets.token_urlsafe(24))
+
+    def url(self, port: int, token: str | None) -> str:
+        """What a browser opens, once it is known which port is ours."""
+        name = socket.gethostname() if self.host in ("0.0.0.0", "::") else self.host
+        shown = f"[{name}]" if ":" in name else name
+        return f"http://{shown}:{port}/" + ("" if token is None else f"?token={quote(token)}")
 
 
 class Served(Protocol):
@@ -47,39 +69,20 @@ class Served(Protocol):
         ...
 
 
-def serve(
-    project: PathLike,
-    *,
-    host: str,
-    port: int,
-    token: str | None,
-    workers: int,
-    upload_bytes: int,
-    open_browser: bool,
-) -> None:
+def serve(project: PathLike, address: Address, *, workers: int, upload_bytes: int) -> None:
     """Serve a project until the user stops it."""
-    token = token_for(host, token)
 
     def open_bench() -> tuple[Served, ASGIApp]:
         bench = Workbench(project, workers)
-        return bench, create_app(bench, Policy.of(host, token, upload_bytes))
+        return bench, create_app(bench, Policy.of(address.host, address.token, upload_bytes))
 
-    run(open_bench, "workbench", host=host, port=port, token=token, open_browser=open_browser)
-
-
-def token_for(host: str, token: str | None) -> str | None:
-    """The token that is asked for: as given, made where others reach the address, or none."""
-    return secrets.token_urlsafe(24) if token is None and not is_loopback(host) else token
+    run(open_bench, "workbench", address)
 
 
 def run(
     make: Callable[[], tuple[Served, ASGIApp]],
     name: str,
-    *,
-    host: str,
-    port: int,
-    token: str | None,
-    open_browser: bool,
+    address: Address,
     more: Callable[[str], None] = lambda root: None,  # noqa: ARG005
 ) -> None:
     """Serve an application until the user stops it.
@@ -87,7 +90,7 @@ def run(
     `make` makes what is served and its application, once the address is ours; `name` is what it is
     called; `more` is called with the address, without token, once it answers.
     """
-    listening = _listen(host, port)
+    listening = _listen(address.host, address.port)
     try:
         served, app = make()
     except BaseException:
@@ -111,17 +114,17 @@ def run(
 
         def answers() -> None:
             served.warm()
-            click.echo(f"surae {name}: {_address(host, taken, token)}  (Ctrl-C ends it)")
-            more(_address(host, taken, None))
-            if not is_loopback(host):
+            url = address.url(taken, address.token)
+            click.echo(f"surae {name}: {url}  (Ctrl-C ends it)")
+            more(address.url(taken, None))
+            if not is_loopback(address.host):
                 click.echo(
                     "surae: others on this network can read along, token and recordings too: "
                     "http is not encrypted; put it behind a server that is, or use an SSH tunnel",
                     err=True,
                 )
-            if open_browser and sys.stdout.isatty():
-                shown = (_address(host, taken, token),)
-                threading.Thread(target=webbrowser.open, args=shown, daemon=True).start()
+            if address.open_browser and sys.stdout.isatty():
+                threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
 
         server = _Server(config, answers, served.stop)
         if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
@@ -140,19 +143,10 @@ class _Connection(H11Protocol):
     """A connection that may not hold its place without asking for anything."""
 
     _late: asyncio.TimerHandle | None = None
-    _since = 0.0
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
         self._wait()
-        self._since = self.loop.time()
-        if len(self.connections) > _CONNECTIONS - _SPARE:
-            others = (each for each in self.connections if isinstance(each, _Connection))
-            silent = (each for each in others if each.cycle is None and each is not self)
-            oldest = min(silent, key=lambda each: each._since, default=None)
-            if oldest is not None:
-                self.connections.discard(oldest)  # at once: it takes a while to close
-                oldest.transport.close()
 
     def on_response_complete(self) -> None:
         self._wait()
@@ -217,9 +211,3 @@ def _listen(host: str, port: int) -> socket.socket:
             f"cannot listen on {host} port {port}: {reason.lower()}; give another --port or --host"
         ) from None
     return listening
-
-
-def _address(host: str, port: int, token: str | None) -> str:
-    name = socket.gethostname() if host in ("0.0.0.0", "::") else host
-    shown = f"[{name}]" if ":" in name else name
-    return f"http://{shown}:{port}/" + ("" if token is None else f"?token={quote(token)}")

@@ -7,21 +7,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
-from typing import Any
+from typing import Any, NamedTuple
+
+from pydantic import TypeAdapter
+from typing_extensions import TypedDict  # as pydantic asks before Python 3.12
 
 from surae.errors import SuraeError
 from surae_workbench.web.draft import Draft, changed, empty_draft, shown, upgraded
 from surae_workbench.web.events import Events
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.places import plural
-from surae_workbench.web.project import Project
-from surae_workbench.web.rows import draft_parts, plain
+from surae_workbench.web.project import KEPT, Project
+from surae_workbench.web.rows import plain
 
 #: Steps that can be undone.
 _STEPS = 200
-#: Sessions that did nothing are forgotten after a day on which the project was used, others when
-#: unseen on so many.
-_IDLE, _UNSEEN = 1, 365
 #: `seen` is written no more often than this [s].
 _SEEN = 600.0
 
@@ -45,14 +45,42 @@ def key_of(cookie: str) -> str:
     return sha256(cookie.encode("utf-8", "surrogateescape")).hexdigest()
 
 
+class _Step(NamedTuple):
+    """A step, and what was before and after it."""
+
+    id: int
+    label: str
+    kind: str
+    before: dict[str, Any]
+    after: dict[str, Any]
+
+
+class _Deleted(TypedDict):
+    kind: str
+    id: str
+
+
+class _Described(TypedDict):
+    rows: dict[str, dict[str, Any]]
+
+
+#: What is kept of the time before and after a step, by its kind.
+_STATES: dict[str, TypeAdapter[Any]] = {
+    "draft": TypeAdapter(dict[str, Any]),
+    "deleted": TypeAdapter(_Deleted),
+    "described": TypeAdapter(_Described),
+}
+
+
 class BrowserSessions:
     """All sessions of a project."""
 
     def __init__(self, project: Project, events: Events) -> None:
         self._project, self._database, self._events = project, project.database, events
-        #: Names the project among others on the same computer; takes its place out of messages.
-        self.project_id, self.hidden = project.id, project.hidden
-        self._forget()
+        self.project_id = project.id  #: Names it among others on the same computer.
+        # Those that did nothing will not be missed.
+        idle = "DELETE FROM session WHERE revision = 0 AND seen < ?"
+        self._database.write(idle, time.time() - KEPT)
 
     def open(self, cookies: Sequence[str]) -> BrowserSession | None:
         """The session of the first cookie that has one; None where none has."""
@@ -85,13 +113,9 @@ class BrowserSessions:
     def state(self, session: BrowserSession) -> dict[str, Any]:
         """The draft, its revision, and what undo and redo would do."""
         draft, revision = self._read(session)
-        undo, redo = self._next(session, done=1), self._next(session, done=0)
-        return {
-            "revision": revision,
-            "undo": None if undo is None else undo[1],
-            "redo": None if redo is None else redo[1],
-            "draft": shown(draft),
-        }
+        steps = {"undo": self._next(session, done=True), "redo": self._next(session, done=False)}
+        labels = {name: None if step is None else step.label for name, step in steps.items()}
+        return {"revision": revision, **labels, "draft": shown(draft)}
 
     def change(
         self,
@@ -99,30 +123,22 @@ class BrowserSessions:
         change: Mapping[str, Any],
         label: str,
         *,
-        revision: int | None = None,
         merge: bool = False,
     ) -> None:
-        """Change the draft, as one step that can be undone.
-
-        It is refused where somebody else, another tab, has changed it since `revision`.
-        """
+        """Change the draft: a step that can be undone, or more of the last one (`merge`)."""
         with self._database.transaction():
             draft, now = self._read(session)
-            if revision is not None and revision != now:
-                raise RefusedError(
-                    409, "another tab has changed this work meanwhile; load it again and repeat"
-                )
             after_change = changed(draft, change)
             keys = [key for key in after_change if after_change[key] != draft.get(key)]
             if not keys:
                 return
             before = {key: draft[key] for key in keys}
             after = {key: after_change[key] for key in keys}
-            last = self._next(session, done=1)
-            if merge and last is not None and last[1] == label and last[2] == "draft":
-                before |= plain(last[3])
+            last = self._next(session, done=True)
+            if merge and last is not None and (last.label, last.kind) == (label, "draft"):
+                before |= last.before
                 after = {key: after_change[key] for key in before}
-                self._database.write("DELETE FROM step WHERE id = ?", last[0])
+                self._database.write("DELETE FROM step WHERE id = ?", last.id)
             self._record(session, label, "draft", before, after)
             self._write(session, after_change, now + 1)
         self._tell(session, now + 1)
@@ -169,49 +185,45 @@ class BrowserSessions:
         """Let recordings be as they are `then`, if all are as they are `now`; whether it did."""
         for id_, fields in now.items():
             row = self._database.get("recording", id_)
-            if row is None or row.get("version", 0) != (fields["version"] or 0):
+            if row is None or row.get("version", 0) != (fields.get("version") or 0):
                 return False
         for id_, fields in then.items():
-            self._database.update("recording", id_, {**fields, "version": fields["version"] or 0})
+            version = fields.get("version") or 0
+            self._database.update("recording", id_, {**fields, "version": version})
         return True
 
-    def undo(self, session: BrowserSession) -> None:
-        """Take the last step back."""
-        self._move(session, back=True)
-
-    def redo(self, session: BrowserSession) -> None:
-        """Do the step again that was taken back last."""
-        self._move(session, back=False)
-
-    def _move(self, session: BrowserSession, *, back: bool) -> None:
+    def move(self, session: BrowserSession, *, back: bool) -> None:
+        """Take the last step back, or do the one again that was taken back last."""
         with self._database.transaction():
-            step = self._next(session, done=int(back))
+            step = self._next(session, done=back)
             if step is None:
                 raise RefusedError(409, f"there is nothing to {'undo' if back else 'redo'}")
-            id_, _, kind, before, after = step
             draft, now = self._read(session)
-            what = plain(before if back else after)
+            here, there = (step.after, step.before) if back else (step.before, step.after)
             moved = True
-            if kind == "draft":
-                draft |= {key: part for key, part in draft_parts(what).items() if key in draft}
-            elif kind == "described":
-                now_, then = (after, before) if back else (before, after)
-                moved = self._switch(plain(now_)["rows"], plain(then)["rows"])
+            if step.kind == "draft":
+                for key, value in there.items():
+                    if key in draft and upgraded({key: value})[key] == value:
+                        draft[key] = value
+            elif step.kind == "described":
+                moved = self._switch(here["rows"], there["rows"])
             else:
-                moved = self._mark(session, what["kind"], what["id"], deleted=not back)
+                moved = self._mark(session, there["kind"], there["id"], deleted=not back)
             if moved:
-                self._database.write("UPDATE step SET done = ? WHERE id = ?", int(not back), id_)
+                query = "UPDATE step SET done = ? WHERE id = ?"
+                self._database.write(query, not back, step.id)
                 self._write(session, draft, now + 1)
             else:  # it is in the way of the steps before it
-                self._database.write("DELETE FROM step WHERE id = ?", id_)
+                self._database.write("DELETE FROM step WHERE id = ?", step.id)
         if not moved:
             raise RefusedError(
                 409,
                 "somebody else has deleted it, brought it back or described it meanwhile: it stays "
                 "so, and this step is left out",
             )
-        if kind != "draft":
-            self._events.changed("recordings" if kind == "described" else plural(what["kind"]))
+        if step.kind != "draft":
+            kind = "recording" if step.kind == "described" else there["kind"]
+            self._events.changed(plural(kind))
         self._tell(session, now + 1)
 
     def _mark(self, session: BrowserSession, kind: str, id_: str, *, deleted: bool) -> bool:
@@ -246,7 +258,7 @@ class BrowserSessions:
             key, key, _STEPS,
         )  # fmt: skip
 
-    def _next(self, session: BrowserSession, *, done: int) -> tuple[int, str, str, str, str] | None:
+    def _next(self, session: BrowserSession, *, done: bool) -> _Step | None:
         """The step to take back (done) or to do again; damaged ones are passed over."""
         order = "DESC" if done else "ASC"
         for row in self._database.rows(
@@ -254,16 +266,9 @@ class BrowserSessions:
             f"ORDER BY id {order} LIMIT {_STEPS}",
             session.key, done,
         ):  # fmt: skip
-            id_, label, kind, before, after = row
-            with suppress(ValueError):
-                tables = [plain(text) for text in (before, after)]
-                known = {"draft": (), "deleted": ("kind", "id"), "described": ()}.get(kind)
-                if known is None or not all(isinstance(table, dict) for table in tables):
-                    continue
-                if kind == "described" and not all(map(_are_rows, tables)):
-                    continue
-                if all(isinstance(table.get(key), str) for table in tables for key in known):
-                    return int(id_), str(label), str(kind), before, after
+            with suppress(ValueError, KeyError):
+                state = _STATES[row[2]].validate_python
+                return _Step(*row[:3], *(state(plain(text)) for text in row[3:]))
         return None
 
     @contextmanager
@@ -284,7 +289,7 @@ class BrowserSessions:
         with suppress(ValueError):
             saved = plain(row[0])
         revision = row[1] if isinstance(row[1], int) and 0 <= row[1] < 2**53 else 0
-        return {**empty_draft(), **draft_parts(upgraded(saved))}, revision
+        return upgraded(saved), revision
 
     def _write(self, session: BrowserSession, draft: Draft, revision: int) -> None:
         self._database.write(
@@ -294,27 +299,3 @@ class BrowserSessions:
 
     def _tell(self, session: BrowserSession, revision: int) -> None:
         self._events.tell(f"session:{session.key}", "draft", {"revision": revision})
-
-    def _forget(self) -> None:
-        """Remove sessions that nobody will miss; what they had uploaded goes to the trash."""
-        idle, unseen = self._project.before(_IDLE), self._project.before(_UNSEEN)
-        old = self._database.rows(
-            "SELECT key FROM session WHERE seen < ? OR (revision = 0 AND seen < ?)",
-            -1.0 if unseen is None else unseen, -1.0 if idle is None else idle,
-        )  # fmt: skip
-        for (key,) in old:
-            for upload in self._database.all("upload"):
-                if upload["session"] == key:
-                    self._project.discard("upload", upload["id"])
-            with self._database.transaction():
-                self._database.write("DELETE FROM step WHERE session = ?", key)
-                self._database.write("DELETE FROM session WHERE key = ?", key)
-
-
-def _are_rows(table: Mapping[str, Any]) -> bool:
-    """Whether a step tells what recordings were like."""
-    rows = table.get("rows")
-    return isinstance(rows, dict) and all(
-        isinstance(fields, dict) and isinstance(fields.get("version"), int | None)
-        for fields in rows.values()
-    )

@@ -24,20 +24,29 @@ _simulators: Cache[tuple[api.ModelInputs, api.Simulator, threading.Lock]] = Cach
 
 
 def live(
-    inputs: api.ModelInputs, draft: Draft, values: Mapping[str, float], *, points: int, key: object
+    inputs: api.ModelInputs,
+    draft: Draft,
+    values: Mapping[str, float],
+    *,
+    model: str | None,
+    points: int,
+    key: tuple[object, ...],
 ) -> dict[str, Any]:
-    """The torque of a draft's model with some values changed.
+    """The torque of a draft's model, or of another `model`, with some values changed.
 
-    `values` are by parameter, all others and the model the draft's; at most so many `points` are
-    given; `key` names `inputs`.
+    `values` are by parameter, all others the draft's; at most so many `points` are given; `key`,
+    which begins with the recording, names `inputs`.
     """
     spec, options = spec_of(draft), api.ModelOptions.of(**draft["options"])
+    if model is not None:
+        spec = api.with_optional(api.get_model(model), set(values))
     for name in values:
         if name not in spec.names:
             known = ", ".join(spec.names)
             raise InputError(f"model {spec.name!r} has no parameter {name!r}; it has: {known}")
-    chosen = {**values_of(draft, inputs.emg_unit, inputs.fixed), **values}
     table = api.adapted(spec.parameters, options, inputs.emg_unit)
+    starts = {name: float(p.start) for name, p in table.items()}
+    chosen = starts | values_of(draft, inputs.emg_unit, inputs.fixed) | dict(values)
     for name, p in table.items():
         api.check_value(p, chosen[name], spec)
     vector = np.array([chosen[name] for name in spec.names], dtype=float)
@@ -54,7 +63,7 @@ def live(
     r2 = rmse = None
     measured = fewer_inputs.torque
     if measured is not None:
-        counted = _counted(fewer_inputs.time, draft["exclusions"].get(_recording(key), []))
+        counted = _counted(fewer_inputs.time, draft["exclusions"].get(key[0], []))
         error = (measured - torque)[counted]
         followed = api.centred_r2([(measured[counted], error)])
         if np.isfinite(followed):
@@ -66,10 +75,6 @@ def live(
         "r2": r2,
         "rmse": rmse,
     }
-
-
-def _recording(key: object) -> str:
-    return str(key[0]) if isinstance(key, tuple) else str(key)
 
 
 def _counted(times: FloatArray, spans: list[list[float]]) -> Any:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -17,15 +18,17 @@ from surae.files import write_json
 from surae.names import LANGUAGES
 from surae.processes import tell
 from surae_workbench.web import imports, sliders
-from surae_workbench.web.draft import settings_of, upgraded
-from surae_workbench.web.places import file_of, recording_suffix
+from surae_workbench.web.draft import settings_of
+from surae_workbench.web.fit_progress import FitProgress
+from surae_workbench.web.places import FILES, file_of, recording_suffix
 
 Task = Mapping[str, Any]
 
 
-def _file(task: Task, folder: str, id_: str, suffix: str) -> Path:
-    """A file of the project that the task belongs to."""
-    return file_of(Path(task["root"]), folder, id_, suffix)
+def _file(task: Task, kind: str, id_: str, suffix: str | None = None) -> Path:
+    """The file of an entry of the project that the task belongs to."""
+    folder, usual = FILES[kind]
+    return file_of(Path(task["root"]), folder, id_, suffix or usual)
 
 
 def _read(task: Task, ids: Sequence[str]) -> list[api.Recording]:
@@ -34,7 +37,7 @@ def _read(task: Task, ids: Sequence[str]) -> list[api.Recording]:
     for id_ in ids:
         tell({"phase": "reading"})
         suffix = recording_suffix(task.get("versions", {}).get(id_, 0))
-        recordings.append(imports.read_recording(_file(task, "recordings", id_, suffix)))
+        recordings.append(imports.read_recording(_file(task, "recording", id_, suffix)))
     return recordings
 
 
@@ -42,7 +45,7 @@ def _request_of(
     task: Task,
 ) -> "tuple[api.FitSettings, list[api.Recording], tuple[api.ModelInputs, ...]]":
     """What the draft of a task asks, its recordings, and what a model reads of them."""
-    draft = upgraded(task["draft"])
+    draft = task["draft"]
     settings = settings_of(draft, task["recordings"])
     recordings = _read(task, task["recordings"])
     contractions = _read(task, draft["mvc"])
@@ -58,13 +61,11 @@ def _compiling() -> AbstractContextManager[None]:
 def fit(task: Task) -> dict[str, Any]:
     """Fit, as `surae fit` does, and write FIT.json."""
     settings, recordings, inputs = _request_of(task)
-    from surae_workbench.web.fit_progress import FitProgress
-
     quality = [api.check_for(settings, recording) for recording in recordings]
-    news = FitProgress(inputs, task["recordings"], settings)
+    news = FitProgress(settings.starts)
     with _compiling():
         fitted = api.fit_inputs(inputs, settings, quality, progress=news.start, follow=news.point)
-    fitted.save(_file(task, "fits", task["id"], ".json"))
+    fitted.save(_file(task, "fit", task["id"]))
     return {
         "message": fitted.message,
         "interrupted": fitted.result.starts[-1].outcome == "interrupted",
@@ -79,7 +80,7 @@ def session(task: Task) -> dict[str, Any]:
         for id_, recording in zip(task["recordings"], _read(task, task["recordings"]), strict=True)
     ]
 
-    settings = settings_of(upgraded(task["draft"]), ())
+    settings = settings_of(task["draft"], ())
     efforts = {task["names"][id_]: effort for id_, effort in task["efforts"].items()}
     leg = api.session(recordings, name=task["name"], efforts=efforts)
 
@@ -92,10 +93,10 @@ def session(task: Task) -> dict[str, Any]:
         result = leg.run(None, settings, progress=progress, workers=None)
     fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
     for name, fitted in fits.items():
-        fitted.save(_file(task, "fits", task["fits"][name], ".json"))
+        fitted.save(_file(task, "fit", task["fits"][name]))
     translated = {each: result.blocks(each) for each in LANGUAGES if each != "en"}
     kept = {**result.blocks(), "translated": translated}
-    write_json(_file(task, "sessions", task["id"], ".json"), kept)
+    write_json(_file(task, "session", task["id"]), kept)
     graded = None if result.main is None else {"grade": str(result.main.adequacy.grade)}
     return {
         "message": f"{len(result.fits)} of {len(recordings)} trials fitted"
@@ -109,8 +110,6 @@ def session(task: Task) -> dict[str, Any]:
 
 def summary(fitted: "api.Fit") -> dict[str, Any]:
     """What lists and tables show of a fit."""
-    from math import isfinite
-
     return {
         "model": fitted.result.problem.spec.name,
         "status": fitted.status,
@@ -118,10 +117,7 @@ def summary(fitted: "api.Fit") -> dict[str, Any]:
         "r2": fitted.adequacy.r2 if isfinite(fitted.adequacy.r2) else None,
         "vaf": fitted.vaf if isfinite(fitted.vaf) else None,
         "ipde": fitted.ipde,
-        "seconds": fitted.result.seconds,
         "names": [recording.name for recording in fitted.assessment.recordings],
-        "starts": len(fitted.result.starts),
-        "agreeing": fitted.result.agreeing,
         "parameters": {
             p.name: {
                 "value": p.value,
@@ -137,19 +133,26 @@ def summary(fitted: "api.Fit") -> dict[str, Any]:
 
 def profile(task: Task) -> dict[str, Any]:
     """Profile parameters of a fit, and write them."""
-    fitted = api.load(_file(task, "fits", task["fit"], ".json"))
+    fitted = api.load(_file(task, "fit", task["fit"]))
 
     def progress(name: str, done: int, total: int) -> None:
         tell({"parameter": name, "done": done, "total": total})
 
     with _compiling():
         profiles = api.profile(fitted, task["parameters"], workers=1, progress=progress)
-    profiles.save(_file(task, "fits", task["id"], ".profiles.json"))
     missing = ", ".join(profiles.missing)
     return {
         "message": f"stopped before {missing}" if missing else f"{len(profiles.profiles)} profiles",
         "interrupted": bool(profiles.missing),
+        "profiles": {name: _profile(row) for name, row in profiles.as_dict()["profiles"].items()},
     }
+
+
+def _profile(row: Mapping[str, Any]) -> dict[str, Any]:
+    """What a page draws of a profile."""
+    low, high = row["interval"]
+    renamed = {"values": "grid", "delta": "delta_chi2", "threshold": "threshold", "note": "message"}
+    return {"lower": low, "upper": high} | {key: row[of] for key, of in renamed.items()}
 
 
 def _counting(before: int = 0, total: int | None = None) -> Callable[..., None]:
@@ -167,7 +170,7 @@ def _counting(before: int = 0, total: int | None = None) -> Callable[..., None]:
 
 def study(task: Task) -> dict[str, Any]:
     """Run a study, or go on with it."""
-    with api.Store(_file(task, "studies", task["study"], ".db"), write=True) as store:
+    with api.Store(_file(task, "study", task["study"]), write=True) as store:
         finished = api.run_study(api.parse_study(task["toml"]), store, progress=_counting())
     return {"message": f"{finished.fits} fits, all there", "interrupted": False}
 

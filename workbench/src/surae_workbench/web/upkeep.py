@@ -120,50 +120,38 @@ def _opened(root: Path, name: str = DATABASE) -> Iterator[sqlite3.Connection]:
 
 def _checked(root: Path, file: sqlite3.Connection, progress: Progress | None) -> Checked:
     """What a check sees of a database that can be read."""
-    problems, unsealed, known = list[str](), list[str](), set[Path]()
-    whole, there = 0, _files_of(root)
+    problems, unsealed, whole = list[str](), list[str](), 0
     with sqlite_errors(DATABASE, FORMAT):
         rows = file.execute("SELECT kind, id, created, data, deleted FROM thing").fetchall()
     for number, (kind, id_, created, text, deleted) in enumerate(rows):
         if progress is not None:
             progress(number, len(rows))
-        name = f"{shown(str(kind))[:20]} {shown(str(id_))[:40]}"
-        if kind in FILES:
-            known.update(there.get((FILES[kind][0], id_), ()))
         if kind not in KINDS:
             continue
+        name = f"{kind} {shown(str(id_))[:40]}"
         try:
-            row = entry(str(kind), id_, created, text)
-            paths = list(_paths(root, str(kind), row))
+            paths = list(_paths(root, kind, entry(kind, id_, created, text)))
         except (ValueError, SuraeError) as error:
             problems.append(f"{name} is damaged: {error}")
             continue
-        known |= {path for path, _ in paths}
         for path, digest in paths:
             place = path.relative_to(root)
             if not path.is_file():
                 if not deleted and kind != "study":  # which makes its file when it begins
                     problems.append(f"{name}: {place} is missing")
-            elif digest is None:
-                unsealed += [str(place)] if kind != "study" else []
-                whole += 1
-            elif sha256_of(path) != digest:
+            elif digest is not None and sha256_of(path) != digest:
                 problems.append(f"{name}: {place} is not as it was kept (SHA-256)")
             else:
                 whole += 1
-    orphans = (path for paths in there.values() for path in paths if path not in known)
-    orphaned = tuple(sorted(str(path.relative_to(root)) for path in orphans))
-    return Checked(len(rows), whole, tuple(problems), orphaned, tuple(unsealed))
-
-
-def _files_of(root: Path) -> dict[tuple[str, object], list[Path]]:
-    """All files but the trash's, by folder and the id that their names begin with."""
-    there: dict[tuple[str, object], list[Path]] = {}
-    for name in FOLDERS:
-        for path in (root / name).rglob("*") if name != "trash" else ():
-            if path.is_file():
-                there.setdefault((name, path.name.partition(".")[0]), []).append(path)
-    return there
+                unsealed += [str(place)] if digest is None and kind != "study" else []
+    owners = {(FILES[kind][0] if kind in FILES else f"{kind}s", id_) for kind, id_, *_ in rows}
+    orphans = sorted(
+        str(path.relative_to(root))
+        for name in FOLDERS
+        for path in (root / name).rglob("*")
+        if path.is_file() and name != "trash" and (name, path.name.partition(".")[0]) not in owners
+    )
+    return Checked(len(rows), whole, tuple(problems), tuple(orphans), tuple(unsealed))
 
 
 def _paths(root: Path, kind: str, row: Entry) -> Iterator[tuple[Path, str | None]]:

@@ -7,6 +7,7 @@ from typing import Any
 
 from surae import api
 from surae.files import PathLike
+from surae_workbench.web import sliders
 from surae_workbench.web.caches import Cache
 from surae_workbench.web.events import Events
 from surae_workbench.web.http_errors import RefusedError
@@ -18,48 +19,35 @@ from surae_workbench.web.request_workers import RequestWorkers
 from surae_workbench.web.rows import Entry
 from surae_workbench.web.sessions import BrowserSession, BrowserSessions
 
-#: Memory for recordings, for what models read, for fits and for reports [bytes].
-_RECORDINGS, _PREPARED, _FITS, _REPORTS = 400e6, 400e6, 400e6, 40e6
+#: Memory for recordings, for what models read, and for reports [bytes].
+_RECORDINGS, _PREPARED, _REPORTS = 400e6, 400e6, 40e6
 
 
 class Workbench:
-    """The server's state, behind all routes.
-
-    Parameters
-    ----------
-    folder : path
-        The project's.
-    workers : int
-        Fits at a time.
-    """
+    """The server's state, behind all routes: one project, so many fits at a time (`workers`)."""
 
     def __init__(self, folder: PathLike, workers: int) -> None:
         self.project = Project(folder)
         self.database = self.project.database
         self.events = Events()
         self.sessions = BrowserSessions(self.project, self.events)
-        self.jobs = Jobs(self.project, self.events, {"fits": workers, "studies": 1})
-        self.workers = RequestWorkers(self.events.queue)
+        self.jobs = Jobs(self.project, self.events, workers)
+        self.workers = RequestWorkers()
         self.reports: Cache[bytes] = Cache(_REPORTS, len)
-        self._closed = False
         self._recordings: Cache[api.Recording] = Cache(
             _RECORDINGS, lambda kept: sum(16.0 * len(c.values) for c in kept.channels.values())
         )
         self._prepared: Cache[api.ModelInputs] = Cache(_PREPARED, lambda kept: 80.0 * kept.n)
-        self._fits: Cache[api.Fit] = Cache(
-            _FITS, lambda kept: sum(250.0 * inputs.n for inputs in kept.result.problem.inputs)
-        )
 
     def warm(self) -> None:
         """Load what sliders and reports need, before somebody waits for it."""
-        threading.Thread(target=self._load, name="warm", daemon=True).start()
 
-    def _load(self) -> None:
-        with suppress(Exception):
-            from surae_workbench.web.sliders import warm
+        def load() -> None:
+            with suppress(Exception):
+                sliders.warm()
+                self.workers.ask("tasks:warm")
 
-            warm()
-            self.workers.ask("tasks:warm")
+        threading.Thread(target=load, name="warm", daemon=True).start()
 
     def stop(self) -> None:
         """End streams, jobs and what requests wait for."""
@@ -69,9 +57,6 @@ class Workbench:
 
     def close(self) -> None:
         """Let go of everything; once is enough."""
-        if self._closed:
-            return
-        self._closed = True
         self.stop()
         self.project.close()
 
@@ -82,28 +67,21 @@ class Workbench:
             (id_, row.get("version", 0)), lambda: read_recording(self.project.recording_path(row))
         )
 
-    def prepared(self, id_: str, settings: "api.FitSettings") -> "api.ModelInputs":
+    def prepared(self, id_: str, settings: api.FitSettings) -> api.ModelInputs:
         """What a model reads of a recording, prepared as a fit asks, EMG in its own unit."""
         version = self.project.need("recording", id_).get("version", 0)
         key = (id_, version, settings.prepared, settings.preparation)
         return self._prepared.get(key, lambda: settings.prepare(self.recording(id_)))
 
-    def fit(self, id_: str) -> "api.Fit":
-        """A fit of the project, as it was saved."""
-        self.project.need("fit", id_)
-
-        def make() -> "api.Fit":
-
-            return api.load(self.project.path("fits", id_, ".json"))
-
-        return self._fits.get(id_, make)
-
-    def delete(self, session: BrowserSession, kind: str, id_: str, label: str) -> None:
+    def delete(self, session: BrowserSession, kind: str, id_: str) -> None:
         """Delete an entry so that undo brings it back; its files stay."""
-        self.project.need(kind, id_)
+        row = self.project.need(kind, id_)
+        name = row["code"] if kind == "subject" else row["name"]
         if self.jobs.of(id_):
             raise RefusedError(409, f"a job is at work on this {kind}; cancel it first")
-        self.sessions.delete(session, kind, id_, label)
+        if any(each["subject"] == id_ for each in self.database.all("recording")):
+            raise RefusedError(409, f"subject {name} has recordings; move or delete them first")
+        self.sessions.delete(session, kind, id_, f"delete {kind} {name}"[:120])
         self.events.changed(plural(kind))
 
     def draft_recordings(self, draft: Mapping[str, Any]) -> list[Entry]:

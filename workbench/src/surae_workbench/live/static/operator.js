@@ -2,7 +2,6 @@
 
 import { get, post } from "../js/core/api.js";
 import { button, byId, h, num, replace, table } from "../js/core/dom.js";
-import { themeButton } from "../js/core/theme.js";
 import { at, listen, surface } from "./stream.js";
 
 const act = (name, body) => post(`/api/live/${name}`, body);
@@ -333,7 +332,6 @@ byId("sound").addEventListener("click", () => {
   byId("sound").textContent = sound ? "Sound on" : "Sound off";
   byId("sound").setAttribute("aria-pressed", String(sound));
 });
-themeButton(byId("theme"));
 byId("protocol").addEventListener("submit", (event) => {
   event.preventDefault();
   tried(async () => {

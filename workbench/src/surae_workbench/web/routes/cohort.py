@@ -6,7 +6,6 @@ from fastapi import APIRouter, Query, Response
 
 from surae import api
 from surae.files import csv_row
-from surae_workbench.web import answers
 from surae_workbench.web.fits import main_fit, model_title
 from surae_workbench.web.project import when
 from surae_workbench.web.routes.common import CSV, ERRORS, Bench, attachment
@@ -22,7 +21,7 @@ _LABELS = ("subject", "group", "side", "trial", "condition", "model_title", "mod
 Which = Annotated[Literal["legs", "all"], Query()]
 
 
-@router.get("/cohort", response_model=answers.Cohort)
+@router.get("/cohort")
 def get_cohort(bench: Bench, which: Which = "legs") -> dict[str, Any]:
     """Parameters of every leg, a row for each visit, whatever its model; or of every fit."""
     rows = _rows(bench, which)

@@ -6,15 +6,12 @@ from fastapi import APIRouter
 
 from surae.errors import InputError
 from surae.files import sha256_of
-from surae_workbench.web import answers
 from surae_workbench.web.http_errors import RefusedError
-from surae_workbench.web.imports import file_name, row_of
-from surae_workbench.web.places import recording_suffix, uploads_of
+from surae_workbench.web.places import recording_suffix
 from surae_workbench.web.remap import (
     FIELDS,
     first_mapping,
     like,
-    needs_files,
     present_mapping,
     proposals,
 )
@@ -31,27 +28,18 @@ router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
 def get_description(id: PathId, bench: Bench) -> dict[str, Any]:
     """How it is described now, the columns to choose from, and what else is of the same kind."""
     row = bench.project.need("recording", id)
-    first = first_mapping(row)
-    files = _uploaded(bench, first)
-    if files is not None:
-        seen = bench.workers.ask("imports:inspected", files=files)["columns"]
-        columns = [column for column in seen if column["usable"]]
-    else:
-        path = str(bench.project.path("recordings", id, ".h5"))
-        columns = bench.workers.ask("remap:imported_columns", path=path, first=first)
-    uploads = dict.fromkeys(column["upload"] for column in columns)
-    names = {file["id"]: file["name"] for file in files or []}
+    path, first = str(bench.project.file("recording", id)), first_mapping(row)
+    columns = bench.workers.ask("remap:imported_columns", path=path, first=first)
+    named = ", ".join(file["name"] for file in row["files"])
     return {
         "mapping": present_mapping(row),
-        "version": row.get("version", 0),
-        "whole": files is not None,
         "files": [
             {
                 "id": upload,
-                "name": names.get(upload) or ", ".join(file["name"] for file in row["files"]),
+                "name": named,
                 "columns": [column for column in columns if column["upload"] == upload],
             }
-            for upload in uploads
+            for upload in dict.fromkeys(column["upload"] for column in columns)
         ],
         "alike": [
             {"id": other["id"], "name": other["name"]}
@@ -61,7 +49,7 @@ def get_description(id: PathId, bench: Bench) -> dict[str, Any]:
     }
 
 
-@router.post("/descriptions/preview", response_model=answers.Preview)
+@router.post("/descriptions/preview")
 def preview_description(body: DescriptionRequest, bench: Bench) -> dict[str, Any]:
     """What a description makes of the first recording: its ranges, and what the check finds."""
     row = bench.project.need("recording", body.recordings[0])
@@ -87,10 +75,8 @@ def post_description(body: DescriptionRequest, bench: Bench, browser: Browser) -
             path = bench.project.path("recordings", row["id"], recording_suffix(number))
             paths.append(path)
             result = _made(bench, row, wanted, str(path))
-            described[row["id"]] = {
-                **row_of(result), "version": number, "version_sha256": sha256_of(path),
-                "mapping": wanted,
-            }  # fmt: skip
+            made = {"version": number, "version_sha256": sha256_of(path), "mapping": wanted}
+            described[row["id"]] = {key: (result | made)[key] for key in FIELDS}
         others = f" and {len(rows) - 1} more" if len(rows) > 1 else ""
         firsts = {row["id"]: first_mapping(row) for row in rows}
         bench.sessions.describe(
@@ -112,31 +98,14 @@ def _made(
     bench: Workbench, row: Entry, wanted: dict[str, Any], output: str | None
 ) -> dict[str, Any]:
     """What a description makes of what was imported, kept where `output` says so."""
-    first = first_mapping(row)
-    files = _uploaded(bench, wanted) if needs_files(first, wanted) else None
-    path = str(bench.project.path("recordings", row["id"], ".h5"))
+    path = str(bench.project.file("recording", row["id"]))
     try:
         result: dict[str, Any] = bench.workers.ask(
-            "remap:redescribed",
-            path=path, files=files, first=first, wanted=wanted, output=output,
-        )  # fmt: skip
+            "remap:redescribed", path=path, first=first_mapping(row), wanted=wanted, output=output
+        )
     except InputError as error:
         raise RefusedError(400, f"{row['name']}: {error}") from None
     return result
-
-
-def _uploaded(bench: Workbench, mapping: dict[str, Any]) -> list[dict[str, str]] | None:
-    """The files that a description names, where they are all still there."""
-    files = []
-    for id_ in dict.fromkeys(channel["upload"] for channel in mapping["channels"].values()):
-        upload = bench.database.get("upload", id_)
-        if upload is None:
-            return None
-        path = uploads_of(bench.project.folder, upload["session"]) / id_
-        if not path.is_file():
-            return None
-        files.append({"id": id_, "path": str(path), "name": file_name(upload["name"])})
-    return files
 
 
 def _columns(row: Entry) -> set[str]:

@@ -1,6 +1,6 @@
 """The session: its draft, undo and redo, its models, and the torque under the sliders."""
 
-from typing import Any
+from typing import Any, Literal
 
 from fastapi import APIRouter, Request
 
@@ -8,7 +8,6 @@ from surae import api
 from surae.errors import InputError
 from surae.names import DRIVES
 from surae.processes import one_line
-from surae_workbench.web import answers
 from surae_workbench.web.draft import parameter_table, settings_of
 from surae_workbench.web.fits import check_draft, prepared_draft
 from surae_workbench.web.form import form
@@ -34,13 +33,13 @@ def get_session(request: Request, bench: Bench, browser: Browser) -> dict[str, A
     }
 
 
-@router.get("/draft", response_model=answers.DraftState)
+@router.get("/draft")
 def get_draft(bench: Bench, browser: Browser) -> dict[str, Any]:
     """What this browser is working on."""
     return bench.sessions.state(browser)
 
 
-@router.patch("/draft", response_model=answers.DraftState)
+@router.patch("/draft")
 def patch_draft(body: DraftPatch, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Change some of it, as one step that can be undone."""
     change = body.change.plain()
@@ -53,25 +52,18 @@ def patch_draft(body: DraftPatch, bench: Bench, browser: Browser) -> dict[str, A
                 raise RefusedError(
                     400, f"window {start:g} … {end:g} s: its end must follow its start"
                 )
-    bench.sessions.change(browser, change, body.label, revision=body.revision, merge=body.merge)
+    bench.sessions.change(browser, change, body.label, merge=body.merge)
     return bench.sessions.state(browser)
 
 
-@router.post("/draft/undo", response_model=answers.DraftState)
-def undo(bench: Bench, browser: Browser) -> dict[str, Any]:
-    """Take the last step back."""
-    bench.sessions.undo(browser)
+@router.post("/draft/{step}")
+def move(step: Literal["undo", "redo"], bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Take the last step back, or do it again."""
+    bench.sessions.move(browser, back=step == "undo")
     return bench.sessions.state(browser)
 
 
-@router.post("/draft/redo", response_model=answers.DraftState)
-def redo(bench: Bench, browser: Browser) -> dict[str, Any]:
-    """Do it again."""
-    bench.sessions.redo(browser)
-    return bench.sessions.state(browser)
-
-
-@router.get("/draft/parameters", response_model=answers.ParameterRows)
+@router.get("/draft/parameters")
 def get_parameters(bench: Bench, browser: Browser) -> dict[str, Any]:
     """The parameters of the draft's model, and why it cannot be fitted, where it cannot."""
     draft = bench.sessions.draft(browser)
@@ -105,7 +97,7 @@ def get_models() -> dict[str, Any]:
     }  # fmt: skip
 
 
-@router.post("/live", response_model=answers.LiveTorque)
+@router.post("/live")
 def post_live(body: LiveRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """The torque that the draft's model gives with these values."""
     draft = bench.sessions.draft(browser)
@@ -118,7 +110,7 @@ def post_live(body: LiveRequest, bench: Bench, browser: Browser) -> dict[str, An
         _, every = prepared_draft(bench, draft)
         inputs = api.normalised(inputs, every[0].emg_reference)
     shown = live(
-        inputs, draft, body.values, points=body.points,
+        inputs, draft, body.values, model=body.model, points=body.points,
         key=(id_, settings.prepared, settings.preparation, inputs.emg_reference),
     )  # fmt: skip
     return {"recording": id_, **shown}

@@ -56,7 +56,6 @@ for _page in (
     ("/cohort", "cohort", ""),
     ("/plan", "plan", ""),
     ("/studies", "studies", ""),
-    ("/studies/{id}", "study", "study"),
 ):
     _offer(*_page)
 
@@ -65,7 +64,7 @@ for _page in (
 def session_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
     """A leg: what its report shows."""
     bench.project.need("session", id)
-    kept, shown = bench.project.path("sessions", id, ".json"), ""
+    kept, shown = bench.project.file("session", id), ""
     with suppress(OSError, ValueError, KeyError, TypeError, UndefinedError):  # missing, or damaged
         blocks = json.loads(kept.read_text(encoding="utf-8"))
         shown = api.part_of(**blocks)
@@ -76,7 +75,7 @@ def session_page(id: PathId, request: Request, bench: Bench, browser: Browser) -
 def fit_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
     """A fit: its report, and what else can be tried."""
     name, problem, shown = bench.project.need("fit", id)["name"], "", ""
-    fit = str(bench.project.path("fits", id, ".json"))
+    fit = str(bench.project.file("fit", id))
 
     def make() -> bytes:
         part: str = bench.workers.ask("tasks:fit_part", fit=fit)

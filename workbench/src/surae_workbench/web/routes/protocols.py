@@ -2,14 +2,14 @@
 
 import time
 from dataclasses import asdict
-from typing import Annotated, Any
+from typing import Any
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Response
 
 from surae import api
 from surae.errors import InputError
 from surae.names import FITTED
-from surae_workbench.web import answers
+from surae_workbench.web.answers import Job, Protocol
 from surae_workbench.web.curves import plain
 from surae_workbench.web.fits import model_title
 from surae_workbench.web.form import fields
@@ -19,15 +19,12 @@ from surae_workbench.web.routes.common import (
     ERRORS,
     Bench,
     Browser,
-    PathId,
-    attachment,
-    made_file,
+    csv_file,
     offer_deletion,
 )
 from surae_workbench.web.schemas import (
     ProtocolDesign,
     ProtocolFile,
-    ProtocolPlan,
     ProtocolPreview,
     ProtocolRequest,
     ProtocolSettings,
@@ -106,8 +103,8 @@ def post_preview(body: ProtocolPreview) -> dict[str, Any]:
     }
 
 
-@router.post("/design", status_code=202, response_model=answers.Job)
-def post_design(body: ProtocolDesign, bench: Bench, browser: Browser) -> dict[str, Any]:
+@router.post("/design", status_code=202)
+def post_design(body: ProtocolDesign, bench: Bench, browser: Browser) -> Job:
     """Search a protocol of each duration; the answer is the job, which keeps them."""
     device = None if body.device is None else api.named_device(body.device)
     api.allowed_range(device, body.range)
@@ -118,44 +115,37 @@ def post_design(body: ProtocolDesign, bench: Bench, browser: Browser) -> dict[st
 
 @router.post("/csv", response_class=Response, responses=CSV)
 def post_csv(body: ProtocolFile) -> Response:
-    """The protocol as the file for a device, within its limits or for a reason."""
-    return _file(body.settings, body.settings.profile, body.reason)
+    """The protocol as the file for a device, as `surae protocol` writes it.
+
+    It is within the device's limits, or beyond them for a reason.
+    """
+    trajectory, reason = trajectory_of(body.settings), " ".join(body.reason.split())
+    exceeded = [limit["text"] for limit in limits(body.settings, trajectory) if limit["exceeded"]]
+    if exceeded and not reason:
+        raise InputError(
+            f"{'; '.join(exceeded)}; nothing is exported without a reason: type it, or change this"
+        )
+    note = f"without limits: {reason}" if reason else ""
+    name = body.name or body.settings.profile
+    return csv_file(name, lambda path: api.write_protocol_csv(trajectory, path, note=note))
 
 
-@router.get("", response_model=answers.Protocols)
-def get_protocols(bench: Bench) -> dict[str, Any]:
+@router.get("")
+def get_protocols(bench: Bench) -> dict[str, list[Protocol]]:
     """List the protocols that are kept."""
-    return {"protocols": [dated(row) for row in bench.database.all("protocol")]}
+    return {"protocols": [Protocol(**dated(row)) for row in bench.database.all("protocol")]}
 
 
-@router.post("", status_code=201, response_model=answers.Protocol)
-def post_protocol(body: ProtocolRequest, bench: Bench) -> dict[str, Any]:
+@router.post("", status_code=201)
+def post_protocol(body: ProtocolRequest, bench: Bench) -> Protocol:
     """Keep a protocol."""
     trajectory_of(body.settings)
     id_ = bench.database.add("protocol", body.model_dump(mode="json"))
     bench.events.changed("protocols")
-    return dated(bench.project.need("protocol", id_))
+    return Protocol(**dated(bench.project.need("protocol", id_)))
 
 
 offer_deletion(router, "/{id}", "protocol")
-
-
-@router.get("/{id}/protocol.csv", response_class=Response, responses=CSV)
-def get_csv(
-    id: PathId, bench: Bench, reason: Annotated[str, Query(max_length=300)] = ""
-) -> Response:
-    """It as the file for a device, as `surae protocol` writes it, in limits or for a reason."""
-    row = bench.project.need("protocol", id)
-    return _file(ProtocolSettings(**row["settings"]), row["name"], reason)
-
-
-def _file(settings: ProtocolSettings, name: str, reason: str) -> Response:
-    trajectory = for_export(settings, reason)
-    note = f"without limits: {' '.join(reason.split())}" if reason.strip() else ""
-    data = made_file(
-        "protocol.csv", lambda path: api.write_protocol_csv(trajectory, path, note=note)
-    )
-    return Response(data, media_type="text/csv", headers=attachment(name, ".csv"))
 
 
 def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
@@ -164,24 +154,13 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
     if settings.plan is not None:
         limits = settings.limits or (*settings.range_of_motion, 1e6, 1e6)
         api.allowed_range(device, limits[:2])
-        return api.Plan.sampled(_plain(settings.plan), limits, settings.rate_hz, device)
+        plan = settings.plan.model_dump(exclude={"model", "population"})  # whom it is for
+        return api.Plan.sampled(plan, limits, settings.rate_hz, device)
     if settings.profile in api.ready_protocols():
         reached = settings.range_of_motion
         return api.ready_trajectory(settings.profile, device, reached, settings.rate_hz)
     protocol = api.Protocol(profile=settings.profile, device=device, **settings.motion)
     return api.protocol_trajectory(protocol)
-
-
-def for_export(settings: ProtocolSettings, reason: str) -> api.Trajectory:
-    """The trajectory, if it may be written: within a device's limits, or for a reason."""
-    trajectory = trajectory_of(settings)
-    exceeded = [limit for limit in limits(settings, trajectory) if limit["exceeded"]]
-    if exceeded and not reason.strip():
-        limits_exceeded = "; ".join(limit["text"] for limit in exceeded)
-        raise InputError(
-            f"{limits_exceeded}; nothing is exported without a reason: type it, or change this"
-        )
-    return trajectory
 
 
 def limits(settings: ProtocolSettings, trajectory: api.Trajectory) -> list[dict[str, Any]]:
@@ -195,8 +174,3 @@ def limits(settings: ProtocolSettings, trajectory: api.Trajectory) -> list[dict[
         model = api.ready_protocols()[settings.profile].model
     limits = api.requested_limits(trajectory, model, population)
     return [{"text": limit.text, "exceeded": limit.exceeded} for limit in limits]
-
-
-def _plain(plan: ProtocolPlan) -> dict[str, Any]:
-    """The plan, without whom it is for."""
-    return plan.model_dump(exclude={"model", "population"})

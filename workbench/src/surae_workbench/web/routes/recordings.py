@@ -1,31 +1,20 @@
 """Subjects and recordings: what they are, how they look, what is wrong with them."""
 
 from collections import Counter
-from operator import itemgetter
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Query
 
 from surae import api
 from surae.units import FloatArray
-from surae_workbench.web import answers
+from surae_workbench.web.answers import Recording, Subject, Trial
 from surae_workbench.web.curves import window
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import dated
 from surae_workbench.web.remap import present_mapping, proposals
-from surae_workbench.web.routes.common import (
-    ERRORS,
-    Bench,
-    Browser,
-    Paged,
-    PathId,
-    Seen,
-    offer_deletion,
-    refuse_unseen,
-    revision,
-)
+from surae_workbench.web.routes.common import ERRORS, Bench, PathId, offer_deletion
 from surae_workbench.web.rows import Entry
-from surae_workbench.web.schemas import Points, RecordingPatch, SubjectPatch, SubjectRequest
+from surae_workbench.web.schemas import Points, RecordingPatch, SubjectRequest
 from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
@@ -39,100 +28,66 @@ def get_damaged(bench: Bench) -> dict[str, Any]:
     return {"damaged": bench.database.damaged()}
 
 
-@router.get("/subjects", response_model=answers.Subjects)
-def get_subjects(bench: Bench) -> dict[str, Any]:
+@router.get("/subjects")
+def get_subjects(bench: Bench) -> dict[str, list[Subject]]:
     """List all subjects."""
-    owners = {row["id"]: row["subject"] for row in bench.database.all("recording")}
-    recordings = Counter(owners.values())
-    fits = Counter(owners.get(fit["recordings"][0]) for fit in bench.database.all("fit"))
-    subjects = bench.database.all("subject")
-    return {"subjects": [_subject(row, recordings[row["id"]], fits[row["id"]]) for row in subjects]}
+    return {"subjects": [_subject(bench, row) for row in bench.database.all("subject")]}
 
 
-@router.post("/subjects", status_code=201, response_model=answers.Subject)
-def post_subject(body: SubjectRequest, bench: Bench) -> dict[str, Any]:
+@router.post("/subjects", status_code=201)
+def post_subject(body: SubjectRequest, bench: Bench) -> Subject:
     """Add a subject, under a code that no other has."""
     with bench.database.transaction():
-        _refuse_code(bench, body.code, None)
+        _refuse_twice(bench, "subject", "code", body.code, None)
         id_ = bench.database.add("subject", body.model_dump())
     bench.events.changed("subjects")
-    return _subject(bench.project.need("subject", id_), 0, 0)
+    return _subject(bench, bench.project.need("subject", id_))
 
 
-@router.patch("/subjects/{id}", response_model=answers.Subject)
-def patch_subject(
-    id: PathId, body: SubjectPatch, bench: Bench, seen: Seen = None
-) -> dict[str, Any]:
-    """Change one, unless another browser has since its `revision` was seen."""
-    changes = body.model_dump(exclude_unset=True)
-    changes = {k: v for k, v in changes.items() if v is not None or k == "body_mass"}
+@router.patch("/subjects/{id}")
+def patch_subject(id: PathId, body: SubjectRequest, bench: Bench) -> Subject:
+    """Change one."""
     with bench.database.transaction():
-        refuse_unseen(bench.project.need("subject", id), seen)
-        if "code" in changes:
-            _refuse_code(bench, changes["code"], id)
-        subject = bench.project.change("subject", id, **changes)
+        _refuse_twice(bench, "subject", "code", body.code, id)
+        subject = bench.project.change("subject", id, **body.model_dump())
     bench.events.changed("subjects")
-    count = sum(recording["subject"] == id for recording in bench.database.all("recording"))
-    return _subject(subject, count, 0)
+    return _subject(bench, subject)
 
 
-@router.delete("/subjects/{id}", status_code=204)
-def delete_subject(id: PathId, bench: Bench, browser: Browser) -> Response:
-    """Delete one without recordings; undo brings it back."""
-    subject = bench.project.need("subject", id)
-    if any(r["subject"] == id for r in bench.database.all("recording")):
-        raise RefusedError(
-            409, f"subject {subject['code']} has recordings; move or delete them first"
-        )
-    bench.delete(browser, "subject", id, f"delete subject {subject['code']}")
-    return Response(status_code=204)
+offer_deletion(router, "/subjects/{id}", "subject")
 
 
-def _refuse_name(bench: Workbench, name: str | None, own: str) -> None:
-    if any(
-        recording["name"] == name and recording["id"] != own
-        for recording in bench.database.all("recording")
-    ):
-        raise RefusedError(409, f"there is a recording {name!r} already; give another name")
+def _refuse_twice(
+    bench: Workbench, kind: str, key: str, value: str | None, own: str | None
+) -> None:
+    """Refuse a name, or a code, that another entry has."""
+    if any(row[key] == value and row["id"] != own for row in bench.database.all(kind)):
+        raise RefusedError(409, f"there is a {kind} {value!r} already; give another {key}")
 
 
-def _refuse_code(bench: Workbench, code: str, own: str | None) -> None:
-    if any(
-        subject["code"] == code and subject["id"] != own
-        for subject in bench.database.all("subject")
-    ):
-        raise RefusedError(409, f"there is a subject {code!r} already; give another code")
+def _subject(bench: Workbench, subject: Entry) -> Subject:
+    own = {r["id"] for r in bench.database.all("recording") if r["subject"] == subject["id"]}
+    fits = sum(fit["recordings"][0] in own for fit in bench.database.all("fit"))
+    return Subject(**dated(subject, recordings=len(own), fits=fits))
 
 
-def _subject(subject: Entry, recordings: int, fits: int) -> dict[str, Any]:
-    return dated(subject, recordings=recordings, fits=fits, revision=revision(subject))
-
-
-@router.get("/recordings", response_model=answers.Recordings)
-def get_recordings(bench: Bench, page: Paged) -> dict[str, Any]:
-    """List recordings, the oldest first unless sorted otherwise, and how many there are."""
+@router.get("/recordings")
+def get_recordings(bench: Bench) -> dict[str, list[Trial]]:
+    """List recordings, the newest first."""
     fits = Counter(id_ for fit in bench.database.all("fit") for id_ in set(fit["recordings"]))
-    codes = {subject["id"]: subject["code"] for subject in bench.database.all("subject")}
-    keys = ("name", "side", "trial", "condition", "duration_s", "created")
-    values = {key: itemgetter(key) for key in keys} | {
-        "subject": lambda row: codes.get(row["subject"]),
-        "fits": lambda row: fits[row["id"]],
-    }
-    rows = bench.database.all("recording")
-    return page.of("recordings", rows, values, lambda row: _recording(row, fits[row["id"]]))
+    rows = reversed(bench.database.all("recording"))
+    return {"recordings": [Trial(**dated(row, fits=fits[row["id"]])) for row in rows]}
 
 
-@router.get("/recordings/{id}", response_model=answers.Recording)
-def get_recording(id: PathId, bench: Bench) -> dict[str, Any]:
+@router.get("/recordings/{id}")
+def get_recording(id: PathId, bench: Bench) -> Recording:
     """Describe one recording."""
     return shown_recording(bench, bench.project.need("recording", id))
 
 
-@router.patch("/recordings/{id}", response_model=answers.Recording)
-def patch_recording(
-    id: PathId, body: RecordingPatch, bench: Bench, seen: Seen = None
-) -> dict[str, Any]:
-    """Change its labels, unless another browser has meanwhile; what was measured stays."""
+@router.patch("/recordings/{id}")
+def patch_recording(id: PathId, body: RecordingPatch, bench: Bench) -> Recording:
+    """Change its labels; what was measured stays."""
     changes = body.model_dump(exclude_unset=True)
     if changes.get("subject") is not None:
         bench.project.need("subject", changes["subject"])
@@ -142,8 +97,7 @@ def patch_recording(
     if changes.get("name", "") is None:
         del changes["name"]
     with bench.database.transaction():
-        refuse_unseen(bench.project.need("recording", id), seen)
-        _refuse_name(bench, changes.get("name"), id)
+        _refuse_twice(bench, "recording", "name", changes.get("name"), id)
         recording = bench.project.change("recording", id, **changes)
     bench.events.changed("recordings")
     return shown_recording(bench, recording)
@@ -152,19 +106,13 @@ def patch_recording(
 offer_deletion(router, "/recordings/{id}", "recording")
 
 
-def shown_recording(bench: Workbench, recording: Entry) -> dict[str, Any]:
+def shown_recording(bench: Workbench, recording: Entry) -> Recording:
     """A recording as the API shows it."""
-    return _recording(
-        recording, sum(recording["id"] in fit["recordings"] for fit in bench.database.all("fit"))
-    )
+    fits = sum(recording["id"] in fit["recordings"] for fit in bench.database.all("fit"))
+    return Recording(**{"version": 0, **dated(recording, fits=fits)})
 
 
-def _recording(recording: Entry, fits: int) -> dict[str, Any]:
-    version = recording.get("version", 0)
-    return dated(recording, fits=fits, version=version, revision=revision(recording))
-
-
-@router.get("/recordings/{id}/quality", response_model=answers.Findings)
+@router.get("/recordings/{id}/quality")
 def get_quality(id: PathId, bench: Bench) -> dict[str, Any]:
     """What is questionable about it, where in time, and what to do."""
     recording = bench.project.need("recording", id)
@@ -176,7 +124,7 @@ def get_quality(id: PathId, bench: Bench) -> dict[str, Any]:
     return {"findings": proposals(recording["findings"], channels)}
 
 
-@router.get("/recordings/{id}/window", response_model=answers.Window)
+@router.get("/recordings/{id}/window")
 def get_window(
     id: PathId,
     bench: Bench,
@@ -194,20 +142,12 @@ def get_window(
     for name in names:
         if name not in channels:
             raise RefusedError(400, f"no signal {name[:40]!r}; there are: {', '.join(channels)}")
-    times = [time for time, *_ in channels.values()]
-    span = {
-        "start": min(float(t[0]) for t in times) if start is None else start,
-        "end": max(float(t[-1]) for t in times) if end is None else end,
-    }
     shown = []
     for name in dict.fromkeys(names):
         time, values, unit = channels[name]
-        n, t, v = window(time, values, start, end, points)
-        shown.append(
-            {"role": name, "unit": unit, "n": n, "reduced": len(t) < n, "t": t.tolist(),
-             "v": v.tolist()}
-        )  # fmt: skip
-    return {**span, "signals": shown}
+        t, v = window(time, values, start, end, points)
+        shown.append({"role": name, "unit": unit, "t": t.tolist(), "v": v.tolist()})
+    return {"signals": shown}
 
 
 #: Times [s], values and unit of signals by name.
@@ -227,8 +167,4 @@ def _prepared(bench: Workbench, id_: str) -> _Signals:
     for column, role in enumerate(role for role in api.ROLES if role.startswith("emg_")):
         if role.removeprefix("emg_") not in inputs.missing_emg:
             signals[role] = (inputs.emg[:, column], inputs.emg_unit)
-    signals |= {
-        "velocity": (inputs.velocity, "rad/s"),
-        "acceleration": (inputs.acceleration, "rad/s2"),
-    }
     return {role: (inputs.time, values, unit) for role, (values, unit) in signals.items()}

@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query, Response
 
 from surae import api
-from surae_workbench.web import answers
+from surae_workbench.web.answers import Job, Leg
 from surae_workbench.web.database import new_id
-from surae_workbench.web.fits import add_fit, check_draft, fit_summary, main_fit, versions_of
+from surae_workbench.web.fits import add_fit, check_draft, main_fit, versions_of
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import dated, unique_name
 from surae_workbench.web.routes.common import (
@@ -19,54 +19,84 @@ from surae_workbench.web.routes.common import (
     Bench,
     Browser,
     PathId,
-    chosen_draft,
     offer_deletion,
-    offer_renaming,
     report_file,
 )
 from surae_workbench.web.rows import Entry
 from surae_workbench.web.schemas import SessionRequest, TrialsRequest
-from surae_workbench.web.sessions import BrowserSession
 from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api/sessions", responses=ERRORS, tags=["sessions"])
 
 
-@router.post("/trials", response_model=answers.SortedTrials)
+@router.post("/trials")
 def post_trials(body: TrialsRequest, bench: Bench) -> dict[str, Any]:
     """What each trial is and is used for, as its signals and the others tell."""
     return {"trials": sorted_as(bench, body.recordings, body.efforts)}
 
 
-@router.post("", status_code=202, response_model=answers.Job)
-def post_session(body: SessionRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
-    """Ask for the fits of a session; the answer is their job."""
-    draft = chosen_draft(bench, browser, body.draft)
-    moving = [
-        each["recording"]
-        for each in sorted_as(bench, body.recordings, body.efforts)
-        if each["fitted"]
-    ]
+@router.post("", status_code=202)
+def post_session(body: SessionRequest, bench: Bench, browser: Browser) -> Job:
+    """Ask for the fits of a session; what cannot be kept is refused now, not in the job."""
+    draft = bench.sessions.draft(browser)
+    sorted_trials = sorted_as(bench, body.recordings, body.efforts)
+    moving = [each["recording"] for each in sorted_trials if each["fitted"]]
     if not moving:
         raise RefusedError(400, "none of these trials moves: nothing can be fitted")
     check_draft(bench, {**draft, "recordings": moving[:1], "mvc": [], "normalise": None})
-    return submit_session(bench, browser, draft, body.recordings, body.efforts, body.name)
+    rows = [bench.project.need("recording", id_) for id_ in dict.fromkeys(body.recordings)]
+    cut = [row["name"] for row in rows if draft["exclusions"].get(row["id"])]
+    if cut:
+        raise RefusedError(
+            400,
+            f"stretches of {', '.join(cut)} are left out: a session fits trials whole; take that "
+            "back on the page of the recording, or fit without a session",
+        )
+    if len({row["side"] for row in rows if row["side"]}) > 1:
+        raise RefusedError(400, "the trials are of both legs; a session is of one")
+    chosen = [row["id"] for row in rows]
+    draft = {**draft, "recordings": chosen, "mvc": [], "sliders": {}, "exclusions": {}}
+    name = body.name or _usual_name(bench, rows)
+    called = unique_name(bench.database.all("session"), name, 120)
+    task = {
+        "draft": draft,
+        "name": called,
+        "recordings": chosen,
+        "names": {row["id"]: row["name"] for row in rows},
+        "efforts": {id_: effort for id_, effort in body.efforts.items() if id_ in chosen},
+        "versions": versions_of(bench, draft),
+        "fits": {name: new_id() for name in (*(row["name"] for row in rows), "joint")},
+    }
+    return bench.jobs.submit("session", called, browser, task, chosen[0])
 
 
-@router.get("", response_model=answers.Legs)
-def get_sessions(bench: Bench) -> dict[str, Any]:
+@router.get("")
+def get_sessions(bench: Bench) -> dict[str, list[Leg]]:
     """Sessions, the newest first."""
     every = reversed(bench.database.all("session"))
     return {"sessions": [session_summary(bench, each) for each in every]}
 
 
-@router.get("/{id}", response_model=answers.LegPage)
+@router.get("/{id}")
 def get_session(id: PathId, bench: Bench) -> dict[str, Any]:
-    """What the report of one says, and its fits."""
-    return session_detail(bench, bench.project.need("session", id))
+    """The fit that stands for it, what other visits of the leg there are, and whether PDFs are."""
+    own = session_summary(bench, bench.project.need("session", id))
+    visits = [session_summary(bench, each) for each in bench.database.all("session")]
+    return {
+        "summary": own,
+        "visits": [
+            each
+            for each in visits
+            if each.id != own.id
+            and each.fit
+            and own.fit
+            and (each.subject, each.side) == (own.subject, own.side)
+        ],
+        "paper": api.has_typst(),
+    }
 
 
-@router.get("/{id}/change", response_model=answers.Part)
+@router.get("/{id}/change")
 def get_change(
     id: PathId, before: Annotated[str, Query(max_length=16)], bench: Bench
 ) -> dict[str, str]:
@@ -76,7 +106,7 @@ def get_change(
         fit = main_fit(bench, bench.project.need("session", each))
         if fit is None:
             raise RefusedError(404, "this visit has no fit of all trials to compare")
-        files.append(str(bench.project.path("fits", fit, ".json")))
+        files.append(str(bench.project.file("fit", fit)))
     return {"html": bench.workers.ask("tasks:change", before=files[0], after=files[1])}
 
 
@@ -92,13 +122,10 @@ def get_report(
 ) -> Response:
     """Its report in the reader's language: one file to keep."""
     row = bench.project.need("session", id)
-    blocks = bench.project.path("sessions", id, ".json")
+    blocks = bench.project.file("session", id)
     if not blocks.is_file():
         raise RefusedError(404, "the report of this leg is missing; analyse it again")
     return report_file(bench, row, kind, "tasks:leg_report", blocks=str(blocks), language=language)
-
-
-_TOGETHER = "all together"
 
 
 def sorted_as(
@@ -111,51 +138,16 @@ def sorted_as(
         efforts={rows[id_]["name"]: effort for id_, effort in efforts.items() if id_ in rows},
     )
     trials = {trial.name: trial for trial in leg.trials}
-    return [
-        {
-            "recording": id_, "name": row["name"], "effort": trials[row["name"]].effort,
-            "stated": trials[row["name"]].stated, "fitted": trials[row["name"]].use == "fit",
-            **{
-                key: getattr(api.trial_words(trials[row["name"]]), key)
-                for key in ("what", "why", "use", "problem")
-            },
-        }
-        for id_, row in rows.items()
-    ]  # fmt: skip
-
-
-def submit_session(
-    bench: Workbench,
-    browser: BrowserSession,
-    draft: dict[str, Any],
-    recordings: Sequence[str],
-    efforts: Mapping[str, str],
-    name: str | None,
-) -> dict[str, Any]:
-    """Ask for the fits of a session; what cannot be kept is refused now, not in the job."""
-    rows = [bench.project.need("recording", id_) for id_ in dict.fromkeys(recordings)]
-    cut = [row["name"] for row in rows if draft["exclusions"].get(row["id"])]
-    if cut:
-        raise RefusedError(
-            400,
-            f"stretches of {', '.join(cut)} are left out: a session fits trials whole; take that "
-            "back on the page of the recording, or fit without a session",
-        )
-    if len({row["side"] for row in rows if row["side"]}) > 1:
-        raise RefusedError(400, "the trials are of both legs; a session is of one")
-    chosen = [row["id"] for row in rows]
-    draft = {**draft, "recordings": chosen, "mvc": [], "sliders": {}, "exclusions": {}}
-    called = unique_name(bench.database.all("session"), name or _usual_name(bench, rows), 120)
-    task = {
-        "draft": draft,
-        "name": called,
-        "recordings": chosen,
-        "names": {row["id"]: row["name"] for row in rows},
-        "efforts": {id_: effort for id_, effort in efforts.items() if id_ in chosen},
-        "versions": versions_of(bench, draft),
-        "fits": {name: new_id() for name in (*(row["name"] for row in rows), "joint")},
-    }
-    return bench.jobs.submit("session", called, browser, task, chosen[0])
+    told = []
+    for id_, row in rows.items():
+        trial = trials[row["name"]]
+        words = api.trial_words(trial)
+        told.append({
+            "recording": id_, "name": row["name"], "effort": trial.effort, "stated": trial.stated,
+            "fitted": trial.use == "fit", "what": words.what, "why": words.why, "use": words.use,
+            "problem": words.problem,
+        })  # fmt: skip
+    return told
 
 
 def _usual_name(bench: Workbench, rows: Sequence[Entry]) -> str:
@@ -171,7 +163,7 @@ def keep_session(bench: Workbench, job: Entry, end: Mapping[str, Any]) -> str:
     for name, summary in end["summaries"].items():
         joint = name == "joint"
         recordings = [by_name[each] for each in (end["joined"] if joint else [name])]
-        label = f"{task['name']} · {_TOGETHER if joint else name}"
+        label = f"{task['name']} · {'all together' if joint else name}"
         ids[name] = add_fit(bench, task["fits"][name], label, summary, recordings, task)
     about = {"fits": ids, "content": end["content"], "settings": task["draft"]}
     data = {"name": task["name"], "recordings": task["recordings"], **about}
@@ -181,37 +173,15 @@ def keep_session(bench: Workbench, job: Entry, end: Mapping[str, Any]) -> str:
     return id_
 
 
-def session_summary(bench: Workbench, session: Entry) -> dict[str, Any]:
+def session_summary(bench: Workbench, session: Entry) -> Leg:
     """A session in lists."""
     first = bench.database.get("recording", session["recordings"][0], deleted=True)
     adequacy = session["content"].get("adequacy")
-    return dated(
-        session,
-        **{key: None if first is None else first[key] for key in ("subject", "side")},
+    return Leg(
+        **dated(session),
+        subject=None if first is None else first["subject"],
+        side=None if first is None else first["side"],
         trials=len(session["recordings"]),
         grade=None if adequacy is None else adequacy["grade"],
         fit=main_fit(bench, session),
     )
-
-
-def session_detail(bench: Workbench, session: Entry) -> dict[str, Any]:
-    """The fits that are still there, and other visits of the leg."""
-    fits = {name: bench.database.get("fit", id_) for name, id_ in session["fits"].items()}
-    own = session_summary(bench, session)
-    visits = [session_summary(bench, each) for each in bench.database.all("session")]
-    return {
-        "summary": own,
-        "visits": [
-            each
-            for each in visits
-            if each["id"] != own["id"]
-            and each["fit"]
-            and own["fit"]
-            and (each["subject"], each["side"]) == (own["subject"], own["side"])
-        ],
-        "fits": {name: fit_summary(bench, fit) for name, fit in fits.items() if fit is not None},
-        "paper": api.has_typst(),
-    }
-
-
-offer_renaming(router, "/{id}", "session", answers.Leg, session_summary)

@@ -1,13 +1,13 @@
-"""Studies: thousands of fits of virtual trials, started, watched, opened."""
+"""Studies: thousands of fits of virtual trials, started, watched, exported."""
 
-from itertools import islice
-from typing import Annotated, Any
+from contextlib import suppress
+from typing import Any
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Response
 
 from surae import api
 from surae.errors import SuraeError
-from surae_workbench.web import answers
+from surae_workbench.web.answers import Job, Study
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import dated
 from surae_workbench.web.routes.common import (
@@ -16,13 +16,11 @@ from surae_workbench.web.routes.common import (
     Bench,
     Browser,
     PathId,
-    attachment,
-    made_file,
+    csv_file,
     offer_deletion,
 )
 from surae_workbench.web.rows import Entry
 from surae_workbench.web.schemas import StudyRequest
-from surae_workbench.web.sessions import BrowserSession
 from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api/studies", responses=ERRORS, tags=["studies"])
@@ -31,14 +29,14 @@ router = APIRouter(prefix="/api/studies", responses=ERRORS, tags=["studies"])
 _MOST_FITS = 100_000
 
 
-@router.get("", response_model=answers.Studies)
-def get_studies(bench: Bench) -> dict[str, Any]:
-    """List all studies."""
-    return {"studies": [_shown(bench, row) for row in bench.database.all("study")]}
+@router.get("")
+def get_studies(bench: Bench) -> dict[str, list[Study]]:
+    """List all studies, the newest first, and how far they are."""
+    return {"studies": [_shown(bench, row) for row in reversed(bench.database.all("study"))]}
 
 
-@router.post("", status_code=201, response_model=answers.Study)
-def post_study(body: StudyRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
+@router.post("", status_code=201)
+def post_study(body: StudyRequest, bench: Bench, browser: Browser) -> Study:
     """Make one of a STUDY.toml, and start it."""
     study = api.parse_study(body.toml)
     if study.size > _MOST_FITS:
@@ -48,87 +46,48 @@ def post_study(body: StudyRequest, bench: Bench, browser: Browser) -> dict[str, 
     data = {"name": study.name[:200], "toml": body.toml, "rows": study.size}
     id_ = bench.database.add("study", data)
     if body.start:
-        _start(bench, browser, bench.project.need("study", id_), study)
+        start_study(id_, bench, browser)
     bench.events.changed("studies")
     return _shown(bench, bench.project.need("study", id_))
 
 
-@router.get("/{id}", response_model=answers.Study)
-def get_study(id: PathId, bench: Bench) -> dict[str, Any]:
-    """How far it is."""
-    return _shown(bench, bench.project.need("study", id))
-
-
-@router.post("/{id}/start", status_code=202, response_model=answers.Job)
-def start_study(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
+@router.post("/{id}/start", status_code=202)
+def start_study(id: PathId, bench: Bench, browser: Browser) -> Job:
     """Start it, or go on with it; the answer is its job."""
     row = bench.project.need("study", id)
-    return _start(bench, browser, row, api.parse_study(row["toml"]))
+    if bench.jobs.of(id):
+        raise RefusedError(409, "this study is at work already")
+    task = {"study": id, "toml": row["toml"]}
+    return bench.jobs.submit("study", f"study {row['name']}", browser, task, id)
 
 
 offer_deletion(router, "/{id}", "study")
 
 
-@router.get("/{id}/table", response_model=answers.StudyTable)
-def get_table(
-    id: PathId, bench: Bench, limit: Annotated[int, Query(ge=1, le=5000)] = 500
-) -> dict[str, Any]:
-    """The rows that are there."""
-    row = bench.project.need("study", id)
-    names = api.study_columns(api.parse_study(row["toml"]))
-    path = bench.project.path("studies", id, ".db")
-    if not path.exists():
-        return {"columns": names, "rows": [], "total": 0}
-    with api.Store(path) as store:
-        rows = [[row[name] for name in names] for row in islice(api.study_table(store), limit)]
-        total = store.status().done
-    return {"columns": names, "rows": rows, "total": max(total, len(rows))}
-
-
 @router.get("/{id}/table.csv", response_class=Response, responses=CSV)
 def get_csv(id: PathId, bench: Bench) -> Response:
-    """The table, as `surae study export` writes it."""
+    """The rows that are there, as `surae study export` writes them."""
     row = bench.project.need("study", id)
-    with _store(bench, id) as store:
-        data = made_file("table.csv", lambda path: api.export_study(store, path))
-    return Response(data, media_type="text/csv", headers=attachment(row["name"], ".csv"))
-
-
-def _store(bench: Workbench, id_: str) -> api.Store:
-    path = bench.project.path("studies", id_, ".db")
+    path = bench.project.file("study", id)
     if not path.exists():
         raise RefusedError(409, "nothing is computed yet; start the study first")
-    return api.Store(path)
+    with api.Store(path) as store:
+        return csv_file(row["name"], lambda path: api.export_study(store, path))
 
 
-def _start(
-    bench: Workbench, browser: BrowserSession, row: Entry, study: api.Study
-) -> dict[str, Any]:
-    if bench.jobs.of(row["id"]):
-        raise RefusedError(409, "this study is at work already")
-    task = {"study": row["id"], "toml": row["toml"]}
-    return bench.jobs.submit("study", f"study {study.name}"[:200], browser, task, row["id"])
-
-
-def _shown(bench: Workbench, row: Entry) -> dict[str, Any]:
+def _shown(bench: Workbench, row: Entry) -> Study:
     jobs = bench.jobs.of(row["id"])
-    path = bench.project.path("studies", row["id"], ".db")
-    done, fits, reasons = 0, None, dict[str, int]()
-    if path.exists():
-        try:
+    path = bench.project.file("study", row["id"])
+    far: dict[str, Any] = {"done": 0, "fits": None, "reasons": {}}
+    with suppress(SuraeError):  # it is just being planned
+        if path.exists():
             with api.Store(path) as store:
                 status = store.status()
-            done, fits, reasons = status.done, status.calls, dict(status.reasons)
-        except SuraeError:  # it is just being planned
-            done = 0
+            far = {"done": status.done, "fits": status.calls, "reasons": dict(status.reasons)}
     if jobs:
         state = str(jobs[0]["state"])
-    elif fits is None:
+    elif far["fits"] is None:
         state = "new"
     else:
-        state = "done" if done >= fits else "stopped"
-    factors = {k: list(v) for k, v in api.parse_study(row["toml"]).factors.items()}
-    return dated(
-        row, fits=fits, done=done, state=state, job=jobs[0]["id"] if jobs else None,
-        reasons=reasons, factors=factors,
-    )  # fmt: skip
+        state = "done" if far["done"] >= far["fits"] else "stopped"
+    return Study(**dated(row, **far), state=state, job=jobs[0]["id"] if jobs else None)

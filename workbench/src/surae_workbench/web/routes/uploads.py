@@ -1,24 +1,24 @@
 """Files come in: uploaded to the session, looked into, mapped, imported as recordings."""
 
 import hashlib
-import re
 from collections.abc import Mapping
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
+from starlette.concurrency import run_in_threadpool
 
 from surae import api
 from surae.units import FACTORS, kind
-from surae_workbench.web import answers
+from surae_workbench.web.answers import Recording, Upload
 from surae_workbench.web.database import new_id
 from surae_workbench.web.http_errors import RefusedError, not_found
-from surae_workbench.web.imports import file_name, row_of
+from surae_workbench.web.imports import file_name
 from surae_workbench.web.project import dated, unique_name
 from surae_workbench.web.remap import proposals
 from surae_workbench.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae_workbench.web.routes.recordings import shown_recording
 from surae_workbench.web.rows import Entry
-from surae_workbench.web.schemas import ImportRequest
+from surae_workbench.web.schemas import Id, ImportRequest
 from surae_workbench.web.sessions import BrowserSession
 from surae_workbench.web.workbench import Workbench
 
@@ -34,13 +34,11 @@ _VIRTUAL_SUBJECT = {
     "notes": "simulated, not measured",
     "body_mass": None,
 }
-_IDS = re.compile(r"^[0-9a-f]{16}(,[0-9a-f]{16}){0,15}$")
 
 
 @router.post(
     "/uploads",
     status_code=201,
-    response_model=answers.Upload,
     openapi_extra={
         "requestBody": {
             "required": True,
@@ -55,38 +53,26 @@ async def post_upload(
     bench: Bench,
     browser: Browser,
     name: Annotated[str, Query(min_length=1, max_length=300)],
-) -> dict[str, Any]:
+) -> Upload:
     """Take one file, streamed to disk as it comes."""
-    from starlette.concurrency import run_in_threadpool
-
     await run_in_threadpool(_refuse_more, bench, browser)
     id_, count, digest = new_id(), 0, hashlib.sha256()
     folder = await run_in_threadpool(bench.project.uploads, browser.key)
-    path, whole = folder / id_, False
+    path = folder / id_
     try:
         with path.open("xb") as file:
             async for chunk in request.stream():
                 count += len(chunk)
                 digest.update(chunk)
                 await run_in_threadpool(file.write, chunk)
-        whole = count > 0
-    finally:
-        if not whole:
-            path.unlink(missing_ok=True)
-    if not whole:
-        raise RefusedError(400, "the file is empty; choose another")
-    data = {
-        "name": file_name(name),
-        "bytes": count,
-        "sha256": digest.hexdigest(),
-        "session": browser.key,
-    }
-    try:
-        await run_in_threadpool(_keep, bench, browser, data, id_)
+        if not count:
+            raise RefusedError(400, "the file is empty; choose another")
+        data = {"name": file_name(name), "bytes": count, "sha256": digest.hexdigest()}
+        await run_in_threadpool(_keep, bench, browser, {**data, "session": browser.key}, id_)
     except BaseException:
         path.unlink(missing_ok=True)
         raise
-    return dated({**data, "id": id_, "created": None})
+    return Upload(**dated(bench.project.need("upload", id_)))
 
 
 def _refuse_more(bench: Workbench, browser: BrowserSession) -> None:
@@ -101,10 +87,10 @@ def _keep(bench: Workbench, browser: BrowserSession, data: Entry, id_: str) -> N
         bench.database.add("upload", data, id_)
 
 
-@router.get("/uploads", response_model=answers.Uploads)
-def get_uploads(bench: Bench, browser: Browser) -> dict[str, Any]:
+@router.get("/uploads")
+def get_uploads(bench: Bench, browser: Browser) -> dict[str, list[Upload]]:
     """List the files of the browser's session."""
-    return {"uploads": [dated(upload) for upload in _uploads(bench, browser)]}
+    return {"uploads": [Upload(**dated(upload)) for upload in _uploads(bench, browser)]}
 
 
 @router.delete("/uploads/{id}", status_code=204)
@@ -115,18 +101,15 @@ def delete_upload(id: PathId, bench: Bench, browser: Browser) -> Response:
     return Response(status_code=204)
 
 
-@router.get("/uploads/{id}/inspect", response_model=answers.Inspection)
+@router.get("/uploads/{id}/inspect")
 def inspect_upload(
     id: PathId,
     bench: Bench,
     browser: Browser,
-    also: Annotated[str | None, Query(max_length=300)] = None,
+    also: Annotated[list[Id], Query(max_length=MOST_UPLOADS)] = [],  # noqa: B006
 ) -> dict[str, Any]:
     """What is in a file, and in others that belong to it, and a guess of what each column is."""
-    if also is not None and not _IDS.match(also):
-        raise RefusedError(400, "also: give ids with commas")
-    upload = _upload(bench, browser, id)
-    others = [] if also is None else [_upload(bench, browser, other) for other in also.split(",")]
+    upload, *others = (_upload(bench, browser, each) for each in (id, *also))
     files = _files(bench, browser, [upload, *others])
     result = bench.workers.ask("imports:inspected", files=files)
     if not result["columns"]:  # a mapping: what it names may be among all uploads
@@ -136,7 +119,7 @@ def inspect_upload(
     return {"id": upload["id"], "name": upload["name"], **result}
 
 
-@router.get("/units", response_model=answers.Units)
+@router.get("/units")
 def get_units() -> dict[str, Any]:
     """The roles that a channel can have, and the units of each."""
     return {
@@ -145,7 +128,7 @@ def get_units() -> dict[str, Any]:
     }
 
 
-@router.post("/imports/preview", response_model=answers.Preview)
+@router.post("/imports/preview")
 def preview_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """What a mapping makes of the files."""
     result, mapping = _imported(body, bench, browser, None), body.mapping.model_dump(mode="json")
@@ -153,29 +136,28 @@ def preview_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[
     return {**result, "findings": findings, "twin": _twin(bench, result["files"], mapping)}
 
 
-@router.post("/imports", status_code=201, response_model=answers.Recording)
-def post_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
+@router.post("/imports", status_code=201)
+def post_import(body: ImportRequest, bench: Bench, browser: Browser) -> Recording:
     """Keep what a mapping makes of the files as a recording."""
     if body.subject is not None:
         bench.project.need("subject", body.subject)
     id_ = new_id()
-    result = _imported(body, bench, browser, str(bench.project.path("recordings", id_, ".h5")))
+    result = _imported(body, bench, browser, str(bench.project.file("recording", id_)))
     return _added(
         bench, id_, result, body.subject, body.trial or "", body.condition or "",
         body.mapping.model_dump(mode="json"),
     )  # fmt: skip
 
 
-@router.post("/demo", status_code=201, response_model=answers.Recording)
-def post_demo(bench: Bench, browser: Browser) -> dict[str, Any]:
+@router.post("/demo", status_code=201)
+def post_demo(bench: Bench) -> Recording:
     """Make a recording of the virtual subject, of whom there is one more trial each time."""
-    del browser
     id_, known = new_id(), _virtual(bench)
     trial = 1 + sum(
         known is not None and recording["subject"] == known
         for recording in bench.database.all("recording")
     )
-    path = str(bench.project.path("recordings", id_, ".h5"))
+    path = str(bench.project.file("recording", id_))
     result = bench.workers.ask("tasks:demo", trial=trial, output=path)
     with bench.database.transaction():
         subject = _virtual(bench) or bench.database.add("subject", _VIRTUAL_SUBJECT)
@@ -214,16 +196,14 @@ def _added(
     trial: str,
     condition: str,
     mapping: Mapping[str, Any] | None,
-) -> dict[str, Any]:
+) -> Recording:
     """Add a recording, whose file is there, to the project."""
     data = {
-        **row_of(result),
+        **result,
         "name": unique_name(bench.database.all("recording"), result["name"], 120),
         "subject": subject,
-        "side": result["side"],
         "trial": trial,
         "condition": condition,
-        "files": result["files"],
         "mapping": mapping,
     }
     bench.project.add("recording", data, id_)

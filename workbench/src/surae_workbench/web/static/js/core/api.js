@@ -29,9 +29,8 @@ async function checked(response) {
   throw new Refusal(line, response.status);
 }
 
-async function send(method, url, body, raw = false, seen = null) {
+async function send(method, url, body, raw = false) {
   const headers = { "X-CSRF-Token": token() };
-  if (seen) headers["If-Match"] = `"${seen}"`;
   if (!raw) headers["Content-Type"] = "application/json";
   const response = await checked(
     await answer(url, { method, headers, body: raw ? body : JSON.stringify(body ?? {}) }),
@@ -41,20 +40,14 @@ async function send(method, url, body, raw = false, seen = null) {
 
 export const get = async (url, signal) => (await checked(await answer(url, { signal }))).json();
 export const post = (url, body) => send("POST", url, body);
-/** `seen` is the revision of what this page shows: a later one of somebody else is not overwritten. */
-export const patch = (url, body, seen = null) => send("PATCH", url, body, false, seen);
+export const patch = (url, body) => send("PATCH", url, body);
 export const remove = (url) => send("DELETE", url);
 export const upload = (url, file) => send("POST", url, file, true);
 
 /** Fetch a file and hand it to the browser's downloads; waits until it is made. */
 export async function download(url, name, body = null) {
-  const options = body
-    ? {
-        method: "POST",
-        headers: { "X-CSRF-Token": token(), "Content-Type": "application/json" },
-        body: JSON.stringify(body),
-      }
-    : {};
+  const headers = { "X-CSRF-Token": token(), "Content-Type": "application/json" };
+  const options = body ? { method: "POST", headers, body: JSON.stringify(body) } : {};
   const response = await checked(await answer(url, options));
   const match = /filename="?([^";]+)"?/.exec(response.headers.get("content-disposition") ?? "");
   const address = URL.createObjectURL(await response.blob());

@@ -7,38 +7,26 @@ let state = null;
 let queue = Promise.resolve();
 const listeners = new Set();
 
-/** Be told of every change, this page's own and others'; `why` is "own", "history" or "other". */
+/** Be told of every change, this page's own and others'. */
 export function onDraft(listener) {
   listeners.add(listener);
-  if (state) listener(state.draft, "other");
+  if (state) listener();
 }
 
-function settle(next, why) {
+function settle(next) {
   state = next;
-  for (const listener of listeners) listener(state.draft, why);
+  for (const listener of listeners) listener();
   return state;
 }
 
 export const draftState = () => state;
 export const draft = () => state?.draft ?? null;
 
-export const loadDraft = async () => settle(await get("/api/draft"), "other");
+export const loadDraft = async () => settle(await get("/api/draft"));
 
-/** Change the draft; changes wait for one another, so that each knows the last revision. */
+/** Change the draft; changes wait for one another. */
 export function change(what, label, { merge = false } = {}) {
-  const done = queue.then(async () => {
-    if (!state) await loadDraft();
-    try {
-      const body = { change: what, label: label.slice(0, 120), revision: state.revision, merge };
-      return settle(await patch("/api/draft", body), "own");
-    } catch (error) {
-      if (error.status === 409) {
-        await loadDraft();
-        throw new Error("another tab changed this meanwhile: it is shown now, please repeat the change");
-      }
-      throw error;
-    }
-  });
+  const done = queue.then(async () => settle(await patch("/api/draft", { change: what, label: label.slice(0, 120), merge })));
   queue = done.catch(() => null);
   return done;
 }
@@ -49,7 +37,7 @@ export function history(step, box) {
   if (label === null || label === undefined) return;
   const done = queue.then(() =>
     attempt(box, async () => {
-      settle(await post(`/api/draft/${step}`), "history");
+      settle(await post(`/api/draft/${step}`));
       tell(`${step === "undo" ? "Undone" : "Redone"}: ${label}`);
       dispatchEvent(new CustomEvent("surae:changed", { detail: { what: "all" } }));
     }),

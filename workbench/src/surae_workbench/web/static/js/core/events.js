@@ -23,20 +23,17 @@ function open(missed) {
   if (source) return;
   source = new EventSource("/api/events");
   source.addEventListener("open", () => {
-    announce("queue", { waiting: 0 }); // The length of a queue follows.
-    if (missed) announce("changed", { what: "all" });
+    if (missed) announce({ what: "all" });
     missed = false;
   });
   source.addEventListener("error", () => {
     missed = true; // The browser tries again by itself, also after a restart of the server.
   });
-  source.addEventListener("job", (event) => announce("job", JSON.parse(event.data)));
-  source.addEventListener("queue", (event) => announce("queue", JSON.parse(event.data)));
-  source.addEventListener("changed", (event) => announce("changed", JSON.parse(event.data)));
+  source.addEventListener("changed", (event) => announce(JSON.parse(event.data)));
   source.addEventListener("draft", (event) => heard(JSON.parse(event.data).revision).catch(() => null));
 }
 
-const announce = (name, detail) => dispatchEvent(new CustomEvent(`surae:${name}`, { detail }));
+const announce = (detail) => dispatchEvent(new CustomEvent("surae:changed", { detail }));
 
 /** Call `work` when one of these kinds of entries changed, or may have. */
 export function onChanged(kinds, work) {
@@ -44,6 +41,3 @@ export function onChanged(kinds, work) {
     if (detail.what === "all" || kinds.includes(detail.what)) work();
   });
 }
-
-export const onJob = (work) => addEventListener("surae:job", ({ detail }) => work(detail));
-export const onQueue = (work) => addEventListener("surae:queue", ({ detail }) => work(detail.waiting));

@@ -36,12 +36,6 @@ export function estimate(value, sem) {
   return number(value, Math.min(Math.max(digits, 2), 6));
 }
 
-export function interval(range, sem, value) {
-  if (!range || range[0] === null || range[1] === null) return NONE;
-  const scale = value ?? range[1];
-  return `${estimate(range[0], sem ?? scale / 100)} … ${estimate(range[1], sem ?? scale / 100)}`;
-}
-
 export const percent = (value, digits = 3) =>
   value === null || value === undefined ? NONE : `${number(value, digits)} %`;
 
@@ -77,8 +71,6 @@ const ROLES = {
   emg_gm: "EMG gastrocnemius medialis",
   angular_velocity: "Angular velocity",
   angular_acceleration: "Angular acceleration",
-  velocity: "Angular velocity",
-  acceleration: "Angular acceleration",
 };
 const MUSCLES = { tib: "tibialis", gl: "gastrocnemius lateralis", sol: "soleus", gm: "gastrocnemius medialis" };
 const FILMED = { fascicle: "Fascicle length", pennation: "Pennation" };

@@ -31,18 +31,3 @@ export function settled(work, milliseconds) {
     timer = setTimeout(() => work(...args), milliseconds);
   };
 }
-
-/** Runs `work` at most once per frame. */
-export function perFrame(work) {
-  let asked = false;
-  let args = [];
-  return (...given) => {
-    args = given;
-    if (asked) return;
-    asked = true;
-    requestAnimationFrame(() => {
-      asked = false;
-      work(...args);
-    });
-  };
-}

@@ -1,11 +1,11 @@
 // Around every page: history, theme, what runs.
 
-import { get } from "./api.js";
 import { byId, h, replace } from "./dom.js";
 import { draftState, history, loadDraft, onDraft } from "./draft.js";
-import { listen, onChanged, onJob, onQueue } from "./events.js";
+import { listen, onChanged } from "./events.js";
 import { alertBox, complain } from "./notice.js";
-import { themeButton } from "./theme.js";
+import { latest } from "./pace.js";
+import { active } from "../ui/jobs.js";
 
 const box = alertBox();
 byId("main").prepend(box);
@@ -35,33 +35,16 @@ function keys(event) {
   history(step, box);
 }
 
-const running = new Map();
-
-function showJobs() {
-  const place = byId("jobs");
-  place.hidden = running.size === 0;
-  const first = [...running.values()][0];
-  const href = first && ({ fit: "/fit", study: "/studies" }[first.kind] ?? "/");
-  replace(place, first && h("a", { href }, running.size === 1 ? `${first.kind} ${first.state}` : `${running.size} jobs running`));
-}
-
-function note(job) {
-  if (job.state === "queued" || job.state === "running") running.set(job.id, job);
-  else running.delete(job.id);
-  showJobs();
-}
-
-async function readJobs() {
-  const { jobs } = await get("/api/jobs?active=true");
-  running.clear();
-  jobs.forEach(note);
-  showJobs();
-}
+const showJobs = latest(async () => {
+  const jobs = await active();
+  byId("jobs").hidden = !jobs.length;
+  const href = { fit: "/fit", session: "/analyse", design: "/plan", study: "/studies" }[jobs[0]?.kind] ?? "/";
+  replace(byId("jobs"), jobs.length > 0 && h("a", { href }, jobs.length === 1 ? `${jobs[0].kind} ${jobs[0].state}` : `${jobs.length} jobs running`));
+});
 
 byId("undo").addEventListener("click", () => history("undo", box));
 byId("redo").addEventListener("click", () => history("redo", box));
 addEventListener("keydown", keys);
-themeButton(byId("theme"));
 const research = byId("research");
 research.checked = document.documentElement.hasAttribute("data-research");
 research.addEventListener("change", () => {
@@ -73,11 +56,6 @@ research.addEventListener("change", () => {
   }
 });
 onDraft(showHistory);
-onJob(note);
-onQueue((waiting) => {
-  byId("queue").hidden = waiting === 0;
-  byId("queue").textContent = `${waiting} waiting for files to be read`;
-});
-onChanged([], () => readJobs().catch(() => null));
+onChanged(["jobs"], () => showJobs().catch(() => null));
 listen();
-Promise.all([loadDraft(), readJobs()]).catch((error) => complain(box, error));
+Promise.all([loadDraft(), showJobs()]).catch((error) => complain(box, error));

@@ -1,20 +1,4 @@
-// Light and dark, which `theme-early.js` applies, and the colours of the page for canvases.
-
-const dark = () => document.documentElement.dataset.theme === "dark";
-
-export function themeButton(knob) {
-  const say = () => (knob.textContent = dark() ? "Light theme" : "Dark theme");
-  knob.addEventListener("click", () => {
-    try {
-      localStorage.setItem("surae.theme", dark() ? "light" : "dark");
-    } catch {
-      return;
-    }
-    dispatchEvent(new Event("themechosen"));
-  });
-  addEventListener("themechange", say);
-  say();
-}
+// The colours of the page for canvases; `theme-early.js` makes it light or dark.
 
 /** A colour of the page: asked for at every drawing, so that the theme may change. */
 export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();

@@ -1,47 +1,33 @@
 // Analyse a leg: which trials, what each of them is, and the fits at work.
 
 import { get, post } from "../core/api.js";
-import { byId, empty, h, replace, select, table, tick } from "../core/dom.js";
+import { byId, empty, h, replace, select, table } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
 import { seconds } from "../core/format.js";
 import { attempt, complain } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
-import { active, cancel, follow, progressText } from "../ui/jobs.js";
-import { paged } from "../ui/paged.js";
+import { active, jobControls, progressText } from "../ui/jobs.js";
+import { trialList } from "../ui/trials.js";
 
-const pages = paged("recordings", () => refresh(), () => [...(chosen ?? [])]);
 const box = { page: byId("error"), fit: byId("new-error") };
 let recordings = [];
 let people = [];
 let chosen = null;
-let job = null;
 /** Efforts that were stated, by recording. */
 const efforts = {};
 
 /** What belongs together at first: the recordings of the newest one's leg. */
 function leg() {
-  const [newest] = [...recordings].sort((a, b) => b.created.localeCompare(a.created));
-  return recordings.filter((one) => one.subject === newest.subject && one.side === newest.side).map((one) => one.id);
+  return recordings.filter((one) => one.subject === recordings[0].subject && one.side === recordings[0].side).map((one) => one.id);
 }
 
 function showRecordings() {
   const code = (id) => people.find((one) => one.id === id)?.code;
-  replace(
-    byId("recordings"),
-    pages.element,
-    h("ul", { class: "list" }, recordings.map((one) =>
-      h(
-        "li",
-        {},
-        tick(one.name, chosen.has(one.id), (wanted) => choose(one.id, wanted), { "data-focus": one.id }),
-        h("span", { class: "muted small" }, [code(one.subject), one.side, seconds(one.duration_s)].filter(Boolean).join(" · ")),
-      ),
-    )),
-  );
+  replace(byId("recordings"), trialList(recordings, chosen, choose, (one) => [code(one.subject), one.side, seconds(one.duration_s)]));
 }
 
-function choose(id, wanted) {
+function choose({ id }, wanted) {
   if (wanted) chosen.add(id);
   else chosen.delete(id);
   sort();
@@ -55,7 +41,7 @@ const sort = latest(async () => {
   const answer = await attempt(box.fit, () => post("/api/sessions/trials", request()));
   byId("trials").removeAttribute("aria-busy");
   if (!answer) return replace(byId("trials"));
-  byId("start").disabled = job !== null || !answer.trials.some((one) => one.fitted);
+  byId("start").disabled = controls.busy() || !answer.trials.some((one) => one.fitted);
   return replace(byId("trials"), sorted(answer.trials));
 });
 
@@ -77,44 +63,27 @@ function effort(one) {
   return knob;
 }
 
-function watch(found) {
-  job = found;
-  byId("start").disabled = true;
-  byId("stop").hidden = byId("progress").hidden = false;
-  byId("progress").removeAttribute("value");
-  const said = (answer) => {
-    byId("said").textContent = answer.total ? `${answer.what}: ${answer.done} of ${answer.total} steps are done` : progressText(answer, "");
-    if (answer.total) byId("progress").value = answer.done / answer.total;
-    byId("first").textContent = answer.first ?? "";
-  };
-  follow(found.id, {
-    state: (now) => {
-      if (now.state === "queued") byId("said").textContent = `Waiting, ${now.position ?? 1} in line`;
-      if (now.progress) said(now.progress);
-    },
-    progress: said,
-    end: (ended) => {
-      if (ended.state === "done") location.href = `/sessions/${ended.result}`;
-      job = null;
-      byId("stop").hidden = byId("progress").hidden = true;
-      if (ended.state === "failed") complain(box.fit, ended.message);
-      const words = { cancelled: "Stopped.", interrupted: "The server was stopped meanwhile.", failed: "" };
-      replace(byId("said"), words[ended.state] ?? "", ended.result && h("a", { href: `/sessions/${ended.result}` }, " What was complete is kept."));
-      sort();
-    },
-  });
-}
+const controls = jobControls({ start: byId("start"), stop: byId("stop"), said: byId("said"), bar: byId("progress") }, box.fit, {
+  progress: (report) => {
+    byId("first").textContent = report.first ?? "";
+    return report.total ? `${report.what}: ${report.done} of ${report.total} steps are done` : progressText(report, "");
+  },
+  ended: (now) => {
+    if (now.state === "done") location.href = `/sessions/${now.result}`;
+    const words = { cancelled: "Stopped.", interrupted: "The server was stopped meanwhile." };
+    return [words[now.state] ?? "", now.result && h("a", { href: `/sessions/${now.result}` }, " What was complete is kept.")];
+  },
+  done: () => sort(),
+});
 
-byId("start").addEventListener("click", () => attempt(box.fit, async () => watch(await post("/api/sessions", request()))));
-byId("stop").addEventListener("click", () => job && attempt(box.fit, () => cancel(job.id), byId("stop")));
+byId("start").addEventListener("click", () => attempt(box.fit, async () => controls.watch(await post("/api/sessions", request()))));
 
 const refresh = latest(() => attempt(box.page, async () => {
-  const [all, subjects] = await Promise.all([pages.read(), get("/api/subjects")]);
-  recordings = all.rows;
-  people = subjects.subjects;
-  byId("new").hidden = all.none;
-  byId("empty").hidden = !all.none;
-  if (all.none) return replace(byId("empty"), empty("No trials yet.", "Add those of a leg.", h("a", { class: "button primary", href: "/import" }, "Add trials"), demoButton(box.page)));
+  [{ recordings }, { subjects: people }] = await Promise.all([get("/api/recordings"), get("/api/subjects")]);
+  const none = !recordings.length;
+  byId("new").hidden = none;
+  byId("empty").hidden = !none;
+  if (none) return replace(byId("empty"), empty("No trials yet.", "Add those of a leg.", h("a", { class: "button primary", href: "/import" }, "Add trials"), demoButton(box.page)));
   const known = new Set(recordings.map((one) => one.id));
   chosen = new Set(chosen ? [...chosen].filter((id) => known.has(id)) : leg());
   showRecordings();
@@ -128,5 +97,5 @@ attempt(box.page, async () => {
   replace(byId("asked"), `Model: ${title}, ${draft.starts} starts, as chosen on the page `, h("a", { href: "/fit" }, "Fit"), ".");
   await refresh();
   const mine = (await active("session")).find((one) => one.mine);
-  if (mine) watch(mine);
+  if (mine) controls.watch(mine);
 });

@@ -1,26 +1,23 @@
 // The bench: recordings, model, sliders, and the fit as it converges.
 
 import { get, post } from "../core/api.js";
-import { byId, empty, h, replace, tick } from "../core/dom.js";
+import { byId, empty, h, replace } from "../core/dom.js";
 import { change, draft, onDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
 import { number, seconds, r2 } from "../core/format.js";
 import { attempt, calm, complain } from "../core/notice.js";
-import { latest, perFrame } from "../core/pace.js";
+import { latest } from "../core/pace.js";
 import { torquePlot } from "../plot/torque.js";
 import { demoButton } from "../ui/demo.js";
-import { PHASES, active, cancel, follow } from "../ui/jobs.js";
+import { active, jobControls, progressText } from "../ui/jobs.js";
 import { parameterTable } from "../ui/parameters.js";
-import { paged } from "../ui/paged.js";
 import { settingsForm } from "../ui/settings.js";
-import { leftOut } from "../ui/trials.js";
+import { trialList } from "../ui/trials.js";
 
 const box = { page: byId("error"), fit: byId("fit-error"), parameters: byId("parameters-error") };
 let models = null;
 let recordings = [];
-const wanted = () => (draft() ? [...draft().recordings, ...draft().mvc] : []);
-const pages = paged("recordings", () => refresh(), wanted);
-let job = null;
+let sorted = false; // whether those that are chosen stand first
 let shown = null; // which recording is drawn
 
 const plot = torquePlot();
@@ -37,11 +34,12 @@ const store = (what, label, merge = false) => attempt(box.parameters, () => chan
 // --- the modelled torque at the sliders
 
 let slid = {};
+/** The model and the values that the fit is at, until a slider is moved. */
+let reached = null;
 const draw = latest(async () => {
-  if (job || !shown) return;
+  if (!shown || (controls.busy() && !reached)) return;
   try {
-    const seen = await post("/api/live", { recording: shown, values: slid, points: 2000 });
-    if (job) return;
+    const seen = await post("/api/live", { recording: shown, points: 2000, ...(reached ?? { values: slid }) });
     plot.show(seen.t, seen.measured, seen.modelled);
     byId("live-figures").textContent = [
       seen.r2 === null ? "" : `R² ${r2(seen.r2)}`,
@@ -55,6 +53,7 @@ const draw = latest(async () => {
 
 function live(values) {
   slid = { ...slid, ...values };
+  reached = null;
   draw();
 }
 
@@ -62,20 +61,9 @@ function live(values) {
 
 function showRecordings() {
   const chosen = draft().recordings;
-  const reasons = leftOut();
-  replace(
-    byId("recordings"),
-    pages.element,
-    h("ul", { class: "list" }, recordings.map((one) =>
-      h(
-        "li",
-        {},
-        tick(one.name, chosen.includes(one.id), (wanted) => choose(one, wanted), { "data-focus": one.id }),
-        h("a", { href: `/recordings/${one.id}`, class: "small", "aria-label": `Look at ${one.name}` }, "Look"),
-        h("span", { class: "muted small" }, [seconds(one.duration_s), excludedText(one.id), !chosen.includes(one.id) && reasons[one.id]].filter(Boolean).join(" · ")),
-      ),
-    )),
-  );
+  if (!sorted) recordings.sort((a, b) => chosen.includes(b.id) - chosen.includes(a.id));
+  sorted = true;
+  replace(byId("recordings"), trialList(recordings, new Set(chosen), choose, (one) => [seconds(one.duration_s), excludedText(one.id)]));
   const known = chosen.filter((id) => recordings.some((one) => one.id === id));
   shown = known.includes(shown) ? shown : (known[0] ?? null);
   byId("which-field").hidden = known.length < 2;
@@ -101,21 +89,15 @@ const showTable = latest(async () => {
   byId("plot").hidden = !chosen;
   if (report.problem && chosen) complain(box.fit, report.problem);
   else calm(box.fit);
-  if (!job) byId("live-figures").textContent = chosen ? "" : "Choose a recording above.";
-  byId("start").disabled = Boolean(report.problem) || job !== null;
+  if (!controls.busy()) byId("live-figures").textContent = chosen ? "" : "Choose a recording above.";
+  byId("start").disabled = Boolean(report.problem) || controls.busy();
   slid = {};
+  if (!controls.busy()) reached = null;
   draw();
 });
 
-let missing = "";
 function showDraft() {
   if (!models) return;
-  const absent = wanted().filter((id) => !recordings.some((one) => one.id === id)).join();
-  if (absent && absent !== missing) {
-    missing = absent; // Chosen elsewhere, and on another part of the list.
-    refresh();
-    return;
-  }
   showRecordings();
   settingsForm(byId("settings"), byId("more-settings"), models, draft(), (what, label) => store(what, label), recordings);
   showTable();
@@ -123,81 +105,34 @@ function showDraft() {
 
 // --- the fit
 
-let phase = "";
-let reached = {};
-
-const progress = perFrame((report) => {
-  if (!job) return;
-  if (report.starts) byId("progress").value = Math.min((report.start ?? 0) / report.starts, 1);
-  byId("job-line").textContent = [
-    PHASES[report.phase] ?? report.phase,
-    report.start && `start ${report.start} of ${report.starts}`,
-    report.iteration !== undefined && report.iteration !== null && `iteration ${report.iteration}`,
-    report.r2 !== undefined && report.r2 !== null && `R² ${r2(report.r2)}`,
-  ].filter(Boolean).join(" · ");
-  if (report.phase !== phase) {
-    phase = report.phase;
-    byId("job-said").textContent = `${PHASES[phase] ?? phase} …`;
-  }
-  const trace = report.traces?.find((one) => one.recording === shown) ?? report.traces?.[0];
-  if (trace?.modelled) {
-    plot.show(trace.t, trace.measured, trace.modelled);
-    byId("live-figures").textContent = report.r2 === null || report.r2 === undefined ? "" : `R² ${r2(report.r2)}`;
-  }
-  if (report.values) {
-    reached = report.values;
-    table.move(report.values);
-  }
+const elements = { start: byId("start"), stop: byId("cancel"), bar: byId("progress"), line: byId("job-line"), said: byId("job-said") };
+const controls = jobControls(elements, box.fit, {
+  progress: (report) => {
+    if (report.values) {
+      reached = { model: report.model, values: report.values };
+      table.move(report.values);
+      draw();
+    }
+    return report.total ? `start ${Math.min(report.done + 1, report.total)} of ${report.total} · iteration ${report.iteration}` : progressText(report, "");
+  },
+  ended: (now) => {
+    const words = { done: "The fit is done.", cancelled: now.result ? "Stopped; the best so far is kept." : "Stopped before there was anything to keep.", interrupted: "The server was stopped during the fit. Choose Fit to do it again." };
+    return [words[now.state] ?? "", " ", now.result && h("a", { href: `/fits/${now.result}`, class: "button small primary" }, "Open the result")];
+  },
+  done: (now) => {
+    table.lock(false);
+    if (now.result) draw();
+    else if (now.state !== "failed") showTable(); // which would take the reason away
+  },
 });
 
 function watch(found) {
-  job = found;
-  phase = "";
-  reached = {};
-  byId("job").hidden = false;
-  byId("cancel").hidden = false;
-  byId("cancel").disabled = false;
-  byId("start").disabled = true;
-  byId("progress").removeAttribute("value");
+  reached = null;
   table.lock(true);
-  byId("job-said").className = "sr"; // said aloud; seen above the plot
-  follow(found.id, {
-    state: (now) => {
-      byId("job-line").textContent = now.state === "queued" ? `Waiting, ${now.position ?? 1} in line` : now.message || "Started";
-      if (now.progress) progress(now.progress);
-    },
-    progress,
-    end: finish,
-  });
+  controls.watch(found);
 }
 
-function finish(ended) {
-  job = null;
-  byId("job").hidden = true;
-  byId("cancel").hidden = true;
-  byId("start").disabled = false;
-  table.lock(false);
-  const said = byId("job-said");
-  said.className = "";
-  if (ended.state === "failed") {
-    said.textContent = "";
-    complain(box.fit, ended.message);
-  } else {
-    const words = { done: "The fit is done.", cancelled: ended.result ? "Stopped; the best so far is kept." : "Stopped before there was anything to keep.", interrupted: "The server was stopped during the fit." };
-    replace(said, `${words[ended.state]} `, ended.result && h("a", { href: `/fits/${ended.result}`, class: "button small primary", id: "open-result" }, "Open the result"));
-    if (ended.state === "interrupted") byId("job-said").append(" Choose Fit to do it again.");
-  }
-  if (ended.result) live(reached);
-  else showTable();
-}
-
-byId("start").addEventListener("click", () =>
-  attempt(box.fit, async () => {
-    byId("job-said").textContent = "";
-    watch(await post("/api/fits", { name: null, draft: null }));
-  }),
-);
-byId("cancel").addEventListener("click", () => job && attempt(box.fit, () => cancel(job.id), byId("cancel")));
+byId("start").addEventListener("click", () => attempt(box.fit, async () => watch(await post("/api/fits"))));
 byId("which").addEventListener("change", () => {
   shown = byId("which").value;
   draw();
@@ -213,11 +148,12 @@ byId("adopt").addEventListener("click", () => {
 });
 
 const refresh = latest(() => attempt(box.page, async () => {
-  const report = await pages.read();
-  recordings = report.rows;
-  byId("bench").hidden = report.none;
-  byId("empty").hidden = !report.none;
-  if (report.none) {
+  ({ recordings } = await get("/api/recordings"));
+  sorted = false;
+  const none = !recordings.length;
+  byId("bench").hidden = none;
+  byId("empty").hidden = !none;
+  if (none) {
     replace(byId("empty"), empty("No recordings yet.", "A fit needs one.", h("a", { class: "button primary", href: "/import" }, "Import a file"), demoButton(box.page)));
   }
   if (draft()) showDraft();

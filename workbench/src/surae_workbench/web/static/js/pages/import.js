@@ -3,7 +3,6 @@
 import { get, post, query, remove, upload } from "../core/api.js";
 import { button, byId, h, replace, select, tick } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
-import { change } from "../core/draft.js";
 import { EMG, bytes, roleText, seconds } from "../core/format.js";
 import { attempt, calm, complain, tell } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
@@ -11,7 +10,7 @@ import { editSubject } from "../ui/dialog.js";
 import { ranges } from "../ui/describe.js";
 import { findingsTable } from "../ui/findings.js";
 import { emptyMapping, mappingTable } from "../ui/mapping.js";
-import { forTrial, rememberLeftOut, trialsAmong, whyNot } from "../ui/trials.js";
+import { forTrial, trialsAmong } from "../ui/trials.js";
 
 const box = { upload: byId("upload-error"), inspect: byId("inspect-error"), mapping: byId("mapping-error") };
 const KEPT = "surae.import";
@@ -82,52 +81,34 @@ async function discard(one) {
 /** Look into the files that are chosen; several files make one mapping between them. */
 async function inspect(given = null) {
   calm(box.inspect);
-  byId("inspect-error").hidden = true;
   byId("upload-progress").textContent = "Looking into the files …";
   const seen = async (id) => {
     if (!inspected.has(id)) inspected.set(id, await get(`/api/uploads/${id}/inspect`));
     return inspected.get(id);
   };
   const read = (await Promise.all([...included].map((id) => seen(id).catch((error) => complain(box.inspect, error))))).filter(Boolean);
-  byId("upload-progress").textContent = "";
   showUploads();
   trials = trialsAmong(read);
   const together = trials.length ? trials[0] : read.length > 1 ? await both() : read[0];
+  byId("upload-progress").textContent = "";
   const several = trials.length > 0 && `The settings below apply to all: ${trials.map((one) => one.name).join(", ")}.`;
-  const notes = [several, ...(together?.notes ?? read.flatMap((one) => one.notes))].filter(Boolean);
+  const notes = [several, ...(together?.notes ?? [])].filter(Boolean);
   byId("notes").hidden = notes.length === 0;
   replace(byId("notes"), notes.map((line) => h("li", {}, line)));
   byId("offer-card").hidden = true;
-  byId("mapping-card").hidden = read.length === 0;
-  if (!read.length) return keep();
-  mapping = given ?? (together ? { ...emptyMapping(), ...together.mapping } : joined(read));
+  byId("mapping-card").hidden = !together;
+  if (!together) return keep();
+  mapping = given ?? { ...emptyMapping(), ...together.mapping };
   await showMapping();
   check();
 }
 
 const isMapping = (id) => inspected.get(id)?.format === "TOML mapping";
 
-/** Several files as one recording; null where the server cannot see them as one. */
-async function both() {
-  const described = [...included].sort((a, b) => isMapping(b) - isMapping(a)); // which says what the others hold
-  const [first, ...others] = described;
-  try {
-    return await get(`/api/uploads/${first}/inspect${query({ also: others.join(",") })}`);
-  } catch {
-    return null; // then they are put together here, and the preview says what is missing
-  }
-}
-
-/** One mapping from those that were guessed file by file; the first to know a role wins. */
-function joined(read) {
-  const made = { ...emptyMapping(), ...read[0].mapping, channels: {} };
-  for (const one of read) {
-    for (const [role, channel] of Object.entries(one.mapping.channels ?? {})) made.channels[role] ??= channel;
-    made.side ??= one.mapping.side ?? null;
-  }
-  const kinds = new Set(read.map((one) => one.mapping.emg).filter(Boolean));
-  made.emg = kinds.size === 1 ? [...kinds][0] : null;
-  return made;
+/** Several files as one recording; undefined where they are none. */
+function both() {
+  const [first, ...others] = [...included].sort((a, b) => isMapping(b) - isMapping(a)); // which says what the others hold
+  return attempt(box.inspect, () => get(`/api/uploads/${first}/inspect?${others.map((id) => `also=${id}`).join("&")}`));
 }
 
 async function showMapping() {
@@ -225,7 +206,7 @@ byId("subject").addEventListener("change", async () => {
   return keep();
 });
 
-/** Every trial by the one description; those that move and are sound are then chosen for a fit. */
+/** Every trial by the one description; then they are analysed, or wait in the project. */
 async function importTrials(analyse = false) {
   const request = body();
   const failed = [];
@@ -237,27 +218,22 @@ async function importTrials(analyse = false) {
     try {
       const { id } = await post("/api/imports", { ...request, mapping: own, trial: own.name });
       included.delete(one.id);
-      if (analyse) return { id }; // the session sorts them
-      const reason = whyNot((await get(`/api/recordings/${id}/quality`)).findings);
-      if (reason) rememberLeftOut({ [id]: reason });
-      return { id, fits: !reason };
+      return id;
     } catch (error) {
       failed.push(`${one.name}: ${error.message}`);
       return null;
     }
   }));
-  const all = made.filter(Boolean).map((one) => one.id);
-  const fit = made.filter((one) => one?.fits).map((one) => one.id);
+  const recordings = made.filter(Boolean);
   byId("import").disabled = byId("analyse").disabled = false;
   byId("upload-progress").textContent = "";
-  if (analyse && all.length && !(await attempt(byId("offer-error"), () => post("/api/sessions", { recordings: all })))) return;
-  if (fit.length) await attempt(box.mapping, () => change({ recordings: fit }, `fit ${fit.length} trials`));
+  if (analyse && recordings.length && !(await attempt(byId("offer-error"), () => post("/api/sessions", { recordings })))) return;
   if (failed.length) {
     await inspect();
     return complain(box.mapping, new Error(failed.join("; ")));
   }
   sessionStorage.removeItem(KEPT);
-  location.href = analyse ? "/analyse" : fit.length ? "/fit" : "/";
+  location.href = analyse ? "/analyse" : "/";
 }
 
 byId("mapping-card").addEventListener("submit", async (event) => {

@@ -7,12 +7,11 @@ import { attempt, headline, onClick } from "../core/notice.js";
 
 const id = byId("session").dataset.id;
 
-function show({ summary, visits, fits, paper }) {
+function show({ summary, visits, paper }) {
   headline(summary.name, [`${summary.trials} trials`, when(summary.created)]);
   byId("report-pdf").hidden = !paper;
-  const fit = fits.joint ?? Object.values(fits)[0];
-  byId("joint").hidden = !fit;
-  if (fit) byId("joint").href = `/fits/${fit.id}`;
+  byId("joint").hidden = !summary.fit;
+  byId("joint").href = `/fits/${summary.fit}`;
   const place = document.querySelector(".report [aria-labelledby=change]");
   if (!place || !visits.length) return;
   const changed = h("div", { role: "status" }, [...place.querySelectorAll(":scope > :not(h2)")]);

@@ -52,19 +52,12 @@ function fill({ settings, model, population, noise, film }) {
   if (population) byId("population").value = population;
   if (noise) byId("noise").value = noise;
   byId("film").value = film ?? "";
-  slide();
 }
 
 /** A designed protocol is an option of its own while it is shown. */
 function showKept() {
   byId("profile").querySelector("[value=designed]")?.remove();
   if (kept) byId("profile").append(option("designed", kept.plan.name));
-}
-
-/** Sliders stand where the numbers are. */
-function slide() {
-  byId("noise-slide").value = Math.log10(Number(byId("noise").value) || 0.5);
-  byId("duration-slide").value = byId("duration").value || Number(byId("durations").value.split(",")[0]) || 35;
 }
 
 const preview = latest(async () => {
@@ -141,11 +134,13 @@ const savedTable = sortable("Protocols of this project", [
         "div",
         { class: "button-row" },
         button("Open", () => { fill({ settings: p.settings }); preview(); }, { class: "small", "aria-label": `Open ${p.name}` }),
-        button("CSV", () => attempt(box, () => download(`/api/protocols/${p.id}/protocol.csv?reason=${encodeURIComponent(byId("reason").value)}`, "protocol.csv")), { class: "small", "aria-label": `CSV of ${p.name}` }),
+        button("CSV", () => attempt(box, () => exportCsv(p.settings, p.name)), { class: "small", "aria-label": `CSV of ${p.name}` }),
         deleteButton(`/api/protocols/${p.id}`, p.name, box, () => showSaved()),
       ),
   },
 ]);
+
+const exportCsv = (settings, name = "") => download("/api/protocols/csv", "protocol.csv", { settings, name, reason: byId("reason").value });
 
 async function showSaved() {
   const { protocols } = await get("/api/protocols");
@@ -159,7 +154,7 @@ byId("settings").addEventListener("submit", (event) => {
   event.preventDefault();
   preview();
 });
-byId("export").addEventListener("click", () => byId("settings").reportValidity() && attempt(box, () => download("/api/protocols/csv", "protocol.csv", { settings: entered().settings, reason: byId("reason").value }), byId("export")));
+byId("export").addEventListener("click", () => byId("settings").reportValidity() && attempt(box, () => exportCsv(entered().settings), byId("export")));
 byId("save").addEventListener("click", async () => {
   if (!byId("settings").reportValidity()) return;
   const name = h("input", { type: "text", required: true, maxlength: 120, value: byId("profile").value });
@@ -171,13 +166,6 @@ byId("save").addEventListener("click", async () => {
 });
 onChanged(["protocols"], () => attempt(box, showSaved));
 
-byId("noise-slide").addEventListener("input", () => (byId("noise").value = Number((10 ** Number(byId("noise-slide").value)).toPrecision(2))));
-byId("duration-slide").addEventListener("input", () => {
-  const value = byId("duration-slide").value;
-  byId("durations").value = value;
-  if (choices.profiles.some((one) => one.name === byId("profile").value && !one.designed)) byId("duration").value = value;
-});
-byId("noise").addEventListener("input", slide);
 byId("profile").addEventListener("input", () => {
   if (byId("profile").value !== "designed") kept = null;
   showKept();
@@ -189,7 +177,7 @@ byId("population").addEventListener("input", () => {
   byId("low").focus();
 });
 
-const watch = jobControls({ start: byId("search"), stop: byId("stop"), said: byId("search-said") }, box, {
+const { watch } = jobControls({ start: byId("search"), stop: byId("stop"), said: byId("search-said") }, box, {
   progress: (now) => progressText(now, "Plans judged"),
   ended: (now) => {
     const how = { cancelled: "Stopped", done: "Done", failed: "Failed" }[now.state] ?? now.state;
@@ -214,7 +202,7 @@ attempt(box, async () => {
   replace(byId("device"), option("", "none"), known.devices.map((one) => option(one.name)));
   replace(byId("population"), known.populations.map((one) => option(one.name ?? one)));
   replace(byId("model"), known.models.map((one) => option(one.name, one.title)));
-  replace(byId("numbers"), numbers().map((one) => field(one.label, h("input", { id: one.path[0], type: "number", min: one.least, max: one.most, step: "any", required: !one.optional, placeholder: one.optional && "own", on: { input: slide } }))));
+  replace(byId("numbers"), numbers().map((one) => field(one.label, h("input", { id: one.path[0], type: "number", min: one.least, max: one.most, step: "any", required: !one.optional, placeholder: one.optional && "own" }))));
   fill(JSON.parse(localStorage.getItem(KEPT) ?? "null") ?? known.start);
   const [job] = await active("design");
   if (job) watch(job);

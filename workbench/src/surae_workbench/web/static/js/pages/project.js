@@ -3,15 +3,14 @@
 import { get, patch, post } from "../core/api.js";
 import { button, byId, empty, h, replace, select } from "../core/dom.js";
 import { change } from "../core/draft.js";
-import { onChanged, onJob } from "../core/events.js";
+import { onChanged } from "../core/events.js";
 import { quantity, seconds, r2, when } from "../core/format.js";
 import { attempt, complain } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
-import { cancel, ended } from "../ui/jobs.js";
+import { active, cancel } from "../ui/jobs.js";
 import { mark, older, status } from "../ui/marks.js";
 import { editSubject } from "../ui/dialog.js";
-import { paged } from "../ui/paged.js";
 import { deleteButton, sortable } from "../ui/table.js";
 
 const boxes = Object.fromEntries(["sessions", "recordings", "fits", "subjects", "running"].map((k) => [k, byId(`${k}-error`)]));
@@ -22,7 +21,7 @@ function subjectOf(recording) {
   const options = [["", "none"], ...people.map((one) => [one.id, one.code])];
   const knob = select({ "aria-label": `Subject of ${recording.name}`, "data-focus": `subject-${recording.id}` }, options, recording.subject ?? "");
   knob.addEventListener("change", () =>
-    attempt(boxes.recordings, () => patch(`/api/recordings/${recording.id}`, { subject: knob.value || null }, recording.revision)),
+    attempt(boxes.recordings, () => patch(`/api/recordings/${recording.id}`, { subject: knob.value || null })),
   );
   return knob;
 }
@@ -36,21 +35,20 @@ async function useForFit(recording) {
 
 const drop = (kind, entry, label, more) => deleteButton(`/api/${kind}/${entry.id}`, label, boxes[kind], () => refresh(), more);
 
-const pages = Object.fromEntries(["recordings", "fits"].map((kind) => [kind, paged(kind, () => refresh())]));
 const recordingsTable = sortable("Trials of the project", [
-  { key: "name", title: "Trial", value: (r) => r.name, show: (r) => h("a", { href: `/recordings/${r.id}` }, r.name) },
-  { key: "subject", title: "Subject", value: (r) => code(r.subject), show: subjectOf },
-  { key: "side", look: "minor", title: "Side", value: (r) => r.side, show: (r) => r.side ?? "—" },
-  { key: "trial", look: "minor", title: "Number, condition", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || "—" },
-  { key: "duration_s", title: "Length", numeric: true, value: (r) => r.duration_s, show: (r) => seconds(r.duration_s) },
-  { key: "fits", look: "research", title: "Fits", numeric: true, value: (r) => r.fits, show: (r) => String(r.fits) },
-  { key: "created", look: "minor", title: "Imported", value: (r) => r.created, show: (r) => when(r.created) },
+  { title: "Trial", value: (r) => r.name, show: (r) => h("a", { href: `/recordings/${r.id}` }, r.name) },
+  { title: "Subject", value: (r) => code(r.subject), show: subjectOf },
+  { look: "minor", title: "Side", value: (r) => r.side, show: (r) => r.side ?? "—" },
+  { look: "minor", title: "Number, condition", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || "—" },
+  { title: "Length", numeric: true, value: (r) => r.duration_s, show: (r) => seconds(r.duration_s) },
+  { look: "research", title: "Fits", numeric: true, value: (r) => r.fits, show: (r) => String(r.fits) },
+  { look: "minor", title: "Imported", value: (r) => r.created, show: (r) => when(r.created) },
   {
     title: "",
     show: (r) =>
       h("div", { class: "button-row" }, button("Fit", () => useForFit(r), { class: "small research", "aria-label": `Fit ${r.name}` }), drop("recordings", r, r.name)),
   },
-], pages.recordings.order);
+]);
 
 const legsTable = sortable("Legs of the project", [
   { title: "Leg and visit", value: (s) => s.name, show: (s) => h("a", { href: `/sessions/${s.id}` }, s.name) },
@@ -63,14 +61,14 @@ const legsTable = sortable("Legs of the project", [
 ]);
 
 const fitsTable = sortable("Fits of the project", [
-  { key: "name", title: "Fit", value: (f) => f.name, show: (f) => h("a", { href: `/fits/${f.id}` }, f.name) },
-  { key: "title", title: "Model", value: (f) => f.title, show: (f) => f.title },
-  { key: "subject", title: "Subject", value: (f) => code(f.subject), show: (f) => code(f.subject) ?? "—" },
-  { key: "status", title: "Status", value: (f) => f.status, show: (f) => [status(f.status), older(f)] },
-  { key: "r2", title: "R²", numeric: true, value: (f) => f.r2, show: (f) => r2(f.r2) },
-  { key: "created", title: "Made", value: (f) => f.created, show: (f) => when(f.created) },
+  { title: "Fit", value: (f) => f.name, show: (f) => h("a", { href: `/fits/${f.id}` }, f.name) },
+  { title: "Model", value: (f) => f.title, show: (f) => f.title },
+  { title: "Subject", value: (f) => code(f.subject), show: (f) => code(f.subject) ?? "—" },
+  { title: "Status", value: (f) => f.status, show: (f) => [status(f.status), older(f)] },
+  { title: "R²", numeric: true, value: (f) => f.r2, show: (f) => r2(f.r2) },
+  { title: "Made", value: (f) => f.created, show: (f) => when(f.created) },
   { title: "", show: (f) => drop("fits", f, f.name) },
-], pages.fits.order);
+]);
 
 const subjectsTable = sortable("All subjects of the project", [
   { title: "Code", value: (p) => p.code, show: (p) => p.code },
@@ -95,7 +93,7 @@ async function edit(person) {
   const entered = await editSubject(person);
   if (!entered) return;
   await attempt(boxes.subjects, async () => {
-    if (person) await patch(`/api/subjects/${person.id}`, entered, person.revision);
+    if (person) await patch(`/api/subjects/${person.id}`, entered);
     else await post("/api/subjects", entered);
     await refresh();
   });
@@ -109,37 +107,36 @@ const nothing = {
 };
 
 const shown = {};
-function show(kind, table, rows, none = !rows.length) {
+function show(kind, table, rows) {
   const now = JSON.stringify([rows, people]);
   if (shown[kind] === now) return; // what has not changed is not drawn anew under somebody's hand
   shown[kind] = now;
-  if (none) replace(byId(kind), nothing[kind]());
+  if (!rows.length) replace(byId(kind), nothing[kind]());
   else {
     table.update(rows);
-    if (byId(kind).lastElementChild !== table.element) replace(byId(kind), pages[kind]?.element, table.element);
+    if (byId(kind).lastElementChild !== table.element) replace(byId(kind), table.element);
   }
 }
 
 // One at a time: an answer that is late never takes the place of a later one.
 const refresh = latest(() =>
   attempt(boxes.recordings, async () => {
-    const [subjects, { sessions }, recordings, fits] = await Promise.all([get("/api/subjects"), get("/api/sessions"), pages.recordings.read(), pages.fits.read()]);
-    people = subjects.subjects;
+    const kinds = ["subjects", "sessions", "recordings", "fits"];
+    const [{ subjects }, { sessions }, { recordings }, { fits }] = await Promise.all(kinds.map((kind) => get(`/api/${kind}`)));
+    people = subjects;
     show("sessions", legsTable, sessions);
     show("subjects", subjectsTable, people);
-    show("recordings", recordingsTable, recordings.rows, recordings.none);
-    show("fits", fitsTable, fits.rows, fits.none);
+    show("recordings", recordingsTable, recordings);
+    show("fits", fitsTable, fits);
   }),
 );
 
-const jobs = new Map();
-function note(job) {
-  if (ended(job)) jobs.delete(job.id);
-  else jobs.set(job.id, job);
-  byId("running").hidden = jobs.size === 0;
+const showJobs = latest(async () => {
+  const jobs = await active();
+  byId("running").hidden = jobs.length === 0;
   replace(
     byId("running-list"),
-    [...jobs.values()].map((one) =>
+    jobs.map((one) =>
       h(
         "li",
         {},
@@ -150,11 +147,11 @@ function note(job) {
       ),
     ),
   );
-}
+});
 
 byId("add-subject").addEventListener("click", () => edit(null));
 onChanged(["sessions", "recordings", "fits", "subjects"], () => refresh());
-onJob(note);
+onChanged(["jobs"], () => showJobs().catch(() => null));
 attempt(boxes.recordings, async () => {
   await refresh();
   const { damaged } = await get("/api/damaged");
@@ -162,5 +159,5 @@ attempt(boxes.recordings, async () => {
     const kinds = [...new Set(damaged.map((one) => one.kind))].join(", ");
     complain(byId("damaged"), `${damaged.length} damaged and left out (${kinds}); \`surae project check\` tells more, all else is whole`);
   }
-  (await get("/api/jobs?active=true")).jobs.forEach(note);
+  await showJobs();
 });

@@ -118,7 +118,7 @@ function makePlots() {
 }
 
 async function showFits() {
-  const { fits } = await get(`/api/fits?recording=${id}&count=1000`);
+  const { fits } = await get(`/api/fits?recording=${id}`);
   replace(
     byId("fits"),
     fits.length
@@ -143,7 +143,7 @@ async function edit() {
       side: side.value || null,
       trial: trial.value,
       condition: condition.value,
-    }, recording.revision);
+    });
     showAbout();
   });
 }

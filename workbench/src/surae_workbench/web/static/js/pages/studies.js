@@ -1,33 +1,50 @@
 // Studies: start one, see how far they are.
 
-import { get, post } from "../core/api.js";
-import { byId, empty, h, replace } from "../core/dom.js";
-import { onChanged, onJob } from "../core/events.js";
+import { download, get, post } from "../core/api.js";
+import { button, byId, empty, h, replace } from "../core/dom.js";
+import { onChanged } from "../core/events.js";
 import { when } from "../core/format.js";
 import { attempt, calm } from "../core/notice.js";
+import { latest, settled } from "../core/pace.js";
 import { factors } from "../ui/factors.js";
+import { cancel } from "../ui/jobs.js";
 import { mark } from "../ui/marks.js";
-import { sortable } from "../ui/table.js";
+import { deleteButton, sortable } from "../ui/table.js";
 
 const box = byId("error");
+const running = (study) => study.state === "running" || study.state === "queued";
 
 const table = sortable("Studies", [
-  { title: "Study", value: (s) => s.name, show: (s) => h("a", { href: `/studies/${s.id}` }, s.name) },
+  { title: "Study", value: (s) => s.name, show: (s) => h("details", {}, h("summary", {}, s.name), h("pre", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Settings of ${s.name}` }, h("code", {}, s.toml))) },
   { title: "State", value: (s) => s.state, show: (s) => mark(s.state) },
-  { title: "Done", value: (s) => s.done / (s.fits || 1), show: (s) => h("span", {}, h("progress", { max: s.fits || 1, value: s.done, "aria-label": `Progress of ${s.name}` }), ` ${s.done} of ${s.fits} fits`) },
-  { title: "Made", value: (s) => s.created, show: (s) => when(s.created) },
+  { title: "Done", value: (s) => s.done / (s.fits || 1), show: (s) => [h("progress", { max: s.fits || 1, value: s.done, "aria-label": `Progress of ${s.name}` }), ` ${s.done} of ${s.fits ?? s.rows} fits`, Object.entries(s.reasons).map(([why, n]) => h("div", { class: "small" }, `${n} × ${why}`))] },
+  { title: "Made", look: "minor", value: (s) => s.created, show: (s) => when(s.created) },
+  { title: "", show: actions },
 ]);
 
-async function refresh() {
+function actions(study) {
+  const knob = (text, work) => button(text, () => attempt(box, work), { class: "small", "aria-label": `${text} ${study.name}` });
+  return h(
+    "div",
+    { class: "button-row" },
+    running(study) ? knob("Stop", () => cancel(study.job)) : study.state !== "done" && knob("Resume", () => post(`/api/studies/${study.id}/start`)),
+    study.done > 0 && knob("Export CSV", () => download(`/api/studies/${study.id}/table.csv`, "study.csv")),
+    !running(study) && deleteButton(`/api/studies/${study.id}`, study.name, box, refresh),
+  );
+}
+
+const refresh = latest(() => attempt(box, async () => {
   const { studies } = await get("/api/studies");
   table.update(studies);
   replace(byId("list"), studies.length ? table.element : empty("No studies yet.", "Choose below what to vary, and start."));
-}
+  if (studies.some(running)) soon();
+}));
+const soon = settled(refresh, 2000);
 
 byId("new").addEventListener("submit", async (event) => {
   event.preventDefault();
   const made = await attempt(byId("new-error"), () => post("/api/studies", { toml: byId("toml").value, start: true }), byId("start"));
-  if (made) location.href = `/studies/${made.id}`;
+  if (made) await refresh();
 });
 byId("file").addEventListener("change", async (event) => {
   calm(byId("new-error"));
@@ -47,6 +64,5 @@ attempt(box, async () => {
   replace(byId("factors"), form.element);
   form.write();
 });
-onChanged(["studies"], () => attempt(box, refresh));
-onJob((job) => job.kind === "study" && attempt(box, refresh));
-attempt(box, refresh);
+onChanged(["studies", "jobs"], refresh);
+refresh();

@@ -96,7 +96,7 @@ export function lines(panel, options = {}) {
       readout.textContent = "";
       return;
     }
-    const values = panel.series.map((one, i) => number(near(u.data[i + 1], at), 4));
+    const values = panel.series.map((one, i) => number(u.data[i + 1][at], 4));
     if (values.every((text) => text === NONE)) {
       readout.textContent = "";
       return;
@@ -115,7 +115,7 @@ export function lines(panel, options = {}) {
   return {
     element,
     canvas,
-    /** Show [x, y…] (aligned); `to` is the range of x, null for all of it. */
+    /** Show [x, y…]; `to` is the range of x, null for all of it. */
     show(next, to = range) {
       data = next;
       range = to;
@@ -145,15 +145,6 @@ function named(ticks, unit) {
 }
 
 const title = (panel) => (panel.unit ? `${panel.title} [${panel.unit}]` : panel.title);
-
-/** Signals of other rates have no value at every time: the nearest counts. */
-function near(values, at) {
-  for (let k = 0; k < 12; k++) {
-    const value = values[at - k] ?? values[at + k];
-    if (value !== null && value !== undefined) return value;
-  }
-  return null;
-}
 
 function padded(u, low, high) {
   if (low === null || high === null) return [0, 1];

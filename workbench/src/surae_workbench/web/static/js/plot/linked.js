@@ -11,7 +11,7 @@ let count = 0;
 /**
  * Linked panels.
  *
- * @param panels as for `lines`; with `roles`, a panel shows only the spans of these signals and of none
+ * @param panels as for `lines`; with a `role`, a panel shows only the spans of this signal and of none
  * @param options {duration, spans, onExclude, load(range), label}: `load` fetches the data of a
  *   range of time (null: all) and calls `show` of the panels; it may be asked again at any time.
  */
@@ -23,7 +23,7 @@ export function linked(panels, options) {
   const made = panels.map((panel, index) =>
     lines(panel, {
       sync,
-      spans: options.spans && (() => options.spans().filter((one) => !one.role || !panel.roles || panel.roles.includes(one.role))),
+      spans: options.spans && (() => options.spans().filter((one) => !one.role || !panel.role || panel.role === one.role)),
       drag: () => mode,
       onRange: go,
       onExclude: options.onExclude,

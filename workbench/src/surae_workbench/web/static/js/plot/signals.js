@@ -1,7 +1,6 @@
 // A recording's EMG, angle and torque: windows are fetched as they are looked at.
 
 import { EMG, EMG_SHORT, roleText, shownAs } from "../core/format.js";
-import { aligned } from "./align.js";
 import { linked } from "./linked.js";
 
 /**
@@ -12,9 +11,9 @@ import { linked } from "./linked.js";
 export function signalPlots(options) {
   const emg = EMG.filter((role) => options.roles.includes(role));
   const panels = [
-    ...emg.map((role, i) => ({ roles: [role], title: `EMG ${EMG_SHORT[EMG.indexOf(role)]}`, series: [{ label: role, colour: `series-${i === 0 ? 2 : 1}` }], height: 92 })),
+    ...emg.map((role, i) => ({ role, title: `EMG ${EMG_SHORT[EMG.indexOf(role)]}`, series: [{ label: role, colour: `series-${i === 0 ? 2 : 1}` }], height: 92 })),
     ...["angle", "torque"].filter((role) => options.roles.includes(role)).map((role) => ({
-      roles: [role],
+      role,
       title: role === "angle" ? "Angle, dorsiflexion positive" : "Torque, triceps positive",
       series: [{ label: roleText(role), colour: "series-1" }],
       height: role === "torque" ? 180 : 140,
@@ -41,11 +40,11 @@ export function signalPlots(options) {
     // EMG is shown on one scale of units, so that the panels can be compared.
     const largest = Math.max(...window.signals.filter((one) => EMG.includes(one.role)).map((one) => top(one.v)), 0);
     panels.forEach((panel, i) => {
-      const found = window.signals.filter((one) => panel.roles.includes(one.role));
-      if (!found.length || !found[0].t.length) return;
-      const shown = shownAs(found[0].unit, EMG.includes(found[0].role) ? largest : 0);
+      const found = window.signals.find((one) => one.role === panel.role);
+      if (!found?.t.length) return;
+      const shown = shownAs(found.unit, EMG.includes(panel.role) ? largest : 0);
       stack.panels[i].unit(shown.unit);
-      stack.panels[i].show(aligned(found, found.map(() => shown.factor)), range ?? [0, options.duration()]);
+      stack.panels[i].show([found.t, found.v.map((y) => y * shown.factor)], range ?? [0, options.duration()]);
     });
   }
   return stack;

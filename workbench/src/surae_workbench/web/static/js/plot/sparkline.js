@@ -2,23 +2,13 @@
 
 import { s } from "../core/dom.js";
 
-/** Values over time as a path; `factor` and `offset` are applied first. */
-export function sparkline({ t, v }, label, factor = 1, offset = 0) {
-  const values = v.map((y) => (y === null ? null : factor * y + offset));
-  const known = values.filter((y) => y !== null);
-  const [low, high] = [Math.min(...known), Math.max(...known)];
-  const [first, last] = [t[0], t[t.length - 1]];
-  const x = (i) => (100 * (t[i] - first)) / (last - first || 1);
+/** Values over time as a path, each times a factor. */
+export function sparkline({ t, v }, label, factor = 1) {
+  const values = v.map((y) => factor * y);
+  const [low, high] = [Math.min(...values), Math.max(...values)];
+  const x = (i) => (100 * (t[i] - t[0])) / (t[t.length - 1] - t[0] || 1);
   const y = (i) => 28 - (26 * (values[i] - low)) / (high - low || 1);
-  let path = "";
-  let pen = "M";
-  for (let i = 0; i < t.length; i++) {
-    if (values[i] === null) pen = "M";
-    else {
-      path += `${pen}${x(i).toFixed(2)} ${y(i).toFixed(2)}`;
-      pen = "L";
-    }
-  }
+  const path = t.map((_, i) => `${i ? "L" : "M"}${x(i).toFixed(2)} ${y(i).toFixed(2)}`).join("");
   return s(
     "svg",
     { class: "sparkline", viewBox: "0 0 100 30", preserveAspectRatio: "none", role: "img", "aria-label": label },

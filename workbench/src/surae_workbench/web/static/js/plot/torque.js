@@ -4,14 +4,14 @@ import { lines } from "./lines.js";
 import { onTheme } from "../core/theme.js";
 
 /** A plot of both; the measured torque is broad and pale, the modelled one thin and dark. */
-export function torquePlot({ height = 220, title = "Torque, triceps positive", modelled = "modelled" } = {}) {
+export function torquePlot() {
   const panel = lines({
-    title,
+    title: "Torque, triceps positive",
     unit: "Nm",
-    height,
+    height: 220,
     series: [
       { label: "measured", colour: "measured", width: 4 },
-      { label: modelled, colour: "modelled", width: 1.6 },
+      { label: "modelled", colour: "modelled", width: 1.6 },
     ],
   });
   onTheme(panel.redraw);

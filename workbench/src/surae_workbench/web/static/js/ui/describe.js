@@ -66,7 +66,7 @@ export async function describe(id, place, box, done) {
       done();
     } } },
     table,
-    !answer.whole && h("p", { class: "muted small" }, "The files that were imported are no longer here: other columns can be chosen after dropping them on the page Import again."),
+    h("p", { class: "muted small" }, "For a column that was not imported, add the trial again."),
     h("div", { class: "fields" }, field("EMG is", emg)),
     h("label", { class: "check" }, gravity, "Inertia and gravity are taken out of the torque already (inverse dynamics)"),
     others.length > 0 && h("fieldset", { class: "plain" }, h("legend", {}, "The same for these, which have the same columns"), others.map(([, tick, name]) => h("label", { class: "check" }, tick, name))),

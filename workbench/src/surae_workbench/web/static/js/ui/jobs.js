@@ -1,15 +1,14 @@
 // One job, followed until it ends.
 
 import { get, post } from "../core/api.js";
+import { replace } from "../core/dom.js";
 import { attempt, complain } from "../core/notice.js";
 
 /** What a job is doing before it counts. */
-export const PHASES = {
+const PHASES = {
   reading: "Reading",
   preparing: "Preparing the signals",
   compiling: "Compiling the model (only once)",
-  fitting: "Fitting",
-  assessing: "Working out the uncertainty",
 };
 
 /** How far a job is, in words: what is counted, or its phase. */
@@ -54,33 +53,48 @@ export function follow(id, handlers) {
 export const cancel = (id) => post(`/api/jobs/${id}/cancel`);
 
 /**
- * Gives a function that follows a job with these elements: `start` is off and `stop` there while it
- * is at work, `said` holds what `progress` and `ended` make of its news. Errors go to `box`.
+ * Follows a job with these elements: `start` is off, `stop`, the `bar` and the `line` are there while
+ * it is at work; the line holds what `progress` makes of its news, `said`, which is read aloud, what
+ * `ended` does. Where there is no line, `said` holds both. Errors go to `box`.
+ *
+ * @returns {watch(job), busy()}
  */
-export function jobControls({ start, stop, said }, box, { progress, ended: text, done = () => null }) {
+export function jobControls({ start, stop, said, bar = null, line = null }, box, { progress, ended: text, done = () => null }) {
   let job = null;
-  stop.addEventListener("click", () => job && attempt(box, () => cancel(job.id), stop));
-  return function watch(found) {
+  const working = (found) => {
     job = found;
-    start.disabled = true;
-    stop.hidden = false;
+    start.disabled = job !== null;
+    stop.hidden = job === null;
+    for (const one of [bar, line]) if (one) one.hidden = job === null;
+  };
+  const heard = (report) => {
+    (line ?? said).textContent = progress(report);
+    if (bar && report.total) bar.value = report.done / report.total;
+  };
+  stop.addEventListener("click", () => job && attempt(box, () => cancel(job.id), stop));
+  function watch(found) {
+    working(found);
+    bar?.removeAttribute("value");
+    said.textContent = "At work …";
     follow(found.id, {
-      state: (now) => now.state === "queued" && (said.textContent = "Waiting for another job …"),
-      progress: (report) => (said.textContent = progress(report)),
+      state: (now) => {
+        if (now.state === "queued") (line ?? said).textContent = `Waiting, ${now.position ?? 1} in line`;
+        if (now.progress) heard(now.progress);
+      },
+      progress: heard,
       end: async (now) => {
-        job = null;
-        start.disabled = false;
-        stop.hidden = true;
-        said.textContent = text(now);
+        working(null);
+        replace(said, text(now));
         if (now.state === "failed") complain(box, now.message);
         await done(now);
       },
     });
-  };
+  }
+  return { watch, busy: () => job !== null };
 }
 
-/** Jobs that run or wait, of one kind. */
-export async function active(kind) {
+/** Jobs that run or wait, of one kind or of all. */
+export async function active(kind = null) {
   const { jobs } = await get("/api/jobs?active=true");
-  return jobs.filter((job) => job.kind === kind);
+  return jobs.filter((job) => kind === null || job.kind === kind);
 }

@@ -17,7 +17,7 @@ export function profiles(id, result, reread) {
   replace(byId("profile-name"), h("option", { value: "" }, "all free ones"), free.map(([name]) => h("option", { value: name }, name)));
   byId("profile-name").value = free[0]?.[0] ?? "";
 
-  const watch = jobControls({ start: byId("profile-start"), stop: byId("profile-stop"), said: byId("profile-said") }, box, {
+  const { watch } = jobControls({ start: byId("profile-start"), stop: byId("profile-stop"), said: byId("profile-said") }, box, {
     progress: (report) => progressText(report, `Profiling ${report.parameter}`),
     ended: ({ state }) => ({ done: "The profile is done.", cancelled: "Stopped." })[state] ?? "",
     done: () => attempt(box, async () => {

@@ -4,15 +4,17 @@ import { remove } from "../core/api.js";
 import { button, h, replace, scroll } from "../core/dom.js";
 import { attempt, tell } from "../core/notice.js";
 
+/** Rows that are shown at a time; what is looked for among more is found by its words. */
+const SHOWN = 100;
+
 /**
  * A sortable table.
  *
  * @param caption what it shows
- * @param columns [{key, title, value: row => number|string|null, show: row => node, numeric, look}]; `look` has classes
- * @param byServer where the server sorts: called with a column's key and whether downwards
+ * @param columns [{title, value: row => number|string|null, show: row => node, numeric, look}]; `look` has classes
  * @returns {element, update(rows)}
  */
-export function sortable(caption, columns, byServer = null) {
+export function sortable(caption, columns) {
   let rows = [];
   let by = null;
   let direction = 1;
@@ -35,8 +37,7 @@ export function sortable(caption, columns, byServer = null) {
     by = column;
     for (const other of columns) other.head.removeAttribute("aria-sort");
     column.head.setAttribute("aria-sort", direction > 0 ? "ascending" : "descending");
-    if (byServer) byServer(column.key, direction < 0);
-    else draw();
+    draw();
   }
 
   function compare(a, b) {
@@ -46,11 +47,20 @@ export function sortable(caption, columns, byServer = null) {
     return direction * (typeof x === "number" ? x - y : String(x).localeCompare(String(y), undefined, { numeric: true }));
   }
 
+  const find = h("input", { type: "search", "aria-label": `Find in ${caption}`, placeholder: "Find", maxlength: 200, on: { input: () => draw() } });
+  const said = h("span", { class: "muted small", role: "status" });
+  const tools = h("div", { class: "button-row", hidden: true }, find, said);
+
   function draw() {
-    const sorted = by && !byServer ? [...rows].sort(compare) : rows;
+    const words = find.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const text = (row) => columns.map((column) => column.value?.(row) ?? "").join(" ").toLowerCase();
+    const found = words.length ? rows.filter((row) => words.every((word) => text(row).includes(word))) : rows;
+    tools.hidden = rows.length <= SHOWN;
+    said.textContent = found.length > SHOWN ? `The first ${SHOWN} of ${found.length}` : `${found.length} found`;
+    const sorted = by ? [...found].sort(compare) : found;
     replace(
       body,
-      sorted.map((row) =>
+      sorted.slice(0, SHOWN).map((row) =>
         h(
           "tr",
           {},
@@ -63,7 +73,7 @@ export function sortable(caption, columns, byServer = null) {
   }
 
   return {
-    element: scroll(caption, table),
+    element: h("div", {}, tools, scroll(caption, table)),
     update(next) {
       rows = next;
       draw();

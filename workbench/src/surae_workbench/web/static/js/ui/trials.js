@@ -1,4 +1,18 @@
-// Several files that are trials of one layout: one description serves all of them.
+// Trials to choose from; and several files of one layout, which one description serves.
+
+import { h, tick } from "../core/dom.js";
+
+/** A list to choose trials from: `chosen` has ids, `choose(one, wanted)` is called, `about` says more. */
+export const trialList = (trials, chosen, choose, about) =>
+  h("ul", { class: "list" }, trials.map((one) =>
+    h(
+      "li",
+      {},
+      tick(one.name, chosen.has(one.id), (wanted) => choose(one, wanted), { "data-focus": one.id }),
+      h("a", { href: `/recordings/${one.id}`, class: "small", "aria-label": `Look at ${one.name}` }, "Look"),
+      h("span", { class: "muted small" }, about(one).filter(Boolean).join(" · ")),
+    ),
+  ));
 
 /** The files of which each holds an angle of its own; none where they are parts of one recording. */
 export const trialsAmong = (files) => (files.length > 1 && files.every((one) => one.mapping.channels?.angle && one.columns.length) ? files : []);
@@ -10,19 +24,4 @@ export function forTrial(one, mapping) {
     return [role, { ...channel, upload: one.id }];
   });
   return { ...mapping, name: one.name.replace(/\.[^.]*$/, ""), channels: Object.fromEntries(channels) };
-}
-
-const LEFT_OUT = "surae.left-out";
-
-/** Remember, across pages, why trials were not chosen for the fit: {id: reason}. */
-export const rememberLeftOut = (reasons) => sessionStorage.setItem(LEFT_OUT, JSON.stringify({ ...leftOut(), ...reasons }));
-
-/** Why trials that were imported together were not chosen: {id: reason}. */
-export const leftOut = () => JSON.parse(sessionStorage.getItem(LEFT_OUT) ?? "{}");
-
-/** Why a trial is not for a joint fit, as the check has it; empty for one that is. */
-export function whyNot(findings) {
-  if (findings.some((one) => one.code === "angle-still")) return "holds still: one hold cannot show stiffness";
-  const error = findings.find((one) => one.severity === "error");
-  return error ? `the check: ${error.message}` : "";
 }
