@@ -6,7 +6,7 @@
 2. All departures, their sizes and that of the latents learnt from the data.
 3. The evidence of every set of departures, from one Laplace approximation; the best is solved anew.
 4. Where the residual under effort is much greater than at rest, the size of the drive's error is
-   sought by evidence, before the departures are chosen.
+   sought by evidence, before the departures are chosen, if every muscle has an electrode.
 5. What makes the mode unsure, source by source (`surae.estimation.uncertainty`).
 """
 
@@ -302,7 +302,9 @@ class _Search:
             full.start(post.by_name(point.z)), point.c, evaluations=10, tolerance=0.3
         )
         full, point = self._learnt(full, point, _ROUNDS)
-        if effort_ratio(full, point) > _LOUDER:  # which departures there are would hide behind it
+        # which departures there are would hide behind it; what muscles do that no electrode hears
+        # is loud under effort as well, and no error of another's EMG
+        if not self._original.has_unheard and effort_ratio(full, point) > _LOUDER:
             full, point = self._with_drive_errors(full, point, _ERRORS)
         positions: dict[str, list[int]] = {}
         off: dict[int, float] = {}

@@ -159,9 +159,11 @@ def film_figure(traces: Traces, film: Fascicles, figure: Figure | None = None) -
     stretch.set_xlim(float(traces.time[0]), float(traces.time[-1]))
     loops = [figure.add_subplot(grid[4, column]) for column in range(2)]
     for axes, filmed, model in _pairs(film, *loops):
-        axes.plot(filmed, film.force, **_FILMED)
-        axes.plot(model, film.force, **_MODEL)
-        axes.plot(model[0], film.force[0], "o", color=INK, markersize=5, label="begin")
+        # the lines have their names above: a second row of them would lift one heading of two
+        axes.plot(filmed, film.force, **{**_FILMED, "label": None})
+        axes.plot(model, film.force, **{**_MODEL, "label": None})
+        axes.plot(model[0], film.force[0], "o", color=INK, markersize=5, label="begin",
+                  clip_on=False)  # fmt: skip
         axes.set_ylim(bottom=0.0)
     dress(loops[0], "Force in the model [N]", "Fascicle length [mm]")
     dress(loops[1], "", "Tendon stretch [mm]")
@@ -170,7 +172,7 @@ def film_figure(traces: Traces, film: Fascicles, figure: Figure | None = None) -
         (loops[0], "Force over length"), (loops[1], "Force over stretch"),
     ):  # fmt: skip
         heading(axes, text)
-    for axes, columns in ((torque, 2), (length, 2), (loops[1], 3)):
+    for axes, columns in ((torque, 2), (length, 2), *((loop, 1) for loop in loops)):
         legend(axes, columns)
     figure.align_ylabels([torque, length, stretch, loops[0]])
     return figure
