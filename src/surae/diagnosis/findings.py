@@ -7,7 +7,7 @@ import numpy as np
 from surae.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.diagnosis.units import scaled, wrong_units
 from surae.quality import Commanded, Finding, Quality, check_recording
-from surae.quality.kinds import make_finding
+from surae.quality.finding import make_finding
 from surae.quality.numeric import quantiles
 from surae.quality.registry import ordered, unfit
 from surae.quality.torque import GRAVITY

@@ -7,7 +7,7 @@ import numpy as np
 from surae.diagnosis.quick import percent, quick_fit
 from surae.frozen import read_only
 from surae.quality import Finding
-from surae.quality.kinds import make_finding
+from surae.quality.finding import make_finding
 from surae.quality.numeric import quantile, quantiles
 from surae.quality.registry import unfit
 from surae.quality.trial import signals_of

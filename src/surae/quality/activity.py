@@ -5,8 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from surae.quality.emg import REST_VOLTS
-from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import BoolArray, quantile, quantiles, runs, smooth, span_of
 from surae.quality.reflex import Reflex, reflex
 from surae.quality.trial import CheckedTrial

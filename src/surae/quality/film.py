@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from surae.quality.finding import Finding
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, make_finding
 from surae.quality.numeric import span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import Channel

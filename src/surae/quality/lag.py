@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import correlation, shifted, smooth
 from surae.quality.torque_model import LONGEST
 from surae.quality.trial import CheckedTrial

@@ -5,8 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from surae.quality.finding import Finding, Unjudged, quantity
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, Unjudged, make_finding, quantity
 from surae.quality.numeric import runs, span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLE_NAMES, Channel

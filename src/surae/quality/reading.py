@@ -10,8 +10,7 @@ from surae.files import PathLike
 from surae.frozen import read_only
 from surae.protocol import read_protocol
 from surae.quality.commanded import Commanded
-from surae.quality.finding import Finding, Quality, Skipped
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, Quality, Skipped, make_finding
 from surae.quality.registry import CHECKS, check_recording, ordered
 from surae.quality.timing import axis_findings
 from surae.recording import MUSCLES, Channel, Recording

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import BoolArray, correlation, quantile, shifted, smooth
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES

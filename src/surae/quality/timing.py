@@ -7,8 +7,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.frozen import read_only
-from surae.quality.finding import Finding
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, make_finding
 from surae.quality.numeric import quantile
 from surae.recording import Channel, Recording
 from surae.signals.timebase import GAP_STEPS, UNIFORM_STEPS, timing

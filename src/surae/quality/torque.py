@@ -7,8 +7,7 @@ import numpy as np
 
 from surae.protocol import DEVICES
 from surae.quality.baseline import baseline
-from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import IndexArray, correlation, equal_runs, quantile, span_of
 from surae.quality.torque_model import passive_columns
 from surae.quality.trial import CheckedTrial

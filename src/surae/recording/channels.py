@@ -9,8 +9,7 @@ from surae.errors import InputError
 from surae.frozen import freeze
 from surae.recording.recording import FILM_ROLES, Channel
 from surae.recording.roles import heading_unit
-from surae.recording.samples import check_finite, check_samples
-from surae.recording.table import Column, Table
+from surae.recording.table import Column, Table, check_finite, check_samples
 from surae.units import FACTORS, SI, FloatArray, kind, plain, spelled, to_si
 
 

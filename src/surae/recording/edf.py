@@ -13,9 +13,8 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
-from surae.recording.samples import instants
 from surae.recording.source import Source
-from surae.recording.table import Table
+from surae.recording.table import Table, instants
 from surae.units import FloatArray
 
 _EDF, _BDF = b"0       ", b"\xffBIOSEMI"

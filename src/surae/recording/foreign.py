@@ -19,9 +19,8 @@ import numpy.typing as npt
 from surae.errors import ComputationError, InputError
 from surae.frozen import as_read_only
 from surae.processes import guarded
-from surae.recording.samples import instants, sample
 from surae.recording.source import Source
-from surae.recording.table import Column, Table
+from surae.recording.table import Column, Table, instants, sample
 from surae.units import FloatArray
 
 #: What a reader may take at most [s, bytes], and the more for every byte of the file: pyxdf reads

@@ -9,9 +9,8 @@ from typing import Any
 
 from surae.files import PathLike, shown
 from surae.recording.described import toml_value
-from surae.recording.inspected import Inspection
-from surae.recording.inspection import inspect
-from surae.recording.mapping_reader import TRIAL
+from surae.recording.inspection import Inspection, inspect
+from surae.recording.mapping import TRIAL
 from surae.recording.mapping_text import mapping_text
 from surae.recording.table import some
 from surae.records import to_plain

@@ -7,7 +7,7 @@ from pathlib import Path
 from surae.files import PathLike, shown, write_atomic
 from surae.recording.described import toml_value
 from surae.recording.emg_kind import amplified
-from surae.recording.inspected import InspectedChannel, Inspection
+from surae.recording.inspection import InspectedChannel, Inspection
 from surae.recording.recording import FILM_ROLES, MUSCLES, ROLES
 from surae.recording.roles import unit_is_volts
 from surae.units import FACTORS, kind

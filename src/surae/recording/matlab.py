@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.recording.foreign import Parsed, foreign_table, packed, untrusted
-from surae.recording.hdf5file import fixed_text, is_plain, member
+from surae.recording.hdf5 import fixed_text, is_plain, member
 from surae.recording.source import Source
 from surae.recording.table import Table, some
 from surae.units import FACTORS, FloatArray

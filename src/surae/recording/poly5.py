@@ -15,9 +15,8 @@ import numpy as np
 from surae.errors import InputError
 from surae.frozen import freeze
 from surae.recording.foreign import printable
-from surae.recording.samples import instants, sample
 from surae.recording.source import Source
-from surae.recording.table import Column, Table
+from surae.recording.table import Column, Table, instants, sample
 from surae.units import FloatArray
 
 _MAGIC = b"POLY SAMPLE FILE"

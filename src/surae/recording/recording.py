@@ -9,7 +9,7 @@ import numpy.typing as npt
 from surae.errors import InputError
 from surae.files import shown
 from surae.frozen import Comparable, FrozenDict, read_only
-from surae.recording.samples import check_samples
+from surae.recording.table import check_samples
 from surae.records import FileName
 from surae.units import SI, FloatArray, kind
 

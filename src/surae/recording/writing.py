@@ -9,7 +9,7 @@ import numpy.typing as npt
 from surae.errors import InputError
 from surae.files import PathLike, atomic_file, shown
 from surae.recording.recording import Recording
-from surae.recording.samples import check_finite
+from surae.recording.table import check_finite
 from surae.units import FloatArray
 
 #: Rows that are turned into text at a time.

@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.recording import Channel
-from surae.recording.samples import check_samples, rounding
+from surae.recording.table import check_samples, rounding
 from surae.units import FloatArray
 
 #: A step longer than this many median steps is a gap: at least one sample is missing.

@@ -15,8 +15,7 @@ from typing import Any
 from surae.errors import InputError
 from surae.files import PathLike, natural_order, paths_of, read_bytes, shown
 from surae.recording.formats import data_files
-from surae.recording.mapping import Description
-from surae.recording.mapping_reader import TRIAL
+from surae.recording.mapping import TRIAL, Description
 from surae.recording.reading import is_mapping
 from surae.recording.source import Source, open_source
 from surae.trials.sorting import Trial
