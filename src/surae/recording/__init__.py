@@ -14,7 +14,7 @@ from surae.recording.recording import (
     Recording,
     SourceFile,
 )
-from surae.recording.writing import csv_columns, write_csv, write_sto
+from surae.recording.writing import csv_columns, write_csv
 
 __all__ = [
     "FILMED",
@@ -34,5 +34,4 @@ __all__ = [
     "write_csv",
     "write_hdf5",
     "write_mapping",
-    "write_sto",
 ]

@@ -32,8 +32,13 @@ from surae.units import FACTORS, spelled, to_si
 
 #: How the first line of a TOML file begins: a table, or a key with its equals sign.
 _FIRST = re.compile(r"\s*(\[|[\w.\"' -]+=)")
+#: What stands for the trial's name in the name of a file.
+TRIAL = "{trial}"
 #: What a line of [trials] may say of one trial, beside what differs in its channels.
 _OF_A_TRIAL = {f.name for f in fields(MappedRecording)} - {"channels", "trials"}
+#: What gives a zero may change, from one part of so long [s] to another, by this part of the
+#: signal's own range, or by what a sensor's noise and a leg at rest bring: 1° and 1 Nm in SI.
+_PART, _QUIET, _REST = 0.1, 0.05, {"angle": 0.0175, "torque": 1.0}
 
 
 def recognises(source: Source) -> bool:
@@ -52,20 +57,26 @@ class Description:
     @classmethod
     def of(cls, source: Source) -> "Description":
         """The mapping in a file, all of it checked."""
-        description = cls(source, _parsed(source))
+        source.require_text()
+        try:
+            description = cls(source, tomllib.loads("".join(source.lines())))
+        except ValueError as error:
+            # Beside tomllib's own error: Python's, of a number with thousands of digits.
+            raise InputError(f"{source.shown}: not valid TOML: {error}") from None
+        except RecursionError:
+            raise InputError(f"{source.shown}: not valid TOML: nested too deeply") from None
         if "channels" not in description.toml:
             raise InputError(
                 f"{source.shown}: no channels: a recording's TOML has [channels.angle] with file, "
                 "column and unit, and likewise torque, emg_ta, ..."
             )
-        whole = description.mapped()
         for file in description.named:
             if TRIAL in file and (Path(file).is_absolute() or ".." in Path(file).parts):
                 raise InputError(
                     f"{source.shown}: file {file!r} leads out of the folder of the trials; write "
                     "it from there"
                 )
-        for trial in whole.trials:
+        for trial in description.trials:
             description.mapped(trial)
         return description
 
@@ -136,22 +147,30 @@ class Description:
         return {**merged, "channels": channels}
 
     def files(self, folder: PathLike) -> tuple[Path, ...]:
-        """The data files in a folder that its ``{trial}`` stands for; none where it has none."""
+        """The data files in a folder that its ``{trial}`` stands for; none where it has none.
+
+        Those that systems keep for themselves are none.
+        """
         if not self.patterns:
             return ()
         # Every sign but the trial's name stands for itself.
         parts = Path(self.patterns[0]).parts
         names = [glob.escape(part).replace(glob.escape(TRIAL), "*") for part in parts]
-        paths = Path(folder).glob("/".join(names))
-        return tuple(sorted(path for path in paths if not _hidden(path, folder)))
+        return tuple(
+            path
+            for path in sorted(Path(folder).glob("/".join(names)))
+            if not any(part.startswith(".") for part in path.relative_to(folder).parts)
+        )
 
     def trial_of(self, data: PathLike) -> tuple[str, Path]:
         """The name of the trial that a data file is of, and the folder of its files."""
         path = Path(data)
         for pattern in self.patterns:
             depth = len(Path(pattern).parts)
-            tail = Path(*path.parts[-depth:]).as_posix()
-            if match := _pattern(pattern).fullmatch(tail):
+            # The trial's name is the same wherever it comes again.
+            first, *rest = (re.escape(part) for part in Path(pattern).as_posix().split(TRIAL))
+            name = first + "(?P<trial>[^/]+)" + "(?P=trial)".join(rest)
+            if match := re.fullmatch(name, Path(*path.parts[-depth:]).as_posix()):
                 return match["trial"], path.parents[depth - 1]
         if self.patterns:
             raise InputError(
@@ -171,9 +190,9 @@ class Description:
             filed, folder = self.trial_of(data)
         trial = trial or filed
         mapped = self.mapped(trial)
-        reader = Reader(self.source, folder, filed, None if data is None else Path(data))
+        reader = _Reader(self.source, folder, filed, None if data is None else Path(data))
         channels = reader.channels(mapped.channels)
-        read_files = (each.file for each in reader.sources.values())
+        read_files = (source.file for source, _ in reader.opened.values())
         files = (*read_files, self.source.file) if data else (self.source.file, *read_files)
         return Recording(
             mapped.name or trial or self.source.name, channels, mapped.emg, mapped.fixed,
@@ -181,42 +200,8 @@ class Description:
         )  # fmt: skip
 
 
-def read_mapping(source: Source, data: PathLike | None = None) -> Recording:
-    """The recording that a TOML file describes, or makes of a data file; see `Description.read`."""
-    return Description.of(source).read(data)
-
-
-def _parsed(source: Source) -> dict[str, Any]:
-    source.require_text()
-    try:
-        return tomllib.loads("".join(source.lines()))
-    except ValueError as error:
-        # Beside tomllib's own error: Python's, of a number with thousands of digits.
-        raise InputError(f"{source.shown}: not valid TOML: {error}") from None
-    except RecursionError:
-        raise InputError(f"{source.shown}: not valid TOML: nested too deeply") from None
-
-
-def _hidden(path: Path, folder: PathLike) -> bool:
-    """Whether a file, or a folder that it is in, is one that systems keep for themselves."""
-    return any(part.startswith(".") for part in path.relative_to(folder).parts)
-
-
-def _pattern(name: str) -> re.Pattern[str]:
-    """What a file's name with ``{trial}`` in it stands for; the same wherever it comes again."""
-    first, *rest = (re.escape(part) for part in Path(name).as_posix().split(TRIAL))
-    return re.compile(first + "(?P<trial>[^/]+)" + "(?P=trial)".join(rest))
-
-
-#: What stands for the trial's name in the name of a file.
-TRIAL = "{trial}"
-#: What gives a zero may change, from one part of so long [s] to another, by this part of the
-#: signal's own range, or by what a sensor's noise and a leg at rest bring: 1° and 1 Nm in SI.
-_PART, _QUIET, _REST = 0.1, 0.05, {"angle": 0.0175, "torque": 1.0}
-
-
 @dataclass(frozen=True, slots=True)
-class Reader:
+class _Reader:
     """Reads the files of one recording, each once."""
 
     source: Source  #: The mapping.
@@ -224,32 +209,30 @@ class Reader:
     #: `trial`, `data`: the trial's name and data file, for a mapping of many.
     trial: str | None
     data: Path | None
-    #: `sources`, `tables`: what has been read.
-    sources: dict[Path, Source] = field(default_factory=dict)
-    tables: dict[Path, Table] = field(default_factory=dict)
+    opened: dict[Path, tuple[Source, Table]] = field(default_factory=dict)  #: What has been read.
 
     def channels(self, described: Mapping[str, MappedChannel]) -> dict[str, Channel]:
         """The channels that are described, in SI units."""
         tables = self._tables(described)
-        wanted: dict[Path, list[str]] = {}
+        wanted: dict[str, list[str]] = {}
         for role, own in described.items():
-            table = self.tables[tables[role]]
+            table = tables[role]
             if own.time is not None and own.time not in (*table.names, table.time_name):
                 raise InputError(
                     f"{self._at(role)}: time: {table.file} has no column {some([own.time])}; it "
                     f"has: {some(table.names)}"
                 )
-            names = wanted.setdefault(tables[role], [])
-            names += [
-                name for name in (own.column, own.time) if name in table.names and name not in names
-            ]
-        columns = {path: self.tables[path].load(names) for path, names in wanted.items()}
+            names = (name for name in (own.column, own.time) if name in table.names)
+            wanted.setdefault(table.file, []).extend(names)
+        columns = {
+            table.file: table.load(list(dict.fromkeys(wanted[table.file])))
+            for table in {table.file: table for table in tables.values()}.values()
+        }
         channels: dict[str, Channel] = {}
         for role, own in described.items():
-            path = tables[role]
-            table = self.tables[path]
+            table = tables[role]
             unit = settle_unit(table, role, own.column, own.unit, self._at(role))
-            column = _timed(own, columns[path], table)
+            column = _timed(own, columns[table.file], table)
             offset, note = own.offset, ""
             if own.zero is not None:
                 offset, note = self._zero(role, own, own.zero, column, unit)
@@ -261,12 +244,12 @@ class Reader:
         """Where the mapping describes a channel, for messages."""
         return f"{self.source.shown}: channels.{role}"
 
-    def _tables(self, described: Mapping[str, MappedChannel]) -> dict[str, Path]:
-        """The file of every channel, opened."""
+    def _tables(self, described: Mapping[str, MappedChannel]) -> dict[str, Table]:
+        """The table of every channel's file."""
         named = {own.file for own in described.values()}
         # A description of one file, given for another: it is the layout that is meant.
         layout = self.data is not None and len(named) == 1 and TRIAL not in str(named)
-        paths = {}
+        tables = {}
         for role, own in described.items():
             where = self._at(role)
             if not own.column:
@@ -285,20 +268,22 @@ class Reader:
                     '"{trial}", or leave `file` out'
                 )
             else:
-                path = self.folder / _named(own.file, self.trial)
-            self._table(path, own, where)
-            paths[role] = path
-        return paths
+                path = self.folder / self._named(own.file)
+            tables[role] = self._table(path, own, where)
+        return tables
+
+    def _named(self, file: str) -> str:
+        return file if self.trial is None else file.replace(TRIAL, self.trial)
 
     def _table(self, path: Path, own: MappedChannel, where: str) -> Table:
         """A data file's table that has the channel's column; errors say where it is named."""
-        if path not in self.tables:
+        if path not in self.opened:
             try:
-                self.sources[path] = open_source(path)
-                self.tables[path] = open_table(self.sources[path], timed=False)
+                source = open_source(path)
+                self.opened[path] = source, open_table(source, timed=False)
             except InputError as error:
                 raise InputError(f"{where}: {error}") from None
-        table = self.tables[path]
+        table = self.opened[path][1]
         if not table.time_name and own.rate_hz is None and own.time is None:
             raise InputError(
                 f"{where}: {table.file} has no column of times: give start_s, when the recording's "
@@ -326,9 +311,9 @@ class Reader:
         """The offset that takes a quiet trial or stretch to zero, and what to say of it."""
         where = f"{self._at(role)}: zero"
         if isinstance(zero, str):
-            path = self.folder / _named(zero, self.trial)
+            path = self.folder / self._named(zero)
             if not path.exists():
-                path = Path(self.source.path).parent / _named(zero, self.trial)
+                path = Path(self.source.path).parent / self._named(zero)
             quiet = self._table(path, own, where).load([own.column])[own.column]
             time, values, origin = quiet.time, quiet.values, shown(path.name)
         else:
@@ -367,7 +352,3 @@ def _timed(own: MappedChannel, columns: Mapping[str, Column], table: Table) -> C
     if own.start_s is not None and len(column.time):
         return replace(column, time=as_read_only(column.time - column.time[0] + own.start_s))
     return column
-
-
-def _named(file: str, trial: str | None) -> str:
-    return file if trial is None else file.replace(TRIAL, trial)

@@ -158,17 +158,13 @@ def sampling_of(time: FloatArray) -> Sampling:
 
 def load_each(table: Table, names: Sequence[str]) -> Mapping[str, Column | InputError]:
     """The columns, all at once where that works, else each on its own."""
-    unique = list(dict.fromkeys(names))
-    if not unique:
-        return {}
-    try:
-        return dict(table.load(unique))
-    except InputError:
-        pass
     each: dict[str, Column | InputError] = {}
-    for name in unique:
-        try:
-            each[name] = table.load([name])[name]
-        except InputError as error:
-            each[name] = error
+    try:
+        return dict(table.load(list(dict.fromkeys(names))))
+    except InputError:
+        for name in names:
+            try:
+                each[name] = table.load([name])[name]
+            except InputError as error:
+                each[name] = error
     return each
