@@ -125,8 +125,7 @@ class Quality(Tabular):
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as it is written to files."""
-        plain: dict[str, Any] = to_plain(self)
-        return plain
+        return dict(to_plain(self))
 
 
 def weight_of(muscle: str) -> str:

@@ -89,11 +89,5 @@ def _one_side(trial: CheckedTrial) -> tuple[str, float] | None:
     # The triceps makes most of the torque: its lag is the better known.
     # A lag at the end of those that are tried is no minimum.
     known = abs(ta) < 0.95 * LONGEST
-    if (
-        known
-        and abs(ta - triceps) > ONE_SIDE
-        and abs(triceps) <= LAG
-        and model.group_gain["ta"] > GAIN
-    ):
-        return "ta", ta - triceps
-    return None
+    apart = abs(ta - triceps) > ONE_SIDE and abs(triceps) <= LAG and model.group_gain["ta"] > GAIN
+    return ("ta", ta - triceps) if known and apart else None

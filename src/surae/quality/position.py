@@ -7,7 +7,6 @@ import numpy as np
 from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import runs, smooth, span_of
 from surae.quality.trial import IMPOSSIBLE_ANGLE, CheckedTrial
-from surae.recording import Channel
 from surae.units import FloatArray
 
 #: No ankle goes further than this from neutral [rad]: 63° up, 92° down.
@@ -36,12 +35,13 @@ def units(trial: CheckedTrial) -> Iterator[Finding]:
     channel = trial.recording.channels["angle"]
     low, high = float(channel.values.min()), float(channel.values.max())
     span = high - low
-    far = max(abs(low), abs(high))
+    value = far = max(abs(low), abs(high))
+    # A small angle may be a sensor's noise about a fixed position.
+    noise = float(np.std(np.diff(channel.values))) > 0.5 * float(np.std(channel.values))
     if far > IMPOSSIBLE_ANGLE:
         text = f"The angle goes from {low:.3g} to {high:.3g} rad: these are degrees."
         advice = 'Name the column angle_deg, or write unit = "deg" in the TOML.'
-        value = far
-    elif _TWICE[0] <= span <= _TWICE[1] and not _noise(channel):
+    elif _TWICE[0] <= span <= _TWICE[1] and not noise:
         text = (
             f"The angle moves by {span:.2g} rad in all, {np.rad2deg(span):.2g}°: radians taken for "
             "degrees."
@@ -54,40 +54,25 @@ def units(trial: CheckedTrial) -> Iterator[Finding]:
             "is not the neutral position, or its unit is not what it says."
         )
         advice = "Give the angle an offset or its sign in the TOML: 0 with the foot at 90°."
-        value = far
     else:
         return
-    yield make_finding(
-        "angle-units", "angle", trial.span, value, text, advice=advice,
-    )  # fmt: skip
-
-
-def _noise(channel: Channel) -> bool:
-    """Whether a small angle is a sensor's noise about a fixed position."""
-    return float(np.std(np.diff(channel.values))) > 0.5 * float(np.std(channel.values))
+    yield make_finding("angle-units", "angle", trial.span, value, text, advice=advice)
 
 
 def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     """A range too small to tell the parameters, or smaller than was commanded."""
-    if any(units(trial)):
-        angle = trial.recording.channels["angle"].values
-        if float(np.ptp(angle)) <= _TWICE[1]:
-            return  # its unit is a finding of its own
+    angle = trial.recording.channels["angle"].values
+    if float(np.ptp(angle)) <= _TWICE[1] and any(units(trial)):
+        return  # its unit is a finding of its own
     span = float(np.ptp(trial.angle))
     low, high = float(trial.angle.min()), float(trial.angle.max())
-    commanded = trial.commanded
-    part = None
-    if (
-        commanded is not None
-        and commanded.given
-        and (moved := float(np.ptp(commanded.angle))) > 0.0
-    ):
-        part = span / moved
-    if span >= ROM and (part is None or part >= REACHED):
+    given = trial.commanded is not None and trial.commanded.given
+    moved = float(np.ptp(trial.commanded.angle)) if trial.commanded is not None and given else 0.0
+    missed = moved > 0.0 and span / moved < REACHED
+    if span >= ROM and not missed:
         return
-    missed = part is not None and part < REACHED
     text = f"The angle covers {np.rad2deg(span):.0f}°, from {low:.2f} to {high:.2f} rad"
-    text += f": {100 * part:.0f} % of what was commanded." if missed and part is not None else "."
+    text += f": {100 * (span / moved):.0f} % of what was commanded." if missed else "."
     yield make_finding(
         "rom-not-covered", "angle", trial.span, span, text,
         severity="warning" if span < SMALL_ROM or missed else "info",
@@ -100,12 +85,9 @@ def steps(trial: CheckedTrial) -> Iterator[Finding]:
     factor = np.pi / 180.0 if float(np.abs(channel.values).max()) > IMPOSSIBLE_ANGLE else 1.0
     moved = np.diff(channel.values) * factor
     size = np.abs(moved)
-    around = 5
-    padded = np.pad(size, around, mode="edge")
-    beside = np.zeros_like(size)
-    for k in (*range(around - 2), *range(around + 3, 2 * around + 1)):
-        beside = np.maximum(beside, padded[k : k + len(size)])
     # A jump may fall on two samples; the two next to it are not looked at.
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(size, 5, mode="edge"), 11)
+    beside = np.maximum(around[:, :3].max(axis=1), around[:, 8:].max(axis=1))
     jumps = np.flatnonzero((size > JUMP) & (size > _ALONE * beside))
     gaps = np.diff(channel.time)
     jumps = jumps[gaps[jumps] < 1.5 * float(np.median(gaps))]

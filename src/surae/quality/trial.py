@@ -73,6 +73,11 @@ class CheckedTrial:
         return {m: channels[f"emg_{m}"] for m in MUSCLES if f"emg_{m}" in channels}
 
     @property
+    def varying(self) -> dict[str, Channel]:
+        """The EMG channels by muscle that are not constant."""
+        return {muscle: channel for muscle, channel in self.emg.items() if muscle in self.slow}
+
+    @property
     def triceps(self) -> tuple[str, ...]:
         """The heads of the triceps surae that have EMG which is not constant."""
         return tuple(m for m in MUSCLES[1:] if m in self.slow)
@@ -142,8 +147,10 @@ def signals_of(recording: Recording) -> Signals:
     fast = {}
     for muscle in MUSCLES:
         channel = channels.get(f"emg_{muscle}")
-        if channel is not None and float(np.ptp(channel.values)) > 0.0:
-            fast[muscle] = _sampled(channel, time, rate, _envelope(channel, kind))
+        if channel is not None and float(np.ptp(values := channel.values)) > 0.0:
+            if kind == "raw":
+                values = np.abs(values - smooth(values, round(_DETREND * channel.rate_hz)))
+            fast[muscle] = _sampled(channel, time, rate, values)
     return Signals(kind, time, rate, angle, torque, fast)
 
 
@@ -163,13 +170,6 @@ def emg_kind(recording: Recording) -> Literal["raw", "envelope"]:
         return "envelope"
     positive = all(float(c.values.min()) >= 0.0 for c in alive)
     return "envelope" if positive and alive[0].rate_hz < _RAW_RATE else "raw"
-
-
-def _envelope(channel: Channel, kind: Literal["raw", "envelope"]) -> FloatArray:
-    if kind == "envelope":
-        return channel.values
-    values = channel.values - smooth(channel.values, round(_DETREND * channel.rate_hz))
-    return np.abs(values)
 
 
 def _sampled(
@@ -196,29 +196,22 @@ def _requested_effort(
     few = float(late.sum()) < _FEW * (len(time) - 1) / float(since[-1])
     best, recognised_effort = (_RECOGNISED_FEW if few else _RECOGNISED), None
     for name in ("part-passive", "active"):
-        requested = _task_effort(since, name)
+        few_times, efforts = _sparse_effort(name, int(since[-1] / _STEP))
+        requested = np.column_stack([np.interp(since, few_times, each) for each in efforts])
         alike = match(requested, slow, late)
         if alike > best:
             best, recognised_effort = alike, requested
     return recognised_effort
 
 
-def _task_effort(since: FloatArray, task: str) -> FloatArray:
-    """The effort of a task, made once for trials of one length."""
-    few, requested = _sparse_effort(task, int(since[-1] / _STEP))
-    return np.column_stack([np.interp(since, few, column) for column in requested])
-
-
 @lru_cache(8)
 def _sparse_effort(task: str, steps: int) -> tuple[FloatArray, FloatArray]:
+    """The effort of a task at few instants, made once for trials of one length."""
     few = _STEP * np.arange(steps + 1.0)
     return read_only(few), read_only(effort(few, named_task(task)).T.copy())
 
 
 def match(requested: FloatArray, slow: dict[str, FloatArray], where: BoolArray) -> float:
     """Mean correlation of the requested effort with the envelopes."""
-    return float(
-        np.mean(
-            [correlation(requested[where, MUSCLES.index(m)], e[where]) for m, e in slow.items()]
-        )
-    )
+    alike = [correlation(requested[where, MUSCLES.index(m)], e[where]) for m, e in slow.items()]
+    return float(np.mean(alike))

@@ -87,7 +87,11 @@ def foreign_table(source: Source, format_name: str, module: str) -> Table:
         if column.refused:
             raise InputError(f"{source.shown}: column {name!r}: {column.refused}")
         at: Any = column.time
-        time = times[at] if isinstance(at, int) else instants(*map(float, at), len(column.values))
+        time = (
+            times[at]
+            if isinstance(at, int)
+            else instants(float(at[0]), float(at[1]), len(column.values))
+        )
         return Column(name, time, as_read_only(column.values), column.time_name, sample)
 
     return Table(
