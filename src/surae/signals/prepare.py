@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -87,6 +87,8 @@ def prepare(
     if missing:
         steps.append(f"There is no EMG of {', '.join(missing)}: taken as zero.")
     torque = signals.get("torque")
+    units = (c.unit for role, c in recording.channels.items() if role.startswith("emg_"))
+    cutoff = None if prepared else settings.bessel_hz
     return ModelInputs(
         name=recording.name,
         rate_hz=rate_hz,
@@ -95,28 +97,21 @@ def prepare(
         velocity=read_only(signals.get("angular_velocity", computed[0])),
         acceleration=read_only(signals.get("angular_acceleration", computed[1])),
         emg=read_only(emg),
-        emg_unit=_emg_unit(recording),
+        emg_unit=next(units, "V"),  # a recording has but one
         torque=None if torque is None else read_only(torque),
         missing_emg=missing,
         steps=tuple(steps),
         prepared=prepared,
         fixed=recording.fixed,
         files=recording.files,
-        films=films_of(recording),
+        films=tuple(
+            Film(role, as_read_only(channel.time), as_read_only(channel.values))
+            for role, channel in recording.films.items()
+            if role.startswith("fascicle_")
+        ),
         measured=tuple(name for name, role in _DERIVATIVES.items() if role in signals),
         second=tuple(map(read_only, second)),
-        lowpass=None
-        if prepared or settings.bessel_hz is None
-        else (settings.bessel_hz, settings.bessel_order),
-    )
-
-
-def films_of(recording: Recording) -> tuple[Film, ...]:
-    """The fascicles that were filmed, on the film's own clock."""
-    return tuple(
-        Film(role, as_read_only(channel.time), as_read_only(channel.values))
-        for role, channel in recording.films.items()
-        if role.startswith("fascicle_")
+        lowpass=None if cutoff is None else (cutoff, settings.bessel_order),
     )
 
 
@@ -166,19 +161,8 @@ def _filtered(inputs: ModelInputs) -> dict[str, FloatArray]:
     return {name: signal for name, signal in signals.items() if name not in inputs.measured}
 
 
-def _emg_unit(recording: Recording) -> str:
-    """The unit of the EMG channels, which a recording has but one of; volts without EMG."""
-    units = (c.unit for role, c in recording.channels.items() if role.startswith("emg_"))
-    return next(units, "V")
-
-
-class _Signals(NamedTuple):
-    """Signals by role on one time axis, and the account of how they came there."""
-
-    rate_hz: float
-    time: FloatArray
-    by_role: dict[str, FloatArray]
-    steps: list[str]
+#: Rate [Hz], time, signals by role on it, and the account of how they came there.
+_Signals = tuple[float, FloatArray, dict[str, FloatArray], list[str]]
 
 
 def _as_they_are(recording: Recording) -> _Signals:
@@ -203,12 +187,9 @@ def _as_they_are(recording: Recording) -> _Signals:
             )
         if role.startswith("emg_"):
             refuse_negative(channel, f"{name}: {role}", recording.emg)
-    return _Signals(
-        rate_hz=stamps.axis.rate_hz,
-        time=angle.time if stamps.jitter_s <= tolerance else stamps.axis.time,
-        by_role={role: channel.values for role, channel in channels.items()},
-        steps=[f"All signals are used as they are, at {stamps.axis.rate_hz:.6g} Hz."],
-    )
+    time = angle.time if stamps.jitter_s <= tolerance else stamps.axis.time
+    step = f"All signals are used as they are, at {stamps.axis.rate_hz:.6g} Hz."
+    return stamps.axis.rate_hz, time, {role: c.values for role, c in channels.items()}, [step]
 
 
 def _chain(recording: Recording, settings: Preparation) -> _Signals:
@@ -236,7 +217,12 @@ def _chain(recording: Recording, settings: Preparation) -> _Signals:
     mechanical = [role for role in ("angle", _SECOND, "torque") if role in sources]
     if settings.bessel_hz is not None:
         for role in mechanical:
-            filtered[role] = _bessel(sources[role], settings.bessel_hz, settings.bessel_order)
+            source = sources[role]
+            values = bessel_lowpass(
+                source.values, source.axis.rate_hz, settings.bessel_hz, settings.bessel_order,
+                where=source.where,
+            )  # fmt: skip
+            filtered[role] = source.replaced(values)
         which = " and ".join(mechanical).replace("_", " ").capitalize()
         steps.append(
             f"{which}: zero-phase Bessel low-pass of order "
@@ -248,28 +234,15 @@ def _chain(recording: Recording, settings: Preparation) -> _Signals:
         for role, signal in filtered.items()
     }
     steps += _resampling_steps(sources, axis, settings.rate_hz)
-    negative = max((_negative_share(signals[role]) for role in emg), default=0.0)
-    if negative > 0.0:
+    # Of every muscle its most negative sample, as a part of its maximum.
+    shares = [-float(signals[r].min()) / top for r in emg if (top := float(signals[r].max())) > 0.0]
+    if (negative := max(shares, default=0.0)) > 0.0:
         signals |= {role: np.maximum(signals[role], 0.0) for role in emg}
         steps.append(
             f"EMG: negative samples, at most {100 * negative:.2g} % of the muscle's maximum, "
             f"were set to zero (left by the ringing of filters)."
         )
-    return _Signals(axis.rate_hz, axis.time, signals, steps)
-
-
-def _bessel(source: Uniform, cutoff_hz: float, order: int) -> Uniform:
-    """The source, low-passed at its own rate."""
-    rate = source.axis.rate_hz
-    return source.replaced(
-        bessel_lowpass(source.values, rate, cutoff_hz, order, where=source.where)
-    )
-
-
-def _negative_share(emg: FloatArray) -> float:
-    """The most negative sample of one muscle's EMG as a fraction of its maximum, at least 0."""
-    highest = float(emg.max())
-    return max(-float(emg.min()) / highest, 0.0) if highest > 0.0 else 0.0
+    return axis.rate_hz, axis.time, signals, steps
 
 
 def _jitter_step(role: str, source: Uniform) -> str:
@@ -314,11 +287,12 @@ def _resampling_steps(sources: Mapping[str, Uniform], axis: Axis, wanted_hz: flo
 
 def _derivative_step(signals: Mapping[str, FloatArray]) -> str:
     """Say where velocity and acceleration come from."""
-    measured = [role for role in ("angular_velocity", "angular_acceleration") if role in signals]
+    how = "from the angle by central differences over 15 samples"
+    measured = [role for role in _DERIVATIVES.values() if role in signals]
     if len(measured) == 2:
         return "Angular velocity and acceleration are those given."
-    how = "from the angle by central differences over 15 samples"
     if not measured:
         return f"Angular velocity and acceleration {how}."
-    other = "Angular acceleration" if measured == ["angular_velocity"] else "Angular velocity"
-    return f"The {measured[0].replace('_', ' ')} is that given. {other} {how}."
+    other = next(role for role in _DERIVATIVES.values() if role not in signals)
+    given, computed = (role.replace("_", " ") for role in (measured[0], other))
+    return f"The {given} is that given. {computed.capitalize()} {how}."
