@@ -6,11 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from surae.errors import InputError
-from surae.frozen import read_only
 from surae.quality.finding import Finding, make_finding
 from surae.quality.numeric import quantile
 from surae.recording import Channel, Recording
-from surae.signals.timebase import GAP_STEPS, UNIFORM_STEPS, timing
+from surae.signals.timebase import GAP_STEPS, timing
 from surae.units import FloatArray
 
 #: Jitter above this part of a step is worth a warning: the signals are then interpolated, which
@@ -86,12 +85,8 @@ def _jitter(time: np.ndarray, gaps: np.ndarray) -> float:
 
 def _explained(channel: Channel) -> bool:
     """Whether the stamps are even, but perhaps for their rounding."""
-    time = channel.time
-    step = float(time[-1] - time[0]) / (len(time) - 1)
-    if float(np.max(np.abs(time - time[0] - step * np.arange(len(time))))) <= UNIFORM_STEPS * step:
-        return True
     try:
-        return timing(replace(channel, values=read_only(np.zeros(len(time)))), "").uniform
+        return timing(replace(channel, values=channel.time), "").uniform
     except InputError:
         return False
 

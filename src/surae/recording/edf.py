@@ -34,10 +34,7 @@ def recognises(source: Source) -> bool:
 
 
 def open_table(source: Source) -> Table:
-    """Read the signals.
-
-    A file that is damaged or cut short, or a signal without calibration, is refused.
-    """
+    """The signals; a file that is cut short, or a signal without calibration, is refused."""
     return foreign_table(source, "BDF" if source.data.startswith(_BDF) else "EDF", "edf")
 
 

@@ -71,14 +71,10 @@ def open_table(source: Source) -> Table:
         return {name: Column(name, time, values[name], "time", sample) for name in wanted}
 
     return Table(
-        file=source.shown,
-        format="Poly5",
-        names=tuple(signal.name for signal in signals),
-        time_name="time",
-        load=load,
+        source.shown, "Poly5", tuple(signal.name for signal in signals), "time", load,
         units={signal.name: signal.unit for signal in signals if signal.unit},
         remarks=dict.fromkeys(by_name, remark) if remark else {},
-    )
+    )  # fmt: skip
 
 
 def _opened(source: Source) -> tuple[_Layout, list[_Signal], str]:
@@ -87,9 +83,8 @@ def _opened(source: Source) -> tuple[_Layout, list[_Signal], str]:
     begin = next((b for b in (31, 32) if data[b : b + 2] in (b"\xcb\x00", b"\xcc\x00")), None)
     if begin is None or len(data) < begin + _HEADER.size:
         raise InputError(f"{where}: no Poly5 file of version 2.03 or 2.04, or cut short")
-    header = _HEADER.unpack_from(data, begin)
-    rate, stored, words, count, blocks, per_block, size, compressed = (
-        header[i] for i in (2, 3, 5, 6, 7, 8, 9, 10)
+    _, _, rate, stored, _, words, count, blocks, per_block, size, compressed = _HEADER.unpack_from(
+        data, begin
     )
     if compressed:
         raise InputError(f"{where}: its samples are delta compressed; export it uncompressed")
@@ -132,22 +127,16 @@ def _signals(described: bytes, where: str) -> Iterator[_Signal]:
                     f"{where}: {_LOW + name!r} is not followed by its high word; the file is "
                     "damaged"
                 )
-        scale, offset = _calibration(*calibration)
+        # Raw values between two are brought to the unit between two others.
+        unit_low, unit_high, raw_low, raw_high = calibration
+        scale, offset = 1.0, 0.0
+        if (unit_low, unit_high) != (raw_low, raw_high):
+            apart = raw_high - raw_low
+            scale = (unit_high - unit_low) / apart if apart else math.nan
+            offset = unit_low - scale * raw_low
         if not (math.isfinite(scale) and math.isfinite(offset)):
             raise InputError(f"{where}: {name!r} has no calibration; the file is damaged")
         yield _Signal(name, _latin(unit), word, floats, scale, offset)
-
-
-def _calibration(
-    unit_low: float, unit_high: float, raw_low: float, raw_high: float
-) -> tuple[float, float]:
-    """Scale and offset that bring raw values to the unit; not finite where there are none."""
-    if (unit_low, unit_high) == (raw_low, raw_high):
-        return 1.0, 0.0
-    if not (raw_high - raw_low):
-        return math.nan, math.nan
-    scale = (unit_high - unit_low) / (raw_high - raw_low)
-    return scale, unit_low - scale * raw_low
 
 
 def _values(source: Source, layout: _Layout, signal: _Signal) -> FloatArray:

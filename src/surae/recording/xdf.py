@@ -11,6 +11,7 @@ fills with the sample before where the file ends early, is refused.
 import io
 import logging
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -38,10 +39,7 @@ def recognises(source: Source) -> bool:
 
 
 def open_table(source: Source) -> Table:
-    """Read the file's streams.
-
-    A file that is damaged or cut short, or has no streams of numbers, is refused.
-    """
+    """The file's streams; one that is damaged or has none of numbers is refused."""
     return foreign_table(source, "XDF", "xdf")
 
 
@@ -49,7 +47,9 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
     """The streams of numbers that have samples."""
     pyxdf = optional("pyxdf", "XDF", shown)
     with untrusted(shown):
-        _require_whole(data, shown)
+        end = end_of_chunks(io.BytesIO(data))
+        if end < len(data):
+            raise InputError(f"{shown}: the file is cut short or damaged at byte {end}")
         streams = [
             (stream, np.asarray(stream["time_series"]), np.asarray(stream["time_stamps"]))
             for stream in _loaded(pyxdf, data, shown)
@@ -60,20 +60,8 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
         if not all(np.isfinite(stamps).all() for _, _, stamps in streams):
             raise InputError(f"{shown}: a time stamp is not a finite number")
         origin = min(float(stamps[0]) for _, _, stamps in streams)
-        return packed(
-            [
-                column
-                for stream, values, stamps in streams
-                for column in _columns(stream, values, stamps - origin)
-            ]
-        )
-
-
-def _require_whole(data: bytes, shown: str) -> None:
-    """Check that the file ends where its last chunk does."""
-    at = end_of_chunks(io.BytesIO(data))
-    if at < len(data):
-        raise InputError(f"{shown}: the file is cut short or damaged at byte {at}")
+        columns = (_columns(stream, values, stamps - origin) for stream, values, stamps in streams)
+        return packed(list(chain.from_iterable(columns)))
 
 
 class _Complaints(logging.Handler):
@@ -130,15 +118,8 @@ def _columns(
         )
     name = _text(info.get("name"))
     for index, (label, unit) in enumerate(_described(info, values.shape[1])):
-        yield Parsed(
-            name=f"{name}: {label}" if name else label,
-            values=values[:, index],
-            time=time,
-            unit=unit,
-            remark=remark,
-            refused=refused,
-            time_name="time stamp",
-        )
+        full = f"{name}: {label}" if name else label
+        yield Parsed(full, values[:, index], time, unit, remark, refused, "time stamp")
 
 
 def _clock_step(stream: Mapping[str, Any]) -> float:
