@@ -97,8 +97,8 @@ def steps(trial: CheckedTrial) -> Iterator[Finding]:
     yield make_finding(
         "position-steps", "angle", (channel.time[jumps[0]], channel.time[jumps[-1] + 1]),
         float(size[worst]),
-        f"The angle jumps {len(jumps)} {'time' if len(jumps) == 1 else 'times'}, by up to "
-        f"{size[worst]:.2g} rad within a sample, as when the device has lost its profile.",
+        f"The angle jumps {len(jumps)} time{'s' * (len(jumps) > 1)}, by up to {size[worst]:.2g} "
+        "rad within a sample, as when the device has lost its profile.",
     )  # fmt: skip
 
 
@@ -107,20 +107,20 @@ def overshoot(trial: CheckedTrial) -> Iterator[Finding]:
     if trial.commanded is not None:
         yield from _departure(trial)
         return
-    ringing = _ringing(trial.angle, trial.time, trial.rate_hz)
-    if ringing is None:
+    holds, shot = _ringing(trial.angle, trial.time, trial.rate_hz)
+    if holds == 0:
         raise Unjudged(
             "No commanded profile is given or recognised, and no movement ends in a hold."
         )
-    size, first, last, count = ringing
-    if count == 0:
-        return
-    yield make_finding(
-        "overshoot", "angle", (first, last), size,
-        f"{count} {'movement' if count == 1 else 'movements'} shot past where they came to "
-        f"rest, by up to {size:.2g} rad.",
-        advice=_ADVICE,
-    )  # fmt: skip
+    if shot:
+        sizes, begins, ends = zip(*shot, strict=True)
+        movements = "movement" if len(shot) == 1 else "movements"
+        yield make_finding(
+            "overshoot", "angle", (min(begins), max(ends)), max(sizes),
+            f"{len(shot)} {movements} shot past where they came to rest, by up to "
+            f"{max(sizes):.2g} rad.",
+            advice=_ADVICE,
+        )  # fmt: skip
 
 
 _ADVICE = "Adapt the protocol to the device (surae protocol --device), or lower its speed."
@@ -136,13 +136,12 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged(f"{commanded.name} covers less than half of the trial.")
     time = trial.time[inside]
     if commanded.given:
-        best = min(
-            (
-                trial.angle[inside] - np.interp(time - delay, commanded.time, commanded.angle)
-                for delay in np.arange(0.0, 0.11, 0.01)
-            ),
-            key=lambda left: float(np.mean(left**2)),
+        delayed = (
+            np.interp(time - delay, commanded.time, commanded.angle)
+            for delay in np.arange(0.0, 0.11, 0.01)
         )
+        apart = (trial.angle[inside] - profile for profile in delayed)
+        best = min(apart, key=lambda left: float(np.mean(left**2)))
     else:
         # A recognised profile was fitted to the angle's own samples.
         channel = trial.recording.channels["angle"]
@@ -170,30 +169,25 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
 
 def _ringing(
     angle: FloatArray, time: FloatArray, rate: float
-) -> tuple[float, float, float, int] | None:
-    """Largest overshoot before a hold [rad], first and last time, and how many there were.
+) -> tuple[int, list[tuple[float, float, float]]]:
+    """How many fast movements end in a hold, and of those that shot past it: by how much [rad].
 
-    None where no fast movement ends in a hold.
+    With it stand the first and last time [s].
     """
     velocity = np.gradient(smooth(angle, round(0.05 * rate)), 1.0 / rate)
     still = smooth(np.abs(velocity), round(0.3 * rate)) < 0.05
-    holds = 0
-    worst, first, last, count = 0.0, float(time[-1]), float(time[0]), 0
+    holds, shot = 0, []
     for begin, end in runs(still):
         if (end - begin) < 0.3 * rate:
             continue
         before = slice(max(begin - round(1.5 * rate), 0), begin + round(0.15 * rate))
         rest = float(np.median(angle[begin + (end - begin) // 2 : end]))
         piece = angle[before]
-        start = float(piece[0])
-        if abs(rest - start) < 0.1:
+        moved = rest - float(piece[0])
+        if abs(moved) < 0.1:
             continue
         holds += 1
-        direction = 1.0 if rest > start else -1.0
-        beyond = float((direction * (piece - rest)).max())
-        if beyond > max(OVERSHOOT * abs(rest - start), LEAST):
-            count += 1
-            worst = max(worst, beyond)
-            first = min(first, float(time[before][0]))
-            last = max(last, float(time[begin]))
-    return (worst, first, last, count) if holds else None
+        beyond = float((np.sign(moved) * (piece - rest)).max())
+        if beyond > max(OVERSHOOT * abs(moved), LEAST):
+            shot.append((beyond, float(time[before][0]), float(time[begin])))
+    return holds, shot

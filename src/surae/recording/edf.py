@@ -6,7 +6,6 @@ sample.
 """
 
 import re
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -119,20 +118,17 @@ class _File:
             return None
         if self._notes is None:
             raise InputError(f"{self._shown}: interrupted (EDF+D), without its records' times")
-        onsets = np.array(list(self._onsets(self._notes)))
+        skipped = self._size + self._width * sum(self._samples[: self._notes])
+        onsets = np.empty(self.records)
+        for record in range(self.records):  # the time stands first in its annotations
+            at = skipped + record * self._record
+            raw = self._data[at : at + self._width * self._samples[self._notes]]
+            if (onset := _ONSET.match(raw)) is None:
+                raise InputError(f"{self._shown}: record {record + 1} has no time; it is damaged")
+            onsets[record] = float(onset[1])
         onsets -= onsets[0]
         even = np.abs(onsets - self.duration_s * np.arange(self.records)) < 1e-6
         return None if even.all() else onsets
-
-    def _onsets(self, notes: int) -> Iterator[float]:
-        """The time that stands first in each record's annotations [s]."""
-        skipped = self._size + self._width * sum(self._samples[:notes])
-        for record in range(self.records):
-            at = skipped + record * self._record
-            raw = self._data[at : at + self._width * self._samples[notes]]
-            if (onset := _ONSET.match(raw)) is None:
-                raise InputError(f"{self._shown}: record {record + 1} has no time; it is damaged")
-            yield float(onset[1])
 
     def _read(self, first: int, count: int) -> Any:
         """Some of the records, as edfio reads them."""

@@ -10,8 +10,10 @@ fills with the sample before where the file ends early, is refused.
 
 import io
 import logging
+import sys
 from collections.abc import Iterator, Mapping
 from itertools import chain
+from logging.handlers import BufferingHandler
 from typing import Any
 
 import numpy as np
@@ -64,24 +66,12 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
         return packed(list(chain.from_iterable(columns)))
 
 
-class _Complaints(logging.Handler):
-    """What pyxdf logs instead of raising."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.ERROR)
-        self.messages: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Keep a message."""
-        self.messages.append(record.getMessage())
-
-
 def _loaded(pyxdf: Any, data: bytes, shown: str) -> list[Any]:
-    """The streams as pyxdf gives them; what it would skip is an error."""
-    log, complaints = logging.getLogger("pyxdf"), _Complaints()
-    before = log.propagate
+    """The streams as pyxdf gives them; what it would skip, logging an error, is one."""
+    log, complaints = logging.getLogger("pyxdf"), BufferingHandler(sys.maxsize)
+    complaints.setLevel(logging.ERROR)
+    before, log.propagate = log.propagate, False
     log.addHandler(complaints)
-    log.propagate = False
     try:
         streams, _ = pyxdf.load_xdf(
             io.BytesIO(data), synchronize_clocks=True, dejitter_timestamps=False
@@ -89,7 +79,7 @@ def _loaded(pyxdf: Any, data: bytes, shown: str) -> list[Any]:
     finally:
         log.removeHandler(complaints)
         log.propagate = before
-    if complaints.messages:
+    if complaints.buffer:
         raise InputError(f"{shown}: the file is damaged: some of its samples are unreadable")
     return list(streams)
 
@@ -140,12 +130,9 @@ def _axis(time: FloatArray) -> tuple[FloatArray, float, int]:
     """Times with one step by least squares, the stamps' largest distance [ms], and the gaps."""
     pieces = _pieces(time)
     index = np.arange(len(time), dtype=np.float64)
-    centres = [(index[piece].mean(), time[piece].mean()) for piece in pieces]
-    centred = np.concatenate([index[p] - i for p, (i, _) in zip(pieces, centres, strict=True)])
+    centred = np.concatenate([index[piece] - index[piece].mean() for piece in pieces])
     step = float(centred @ time / (centred @ centred))
-    fitted = np.concatenate(
-        [t + step * (index[p] - i) for p, (i, t) in zip(pieces, centres, strict=True)]
-    )
+    fitted = np.concatenate([time[piece].mean() + step * centred[piece] for piece in pieces])
     return fitted, 1e3 * float(np.max(np.abs(time - fitted))), len(pieces) - 1
 
 

@@ -71,18 +71,11 @@ class Weighting(Request):
 def weighted(
     inputs: Sequence[ModelInputs], weighting: Weighting | Sequence[Weighting]
 ) -> tuple[ModelInputs, ...]:
-    """Recordings with weights; those they have already are multiplied.
+    """Recordings with weights, for all or one for each; those they have already are multiplied.
 
     The weight of activity is (1 + peaks·a)/mean, where a goes from 0 at rest to 1 at a peak: the
     activity, averaged over 0.25 s, over its own 95th percentile, at most 1. With mean 1 a
     recording keeps its share among others.
-
-    Parameters
-    ----------
-    inputs : sequence of ModelInputs
-        Prepared recordings.
-    weighting : Weighting, or sequence of Weighting
-        For all recordings, or one for each.
 
     Raises
     ------
