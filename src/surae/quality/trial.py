@@ -1,8 +1,8 @@
 """A recording as the checks look at it: every signal once, on one coarse time axis."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -41,21 +41,25 @@ _FEW, _RECOGNISED_FEW = 12.0, 0.88
 
 
 @dataclass(frozen=True, slots=True)
-class CheckedTrial:
-    """What the checks share."""
+class Signals:
+    """A recording's signals on one axis."""
 
-    recording: Recording  #: As it was read; checks of single samples look at its channels.
     #: What the EMG's values say it is, whatever the recording says.
     emg_kind: Literal["raw", "envelope"]
     time: FloatArray  #: Uniform axis over the span that all channels share [s], shape (n,).
     rate_hz: float  #: Its rate: `RATE`, or that of the slowest channel where this is lower.
-    #: `angle`, `velocity`: [rad, rad/s], degrees under the name of radians undone, shape (n,).
-    angle: FloatArray
-    velocity: FloatArray
+    angle: FloatArray  #: [rad], degrees under the name of radians undone, shape (n,).
     torque: FloatArray | None  #: [Nm], shape (n,).
-    #: `fast`, `slow`: envelopes by muscle, averaged over one step and over `SLOW`, shape (n,).
-    fast: dict[str, FloatArray]
-    slow: dict[str, FloatArray]
+    fast: dict[str, FloatArray]  #: Envelopes by muscle, averaged over one step, shape (n,).
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckedTrial(Signals):
+    """What the checks share."""
+
+    recording: Recording  #: As it was read; checks of single samples look at its channels.
+    velocity: FloatArray  #: [rad/s], shape (n,).
+    slow: dict[str, FloatArray]  #: Envelopes by muscle, averaged over `SLOW`, shape (n,).
     commanded: Commanded | None  #: The motion that the device was to follow, given or recognised.
     effort: FloatArray | None  #: The requested effort, given or recognised, shape (n, 4).
     #: What torque, angle and EMG have to do with each other; None without torque.
@@ -106,30 +110,14 @@ def trial_of(recording: Recording, commanded: Commanded | None = None) -> Checke
     if seen.torque is not None:
         model = torque_model(time, rate, seen.angle, seen.torque, seen.fast)
     return CheckedTrial(
+        *(getattr(seen, field.name) for field in fields(seen)),
         recording=recording,
-        emg_kind=seen.emg_kind,
-        time=time,
-        rate_hz=rate,
-        angle=seen.angle,
         velocity=velocity,
-        torque=seen.torque,
-        fast=seen.fast,
         slow=slow,
         commanded=commanded or recognised(recording.channels["angle"]),
         effort=_requested_effort(time, slow, commanded),
         model=model,
     )
-
-
-class Signals(NamedTuple):
-    """A recording's signals on one axis, see `CheckedTrial`."""
-
-    emg_kind: Literal["raw", "envelope"]
-    time: FloatArray
-    rate_hz: float
-    angle: FloatArray
-    torque: FloatArray | None
-    fast: dict[str, FloatArray]
 
 
 def signals_of(recording: Recording) -> Signals:
