@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.frozen import freeze
@@ -26,6 +27,7 @@ _SIGNAL = struct.Struct("<41p4x11pffffH62x")
 #: Before the samples of each block: index, time of day, reserved.
 _BLOCK_HEADER = 86
 _LOW, _HIGH = "(Lo) ", "(Hi) "
+_Words = npt.NDArray[np.int16]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,18 +42,6 @@ class _Signal:
     offset: float
 
 
-@dataclass(frozen=True, slots=True)
-class _Layout:
-    """The file's structure, checked against its size."""
-
-    first: int
-    blocks: int
-    per_block: int
-    words: int
-    n: int
-    rate_hz: float
-
-
 def recognises(source: Source) -> bool:
     """Whether it begins as Poly5 files do."""
     return source.data.startswith(_MAGIC)
@@ -62,12 +52,12 @@ def open_table(source: Source) -> Table:
 
     Another version, and a file that is compressed, damaged or cut short, is refused.
     """
-    layout, signals, remark = _opened(source)
+    samples, n, rate_hz, signals, remark = _opened(source)
     by_name = {signal.name: signal for signal in signals}
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        time = instants(0.0, layout.rate_hz, layout.n)
-        values = {name: _values(source, layout, by_name[name]) for name in wanted}
+        time = instants(0.0, rate_hz, n)
+        values = {name: _values(samples, n, by_name[name]) for name in wanted}
         return {name: Column(name, time, values[name], "time", sample) for name in wanted}
 
     return Table(
@@ -77,8 +67,8 @@ def open_table(source: Source) -> Table:
     )  # fmt: skip
 
 
-def _opened(source: Source) -> tuple[_Layout, list[_Signal], str]:
-    """Layout, signals, and what a user should know."""
+def _opened(source: Source) -> tuple[_Words, int, float, list[_Signal], str]:
+    """Words by block, sample and signal; samples, rate [Hz], signals, what a user should know."""
     where, data = source.shown, source.data
     begin = next((b for b in (31, 32) if data[b : b + 2] in (b"\xcb\x00", b"\xcc\x00")), None)
     if begin is None or len(data) < begin + _HEADER.size:
@@ -110,8 +100,12 @@ def _opened(source: Source) -> tuple[_Layout, list[_Signal], str]:
         remark = f"the header counts {count} samples, the blocks hold {n}"
     if n < 2:
         raise InputError(f"{where}: it holds fewer than two samples")
-    layout = _Layout(first, blocks, per_block, words, n, float(rate))
-    return layout, list(_signals(data[begin + _HEADER.size : first], where)), remark
+    samples: _Words = np.ndarray(
+        (blocks, per_block, words), "<i2", data, first + _BLOCK_HEADER,
+        strides=(_BLOCK_HEADER + size, 2 * words, 2),
+    )  # fmt: skip
+    signals = list(_signals(data[begin + _HEADER.size : first], where))
+    return samples, n, float(rate), signals, remark
 
 
 def _signals(described: bytes, where: str) -> Iterator[_Signal]:
@@ -139,17 +133,13 @@ def _signals(described: bytes, where: str) -> Iterator[_Signal]:
         yield _Signal(name, _latin(unit), word, floats, scale, offset)
 
 
-def _values(source: Source, layout: _Layout, signal: _Signal) -> FloatArray:
+def _values(samples: _Words, n: int, signal: _Signal) -> FloatArray:
     """A signal in its unit."""
-    raw: FloatArray = np.ndarray(
-        shape=(layout.blocks, layout.per_block),
-        dtype="<f4" if signal.floats else "<i2",
-        buffer=source.data,
-        offset=layout.first + _BLOCK_HEADER + 2 * signal.word,
-        strides=(_BLOCK_HEADER + 2 * layout.words * layout.per_block, 2 * layout.words),
-    )
+    raw = samples[:, :, signal.word : signal.word + 1 + signal.floats]
+    if signal.floats:
+        raw = np.ascontiguousarray(raw).view("<f4")
     with np.errstate(invalid="ignore", over="ignore"):
-        values = raw.astype(np.float64).reshape(-1)[: layout.n]
+        values = raw.astype(np.float64).reshape(-1)[:n]
         if (signal.scale, signal.offset) != (1.0, 0.0):
             values *= signal.scale
             values += signal.offset
