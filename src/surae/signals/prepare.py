@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -298,6 +298,11 @@ def _derivative_step(signals: Mapping[str, FloatArray]) -> str:
     return f"The {given} is that given. {computed.capitalize()} {how}."
 
 
+#: Filters of raw EMG in their order, which is rectified between them.
+_EMG_FILTERS: dict[Literal["highpass", "lowpass"], str] = {
+    "highpass": "high-pass",
+    "lowpass": "low-pass",
+}
 #: Raw EMG must be sampled at this many times its high-pass cut-off.
 RATE_FACTOR = 4.0
 
@@ -308,18 +313,14 @@ NEGATIVE_FRACTION = 0.1
 
 def envelope(source: Uniform, settings: Preparation) -> Uniform:
     """Mean removed, high-passed, rectified and, where set, low-passed EMG at its own rate."""
-    rate, where = source.axis.rate_hz, source.where
     values = source.values - source.values.mean()
-    high, low = settings.emg_highpass_hz, settings.emg_lowpass_hz
-    if high is not None:
-        values = butterworth(
-            values, rate, high, settings.emg_highpass_order, "highpass", ends="even", where=where
-        )
-    values = np.abs(values)
-    if low is not None:
-        values = butterworth(
-            values, rate, low, settings.emg_lowpass_order, "lowpass", ends="even", where=where
-        )
+    for kind in _EMG_FILTERS:
+        cutoff, order = (getattr(settings, f"emg_{kind}_{what}") for what in ("hz", "order"))
+        values = np.abs(values) if kind == "lowpass" else values
+        if cutoff is not None:
+            values = butterworth(
+                values, source.axis.rate_hz, cutoff, order, kind, ends="even", where=source.where
+            )
     return source.replaced(values)
 
 
@@ -362,15 +363,12 @@ def envelope_step(sources: list[Uniform], settings: Preparation) -> str:
     """What was done to raw EMG."""
     rates = sorted({source.axis.rate_hz for source in sources})
     parts = ["mean removed"]
-    if settings.emg_highpass_hz is not None:
-        parts.append(
-            f"zero-phase Butterworth high-pass of order {settings.emg_highpass_order} (-3 dB at "
-            f"{settings.emg_highpass_hz:g} Hz after both passes)"
-        )
-    parts.append("rectified")
-    if settings.emg_lowpass_hz is not None:
-        parts.append(
-            f"zero-phase Butterworth low-pass of order {settings.emg_lowpass_order} (-3 dB at "
-            f"{settings.emg_lowpass_hz:g} Hz after both passes)"
-        )
+    for kind, words in _EMG_FILTERS.items():
+        cutoff, order = (getattr(settings, f"emg_{kind}_{what}") for what in ("hz", "order"))
+        parts += ["rectified"] if kind == "lowpass" else []
+        if cutoff is not None:
+            parts.append(
+                f"zero-phase Butterworth {words} of order {order} (-3 dB at {cutoff:g} Hz after "
+                "both passes)"
+            )
     return f"EMG ({', '.join(f'{rate:.6g}' for rate in rates)} Hz): {', '.join(parts)}."
