@@ -60,7 +60,8 @@ class Comparable:
         return hash(_key(_compared(self)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (type(self), tuple(getattr(self, f.name) for f in fields(self)))
+        thing: Any = self
+        return _restored, (type(self), tuple(getattr(self, f.name) for f in fields(thing)))
 
 
 def _compared(thing: Any) -> tuple[Any, ...]:
