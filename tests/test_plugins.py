@@ -22,7 +22,7 @@ import numpy as np
 
 from surae.model import MODELS
 from surae.protocol import Device
-from surae.recording.samples import sample
+from surae.recording.table import sample
 from surae.recording.table import Column, Table
 
 MODEL = replace(MODELS["muscle"], name="ours", title="a model of ours")

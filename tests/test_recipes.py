@@ -101,7 +101,7 @@ def _direction(inputs: "ModelInputs") -> FloatArray:
         ("model/sources.py", "    UncertaintySource(", FRICTION),
     ],
     "a finding": [
-        ("quality/kinds.py", '    FindingKind("torque-sign"', '''\
+        ("quality/finding.py", '    FindingKind("torque-sign"', '''\
     FindingKind("torque-still", "torque that never changes",
         "Connect the torque sensor, and record again.", "error", "Nm"),
 '''),

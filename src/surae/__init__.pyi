@@ -36,7 +36,6 @@ from surae.recording import Recording as Recording
 from surae.recording import inspect as inspect
 from surae.recording import read as read
 from surae.recording import write_csv as write_csv
-from surae.recording import write_sto as write_sto
 from surae.settings import FitSettings as FitSettings
 from surae.signals import EmgReference as EmgReference
 from surae.signals import ModelInputs as ModelInputs

@@ -18,6 +18,7 @@ BESIDE = ("-wal", "-shm", "-journal", ".lock")
 _LOOKED_AT = 1.0
 #: How long to wait for another program that writes [s].
 _PATIENCE = 30.0
+_NOT_OURS = "{name} is not {what}; give another, or restore a backup"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,9 +50,7 @@ def sqlite_errors(name: str, kind: Format) -> Iterator[None]:
     except sqlite3.Error as error:
         code = getattr(error, "sqlite_errorcode", 0) & 0xFF
         if code == sqlite3.SQLITE_NOTADB:
-            raise InputError(
-                f"{name} is not {kind.what}; give another, or restore a backup"
-            ) from error
+            raise InputError(_NOT_OURS.format(name=name, what=kind.what)) from error
         if code == sqlite3.SQLITE_FULL:
             raise UnavailableError(kind.full.format(name=name)) from error
         if code in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
@@ -63,10 +62,6 @@ def sqlite_errors(name: str, kind: Format) -> Iterator[None]:
             sqlite3.SQLITE_CORRUPT: kind.damaged,
         }.get(code)
         raise ComputationError(f"{name}: {error}" + (f"; {advice}" if advice else "")) from error
-
-
-def _none_of_ours(name: str, kind: Format) -> InputError:
-    return InputError(f"{name} is not {kind.what}; give another, or restore a backup")
 
 
 def lock(path: Path) -> sqlite3.Connection | None:
@@ -126,7 +121,10 @@ def open_to_write(
         file.execute("PRAGMA synchronous = FULL")  # what is there outlives a power cut too
         file.execute("PRAGMA fullfsync = ON")  # on macOS too
         if not (known or application):
-            make_tables(file, kind)
+            file.executescript(
+                f"BEGIN; PRAGMA application_id = {kind.application}; "
+                f"PRAGMA user_version = {kind.version};{kind.tables} COMMIT;"
+            )
     except BaseException:
         file.close()
         raise
@@ -163,14 +161,6 @@ def copy(file: sqlite3.Connection, to: Path) -> None:
     with closing(sqlite3.connect(to, isolation_level=None)) as target:
         file.backup(target)
         target.execute("PRAGMA journal_mode = DELETE")  # one file, and whole
-
-
-def make_tables(file: sqlite3.Connection, kind: Format) -> None:
-    """Make a new file one of a kind."""
-    file.executescript(
-        f"BEGIN; PRAGMA application_id = {kind.application}; PRAGMA user_version = {kind.version};"
-        f"{kind.tables} COMMIT;"
-    )
 
 
 @contextmanager
@@ -216,7 +206,7 @@ def connected(path: Path, mode: str, patience: float = _PATIENCE) -> sqlite3.Con
 def _recognise(file: sqlite3.Connection, name: str, kind: Format) -> None:
     """Refuse a file that is none of ours, of another version, or holds more than ours."""
     if file.execute("PRAGMA application_id").fetchone()[0] != kind.application:
-        raise _none_of_ours(name, kind)
+        raise InputError(_NOT_OURS.format(name=name, what=kind.what))
     version = int(file.execute("PRAGMA user_version").fetchone()[0])
     if version > kind.version:
         raise InputError(f"{name} was written by a newer surae; update surae to use it")

@@ -27,7 +27,8 @@ def estimate(value: float, sem: float | None, ci95: tuple[float, float] | None) 
     A standard error far beyond the value leaves it two digits of its own: it isn't nought.
     """
     if sem is None or ci95 is None or not math.isfinite(sem) or sem <= 0:
-        return EstimateText(_rounded(value), NO_NUMBER, NO_NUMBER)
+        # Four digits at most: nothing says how many are true.
+        return EstimateText(short(float(f"{value:.4g}")), NO_NUMBER, NO_NUMBER)
     first = _order(float(f"{sem:.1e}"))
     largest = _order(value or max(map(abs, ci95)))
     shift = _shift(largest)
@@ -87,11 +88,6 @@ def standard_error(sem: float | None) -> str:
     if sem is None or not math.isfinite(sem) or sem <= 0:
         return NO_NUMBER
     return significant(float(f"{sem:.1e}"), 2)
-
-
-def _rounded(value: float) -> str:
-    """Four digits at most: nothing says how many are true."""
-    return short(float(f"{value:.4g}"))
 
 
 def significant(value: float, digits: int) -> str:

@@ -60,12 +60,8 @@ class Comparable:
         return hash(_key(_compared(self)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (type(self), _values(self))
-
-
-def _values(thing: Any) -> tuple[Any, ...]:
-    """The values of a dataclass's fields."""
-    return tuple(getattr(thing, field.name) for field in fields(thing))
+        thing: Any = self
+        return _restored, (type(self), tuple(getattr(self, f.name) for f in fields(thing)))
 
 
 def _compared(thing: Any) -> tuple[Any, ...]:

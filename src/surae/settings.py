@@ -163,7 +163,11 @@ class FitSettings:
             if kind == "mapping" and not isinstance(value, Mapping):
                 raise InputError(f"{name} is {value!r}; give a mapping of names to values")
             if isinstance(value, Mapping):
-                frozen = FrozenDict((k, _frozen(v)) for k, v in value.items())
+                # A pair is a tuple; anything else is refused where it is used.
+                frozen = FrozenDict(
+                    (k, tuple(v) if isinstance(v, list) or hasattr(v, "__array__") else v)
+                    for k, v in value.items()
+                )
                 object.__setattr__(self, name, frozen)
             elif kind == "whole":
                 object.__setattr__(self, name, checked(name, value, record, whole=True))
@@ -347,11 +351,6 @@ class FitSettings:
         for name in data.keys() - {f.name for f in fields(cls)}:
             raise InputError(f"{name} is no setting that this surae knows")
         return from_plain(cls, data)
-
-
-def _frozen(value: Any) -> Any:
-    """A pair as a tuple; anything else as it is, to be refused where it is used."""
-    return tuple(value) if isinstance(value, list) or hasattr(value, "__array__") else value
 
 
 def _believed(given: Any) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from surae.recording import read
 from .conftest import refused
 
 
-@pytest.mark.parametrize("name", ["out.h5", "out.HDF5", "out.csv", "out.sto"])
+@pytest.mark.parametrize("name", ["out.h5", "out.HDF5", "out.csv"])
 def test_formats_that_read_back_to_the_same_numbers(files, run, name):
     done = run("convert", "trial.csv", name)
     assert (done.code, done.err) == (0, "")

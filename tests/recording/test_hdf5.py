@@ -7,7 +7,7 @@ import pytest
 from surae.errors import InputError
 from surae.recording import Channel, Recording, SourceFile, read, write_hdf5
 from surae.recording.formats import open_table
-from surae.recording.hdf5file import write_text
+from surae.recording.hdf5 import write_text
 from surae.recording.source import open_source
 from surae.recording.table import sampling_of
 

@@ -12,7 +12,8 @@ from hypothesis.extra.numpy import arrays
 
 from surae.errors import InputError
 from surae.files import atomic_file, read_bytes, sha256, write_atomic
-from surae.recording import read, write_csv
+from surae.recording import Channel, Recording, read, write_csv
+from surae.recording.writing import shared_time
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 ROLES = ("angle_rad", "torque_Nm", "emg_ta_V", "emg_gm_V", "angular_velocity_rad_s")
@@ -132,3 +133,13 @@ def test_reading_is_bounded(tmp_path):
     assert sha256(b"12345").startswith("5994471abb01112a")
     with pytest.raises(InputError, match="larger than"):
         read_bytes(path, limit=4)
+
+
+def test_channels_with_times_of_their_own_are_refused():
+    time = np.arange(10) / 10
+    channels = {
+        role: Channel(role, own, np.sin(own), unit, "x")
+        for role, own, unit in (("angle", time, "rad"), ("torque", time[::2], "Nm"))
+    }
+    with pytest.raises(InputError, match="angle and torque have times of their own"):
+        shared_time(Recording("two", channels), "cannot write a.csv")

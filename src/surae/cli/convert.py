@@ -13,7 +13,7 @@ from surae.cli.screen import show_line
 from surae.errors import InputError
 from surae.files import shown
 
-_SUFFIXES = (".h5", ".hdf5", ".csv", ".sto")
+_SUFFIXES = (".h5", ".hdf5", ".csv")
 
 
 @click.command("convert")
@@ -25,12 +25,12 @@ _SUFFIXES = (".h5", ".hdf5", ".csv", ".sto")
 def command(recording: str, output: str, mapping: str | None, prepared: bool) -> None:
     """Write a recording in another format, in SI units with our signs.
 
-    OUT ends in .h5, which keeps everything, or in .csv or .sto, which have one time axis.
+    OUT ends in .h5, which keeps everything, or in .csv, which has one time axis.
     """
     suffix = Path(output).suffix.lower()
     if suffix not in _SUFFIXES:
         raise InputError(
-            f"{shown(output)}: {suffix or 'no ending'} is not written; end it in .h5, .csv or .sto"
+            f"{shown(output)}: {suffix or 'no ending'} is not written; end it in .h5 or .csv"
         )
     check_outputs({"OUT": output}, [recording])
 
@@ -41,21 +41,19 @@ def command(recording: str, output: str, mapping: str | None, prepared: bool) ->
         if prepared:
             progress.describe(f"preparing {recording}")
             measured = _prepared(measured)
-        left_out = _films_of_another_clock(measured) if suffix in (".csv", ".sto") else []
+        left_out = _films_of_another_clock(measured) if suffix == ".csv" else []
         if left_out:
             kept = {role: c for role, c in measured.channels.items() if role not in left_out}
             measured = replace(measured, channels=kept)
         progress.describe(f"writing {output}")
         if suffix in (".h5", ".hdf5"):
             api.write_hdf5(output, measured)
-        elif suffix == ".csv":
+        else:
             api.shared_time(measured, f"cannot write {shown(output)}")
             name = " ".join(measured.name.split())
             api.write_csv(
                 output, api.csv_columns(measured), [f"name: {name}", f"emg: {measured.emg}"]
             )
-        else:
-            api.write_sto(output, measured)
 
     again = "; fit it with --prepared, or it is filtered again" if prepared else ""
     show_line(f"converted: {shown(output)}{again}")

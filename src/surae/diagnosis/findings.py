@@ -1,5 +1,6 @@
 """Findings of the checks and of quick fits together: a sign, a zero or a lag is tried by a fit."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -7,8 +8,8 @@ import numpy as np
 from surae.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.diagnosis.units import scaled, wrong_units
 from surae.quality import Commanded, Finding, Quality, check_recording
-from surae.quality.kinds import make_finding
-from surae.quality.numeric import quantiles
+from surae.quality.finding import make_finding
+from surae.quality.numeric import quantiles, span_of
 from surae.quality.registry import ordered, unfit
 from surae.quality.torque import GRAVITY
 from surae.quality.trial import Signals, signals_of
@@ -41,38 +42,49 @@ def examined(recording: Recording, commanded: Commanded | None = None) -> Qualit
     if unfit(right) is not None:
         return _together(quality, findings)
     signals = signals_of(right)
-    degrees = _degrees(right, signals, quality)
-    if degrees is not None:
+    if (degrees := _degrees(right, signals, quality)) is not None:
         findings.append(degrees[0])
         right = degrees[1]
         signals = signals_of(right)
         quality = check_recording(right, commanded)
-    still = _still(signals)
-    if still is not None:
-        return _together(quality, [*findings, still], but=("angle-units", "rom-not-covered"))
+    low, high = quantiles(signals.angle, 0.005, 0.995)
+    if high - low < STILL:
+        findings.append(
+            make_finding(
+                "angle-still", "angle", span_of(signals.time), high - low,
+                f"The angle stays within {np.rad2deg(high - low):.2g}°: a static hold, nothing "
+                "moves.",
+            )
+        )  # fmt: skip
+        return _together(quality, findings, but=("angle-units", "rom-not-covered"))
     fit = None if signals.torque is None else quick_fit(right, signals)
     if fit is None:
         return _together(quality, findings)
-    turned = _signs(right, signals, fit)
-    if turned is not None:
-        if turned[1] is not right:
-            quality = check_recording(turned[1], commanded)
-        return _together(quality, [*findings, *turned[0]], but=("torque-sign",))
+    turned, with_signs = _signs(right, signals, fit)
+    if turned:
+        if with_signs is not right:
+            quality = check_recording(with_signs, commanded)
+        return _together(quality, [*findings, *turned], but=("torque-sign",))
     constant = next((f for f in quality.findings if f.code == "torque-offset"), None)
     if constant is None:
-        zero = _zero(right, signals, fit)
-        findings += [] if zero is None else [zero]
-    elif fit.r2 >= _GOOD_ENOUGH and not _borne_out(constant, fit):
-        kept = tuple(f for f in quality.findings if f is not constant)
-        quality = replace(quality, findings=kept)
-    return _together(_without_false_lags(right, signals, quality, fit), findings)
+        findings += _zero(right, signals, fit)
+    elif fit.r2 >= _GOOD_ENOUGH:
+        # A fit's zero goes the way, and a part of it, that the torque's constant part says.
+        beyond = (constant.value or 0.0) - sum(GRAVITY) / 2
+        if not fit.zero * beyond >= _AGREED * beyond**2:
+            kept = tuple(f for f in quality.findings if f is not constant)
+            quality = replace(quality, findings=kept)
+    lags = [f for f in quality.findings if f.code in ("electrode-lag", "emg-torque-lag")]
+    false = [lag for lag in lags if not _explains(lag, right, signals, fit)]
+    true = tuple(finding for finding in quality.findings if finding not in false)
+    return _together(replace(quality, findings=true), findings)
 
 
 def _together(quality: Quality, findings: list[Finding], but: tuple[str, ...] = ()) -> Quality:
     """The findings of the checks, but for those of some codes, and others."""
-    own = {*but, *(finding.code for finding in findings)}
     if not findings:
         return quality
+    own = {*but, *(finding.code for finding in findings)}
     kept = [finding for finding in quality.findings if finding.code not in own]
     skipped = tuple(reason for reason in quality.skipped if reason.check not in own)
     return replace(quality, findings=ordered([*findings, *kept]), skipped=skipped)
@@ -89,44 +101,35 @@ def _degrees(
     before, after = quick_fit(recording, signals), quick_fit(right, signals_of(right))
     if before is None or after is None or after.r2 < max(_EXPLAINS, before.r2):
         return None
-    message = (
-        f"{claimed.message[:-1]}: with the larger angle R² rises from {percent(before.r2)} to "
-        f"{percent(after.r2)}."
-    )
-    return replace(claimed, message=message), right
+    rises = f"with the larger angle R² rises from {percent(before.r2)} to {percent(after.r2)}"
+    return replace(claimed, message=f"{claimed.message[:-1]}: {rises}."), right
 
 
 def _signs(
     recording: Recording, signals: Signals, first: QuickFit
-) -> tuple[list[Finding], Recording] | None:
-    """Findings about the signs, and the recording with them right; None where they are right."""
+) -> tuple[list[Finding], Recording]:
+    """Findings about the signs, none where they are right, and the recording with them right."""
     if first.r2 >= _GOOD:
-        return None
+        return [], recording
     tried = {
         pair: quick_fit(recording, signals, angle=pair[0], torque=pair[1])
         for pair in ((-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
     }
     fits = {pair: fit for pair, fit in tried.items() if fit is not None}
-    if not fits:
-        return None
-    best = max(fits.values(), key=lambda fit: fit.r2)
+    best = max(fits.values(), key=lambda fit: fit.r2, default=first)
     if best.r2 < _EXPLAINS or first.left < _CLEARLY * best.left:
-        return None
+        return [], recording
     possible = [signs for signs, fit in fits.items() if fit.left < _CLEARLY * best.left]
-    turned = [n for k, n in enumerate(("angle", "torque")) if all(s[k] < 0.0 for s in possible)]
-    unsure = [
-        n
-        for k, n in enumerate(("angle", "torque"))
-        if n not in turned and any(s[k] < 0.0 for s in possible)
-    ]
-    span = float(signals.time[0]), float(signals.time[-1])
+    each = dict(zip(("angle", "torque"), zip(*possible, strict=True), strict=True))
+    turned = [name for name, signs in each.items() if max(signs) < 0.0]
+    unsure = [name for name, signs in each.items() if min(signs) < 0.0 < max(signs)]
     numbers = f"R² rises from {percent(first.r2)} to {percent(best.r2)}"
     if not turned:
         text = (
             f"The angle or the torque is turned: with one sign = −1 {numbers}; which of them, the "
             "data cannot tell."
         )
-        turned, unsure = ["angle", "torque"], []
+        turned = ["angle", "torque"]
         advice = (
             "Find out which: the angle is positive in dorsiflexion, the torque when the triceps "
             "pulls."
@@ -139,68 +142,30 @@ def _signs(
         advice = f"Write sign = -1 for the {' and the '.join(turned)} in the TOML."
         for name in turned:
             recording = scaled(recording, name, -1.0)
-    texts = [text, "The torque is turned, too: see angle-sign."]
+    texts = zip(turned, (text, "The torque is turned, too: see angle-sign."), strict=False)
     return [
-        make_finding(
-            f"{name}-sign",
-            name,
-            span,
-            best.r2,
-            message,
-            advice=advice,
-        )
-        for name, message in zip(turned, texts, strict=False)
+        make_finding(f"{name}-sign", name, span_of(signals.time), best.r2, message, advice=advice)
+        for name, message in texts
     ], recording
 
 
-def _still(signals: Signals) -> Finding | None:
-    """A static hold: nothing moves, so nothing says what depends on the angle."""
-    low, high = quantiles(signals.angle, 0.005, 0.995)
-    if high - low >= STILL:
-        return None
-    return make_finding(
-        "angle-still",
-        "angle",
-        (signals.time[0], signals.time[-1]),
-        high - low,
-        f"The angle stays within {np.rad2deg(high - low):.2g}°: a static hold, nothing moves.",
-    )
-
-
-def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Finding | None:
+def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Iterator[Finding]:
     """A torque whose zero is off by more than a foot can weigh."""
     if recording.fixed.get("m") == 0.0 or abs(fit.zero) < _ZERO or fit.r2 < _GOOD_ENOUGH:
-        return None
+        return
     without = quick_fit(recording, signals, zero=False)
-    if without is None or without.left < _ZERO_GAIN * fit.left:
-        return None
-    return make_finding(
-        "torque-offset",
-        "torque",
-        (signals.time[0], signals.time[-1]),
-        fit.zero,
-        f"The torque's zero is off by about {fit.zero:.2g} Nm: with that taken away R² rises from "
-        f"{percent(without.r2)} to {percent(fit.r2)}.",
-    )
+    if without is not None and without.left >= _ZERO_GAIN * fit.left:
+        yield make_finding(
+            "torque-offset", "torque", span_of(signals.time), fit.zero,
+            f"The torque's zero is off by about {fit.zero:.2g} Nm: with that taken away R² rises "
+            f"from {percent(without.r2)} to {percent(fit.r2)}.",
+        )  # fmt: skip
 
 
-def _borne_out(constant: Finding, fit: QuickFit) -> bool:
-    """Whether a fit's zero goes the way, and a part of it, that the torque's constant part says."""
-    beyond = (constant.value or 0.0) - sum(GRAVITY) / 2
-    return bool(fit.zero * beyond >= _AGREED * beyond**2)
-
-
-def _without_false_lags(
-    recording: Recording, signals: Signals, quality: Quality, first: QuickFit
-) -> Quality:
-    """Leave out the lags that do not make a fit better when they are taken away."""
-    kept = []
-    for finding in quality.findings:
-        if finding.code in ("electrode-lag", "emg-torque-lag") and finding.value is not None:
-            muscles = MUSCLES if finding.channel is None else (finding.channel[4:],)
-            later = dict.fromkeys(muscles, finding.value)
-            shifted_fit = quick_fit(recording, signals, later=later)
-            if shifted_fit is None or shifted_fit.left > (1.0 - _SHIFT_GAIN) * first.left:
-                continue
-        kept.append(finding)
-    return replace(quality, findings=tuple(kept))
+def _explains(lag: Finding, recording: Recording, signals: Signals, first: QuickFit) -> bool:
+    """Whether a fit is better without a lag."""
+    if lag.value is None:
+        return True
+    muscles = MUSCLES if lag.channel is None else (lag.channel[4:],)
+    in_time = quick_fit(recording, signals, later=dict.fromkeys(muscles, lag.value))
+    return in_time is not None and in_time.left <= (1.0 - _SHIFT_GAIN) * first.left

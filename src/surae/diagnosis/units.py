@@ -7,8 +7,8 @@ import numpy as np
 from surae.diagnosis.quick import percent, quick_fit
 from surae.frozen import read_only
 from surae.quality import Finding
-from surae.quality.kinds import make_finding
-from surae.quality.numeric import quantile, quantiles
+from surae.quality.finding import make_finding
+from surae.quality.numeric import quantile, quantiles, span_of
 from surae.quality.registry import unfit
 from surae.quality.trial import signals_of
 from surae.recording import MUSCLE_NAMES, MUSCLES, Recording
@@ -53,16 +53,13 @@ def _time_unit(recording: Recording) -> _Righted | None:
         plausible = _SECONDS[0] <= lasting <= _SECONDS[1] and _RATES[0] <= true_rate <= _RATES[1]
         if rate >= _RATES[0] or not plausible:
             continue
-        message = (
-            f"The time goes on for {seconds:.4g} s with {rate:.3g} samples a second: in {unit}, "
-            f"these are {lasting:.3g} s at {true_rate:.4g} Hz."
-        )
-        advice = (
-            f"The times are in {unit}: name the column time_{unit}, or divide by {1 / factor:g}."
-        )
         finding = make_finding(
-            "time-unit", "time", (angle.time[0], angle.time[-1]), seconds, message, advice=advice
-        )
+            "time-unit", "time", span_of(angle.time), seconds,
+            f"The time goes on for {seconds:.4g} s with {rate:.3g} samples a second: in {unit}, "
+            f"these are {lasting:.3g} s at {true_rate:.4g} Hz.",
+            advice=f"The times are in {unit}: name the column time_{unit}, or divide by "
+            f"{1 / factor:g}.",
+        )  # fmt: skip
         channels = {
             role: replace(c, time=read_only(c.time * factor))
             for role, c in recording.channels.items()
@@ -73,8 +70,7 @@ def _time_unit(recording: Recording) -> _Righted | None:
 
 def _torque_unit(recording: Recording) -> _Righted | None:
     """A torque in mNm or kNm that is declared as Nm."""
-    torque = recording.channels.get("torque")
-    if torque is None:
+    if (torque := recording.channels.get("torque")) is None:
         return None
     top = quantile(np.abs(torque.values), 0.99)
     least, most = _TORQUES
@@ -82,25 +78,21 @@ def _torque_unit(recording: Recording) -> _Righted | None:
         if least <= top <= 2.0 * most or not least <= top * factor <= most:
             continue
         right = scaled(recording, "torque", factor)
-        before, after = (_r2(each) for each in (recording, right))
-        numbers = f" R² rises from {before} to {after}." if before and after else ""
+        fits = [
+            quick_fit(each, signals_of(each), zero=False)
+            for each in (recording, right)
+            if unfit(each) is None
+        ]
+        numbers = " to ".join(percent(fit.r2) for fit in fits if fit is not None)
         finding = make_finding(
-            "torque-unit",
-            "torque",
-            (torque.time[0], torque.time[-1]),
-            top,
-            f"The torque reaches {top:.3g} Nm: taken as {unit}, {top * factor:.3g} Nm.{numbers}",
+            "torque-unit", "torque", span_of(torque.time), top,
+            f"The torque reaches {top:.3g} Nm: taken as {unit}, {top * factor:.3g} Nm."
+            + (f" R² rises from {numbers}." if " to " in numbers else ""),
             advice=f'Write unit = "{unit}" for the torque in the TOML, or multiply it by '
             f"{factor:g}.",
-        )
+        )  # fmt: skip
         return finding, right
     return None
-
-
-def _r2(recording: Recording) -> str:
-    signals = signals_of(recording) if unfit(recording) is None else None
-    fit = None if signals is None else quick_fit(recording, signals, zero=False)
-    return "" if fit is None else percent(fit.r2)
 
 
 def _emg_unit(recording: Recording) -> _Righted | None:
@@ -111,48 +103,32 @@ def _emg_unit(recording: Recording) -> _Righted | None:
             low, middle, high = quantiles(channel.values, 0.01, 0.5, 0.99)
             if high > low:
                 tops[role] = max(high - middle, middle - low)
-    if not tops:
+    largest = max(tops, key=lambda role: tops[role], default="")
+    top = tops.get(largest, 0.0)
+    others = max((top for role, top in tops.items() if role != largest), default=0.0)
+    one = len(tops) > 1 and top > _MUSCLES * others
+    if not one and top <= _SKIN:
         return None
-    largest = max(tops, key=lambda role: tops[role])
-    others = [top for role, top in tops.items() if role != largest]
-    channel, top = recording.channels[largest], tops[largest]
-    span = float(channel.time[0]), float(channel.time[-1])
-    muscle = MUSCLE_NAMES[largest.removeprefix("emg_")]
-    if others and top > _MUSCLES * max(others):
-        factor = 1e-6 if top > 1e4 * max(others) else 1e-3
-        unit = "µV" if factor == 1e-6 else "mV"
-        finding = make_finding(
-            "emg-unit",
-            largest,
-            span,
-            top,
-            f"The EMG of the {muscle} reaches {top:.3g} V, that of the others {max(others):.2g} V: "
-            f"taken as {unit}, {top * factor:.2g} V.",
-            advice=f'Write unit = "{unit}" for {largest} in the TOML.',
-        )
-        return finding, scaled(recording, largest, factor)
-    if others and top * _MUSCLES < max(others):
-        return None
-    if top <= _SKIN:
-        return None
-    if top <= _AMPLIFIER:
+    span = span_of(recording.channels[largest].time)
+    if not one and top <= _AMPLIFIER:
         return make_finding(
-            "emg-unit",
-            None,
-            span,
-            top,
+            "emg-unit", None, span, top,
             f"The EMG reaches {top:.2g} V, more than skin gives: mV, or volts behind an amplifier.",
             severity="info",
             advice="Give the unit or the amplifier's gain if weights are to be compared with "
             "other legs.",
-        ), recording
+        ), recording  # fmt: skip
+    if not one:
+        for role in tops:
+            recording = scaled(recording, role, 1e-6)
+        text = f"The EMG reaches {top:.3g} V: taken as µV, {top * 1e-6:.2g} V."
+        return make_finding("emg-unit", None, span, top, text), recording
+    factor, unit = (1e-6, "µV") if top > 1e4 * others else (1e-3, "mV")
+    muscle = MUSCLE_NAMES[largest.removeprefix("emg_")]
     finding = make_finding(
-        "emg-unit",
-        None,
-        span,
-        top,
-        f"The EMG reaches {top:.3g} V: taken as µV, {top * 1e-6:.2g} V.",
-    )
-    for role in tops:
-        recording = scaled(recording, role, 1e-6)
-    return finding, recording
+        "emg-unit", largest, span, top,
+        f"The EMG of the {muscle} reaches {top:.3g} V, that of the others {others:.2g} V: "
+        f"taken as {unit}, {top * factor:.2g} V.",
+        advice=f'Write unit = "{unit}" for {largest} in the TOML.',
+    )  # fmt: skip
+    return finding, scaled(recording, largest, factor)

@@ -8,7 +8,7 @@ import numpy as np
 
 from surae.errors import ComputationError
 from surae.frozen import Comparable
-from surae.recording.samples import sample
+from surae.recording.table import sample
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 

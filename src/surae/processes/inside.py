@@ -114,8 +114,11 @@ def _listen(calls: "queue.SimpleQueue[dict[str, Any]]", at_work: _AtWork) -> Non
 def _called(request: Mapping[str, Any], at_work: _AtWork) -> dict[str, Any]:
     """Do one call; the message that ends it."""
     try:
-        _limit_memory(request["memory"])
-        _limit_work(request["seconds"])
+        _limit("RLIMIT_AS", request["memory"])
+        # A busy machine makes no file too large: what counts is the work, not the wait.
+        seconds = request["seconds"]
+        end = None if seconds is None else math.ceil(time.process_time() + seconds)
+        _limit("RLIMIT_CPU", end)
         signal.signal(signal.SIGINT, signal.default_int_handler)
         try:
             with at_work.lock:
@@ -162,23 +165,11 @@ def _failed(error: BaseException) -> dict[str, Any]:
     return {"how": "failed", "message": text, "where": where(error)}
 
 
-def _limit_work(seconds: float | None) -> None:
-    """End this process after so much processor time, where the system can; None: no limit of ours.
-
-    A busy machine makes no file too large: what counts is the work, not the wait.
-    """
+def _limit(what: str, limit: int | None) -> None:
+    """Limit this process, where the system can, in memory [bytes] or work [s]; None: not by us."""
     with suppress(ImportError, OSError, ValueError):
         import resource
 
-        hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
-        end = hard if seconds is None else math.ceil(time.process_time() + seconds)
-        resource.setrlimit(resource.RLIMIT_CPU, (end, hard))
-
-
-def _limit_memory(limit: int | None) -> None:
-    """Refuse memory beyond a limit [bytes], where the system can; None: no limit of ours."""
-    with suppress(ImportError, OSError, ValueError):
-        import resource
-
-        hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-        resource.setrlimit(resource.RLIMIT_AS, (hard if limit is None else limit, hard))
+        which = getattr(resource, what)
+        hard = resource.getrlimit(which)[1]
+        resource.setrlimit(which, (hard if limit is None else limit, hard))

@@ -1,10 +1,8 @@
 """The quality gate: what is wrong with a recording, before its fit is believed."""
 
 from surae.quality.commanded import Commanded
-from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped
-from surae.quality.joint import of_joint
-from surae.quality.kinds import CODES, KINDS, FindingKind
-from surae.quality.reading import commanded_file, recording_of, recording_or_findings
+from surae.quality.finding import CODES, KINDS, SEVERITIES, Finding, FindingKind, Quality, Skipped
+from surae.quality.reading import commanded_file, of_joint, recording_of, recording_or_findings
 from surae.quality.registry import CHECKS, Check, check_recording
 
 __all__ = [

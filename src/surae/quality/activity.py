@@ -5,9 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from surae.quality.emg import REST_VOLTS
-from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import make_finding
-from surae.quality.numeric import BoolArray, quantile, quantiles, runs, smooth, span_of
+from surae.quality.finding import Finding, Unjudged, make_finding
+from surae.quality.numeric import quantile, quantiles, runs, smooth, span_of
 from surae.quality.reflex import Reflex, reflex
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLE_NAMES, MUSCLES
@@ -36,7 +35,10 @@ def passive_part(trial: CheckedTrial) -> Iterator[Finding]:
     """Activity in the time that was to be passive."""
     if trial.effort is None:
         raise Unjudged("No effort task is given or recognised: no time is known passive.")
-    quiet = _quiet_time(trial)
+    # Until the first requested effort, less the time a level is averaged over.
+    requested = np.flatnonzero(trial.effort.max(axis=1) > 0.0)
+    end = int(requested[0]) if requested.size else len(trial.time)
+    quiet = np.arange(len(trial.time)) < end - round(0.3 * trial.rate_hz)
     if float(quiet.sum()) < 2.0 * trial.rate_hz:
         raise Unjudged("The task has no passive part.")
     stretched: Reflex | None = None
@@ -62,16 +64,6 @@ def passive_part(trial: CheckedTrial) -> Iterator[Finding]:
         )  # fmt: skip
 
 
-def _quiet_time(trial: CheckedTrial) -> BoolArray:
-    """Until the first requested effort, less the time a level is averaged over."""
-    assert trial.effort is not None
-    requested = np.flatnonzero(trial.effort.max(axis=1) > 0.0)
-    end = int(requested[0]) if requested.size else len(trial.time)
-    quiet = np.zeros(len(trial.time), dtype=bool)
-    quiet[: max(end - round(0.3 * trial.rate_hz), 0)] = True
-    return quiet
-
-
 def active_part(trial: CheckedTrial) -> Iterator[Finding]:
     """Muscles that are not active in the time that was to be active."""
     if not trial.slow:
@@ -79,46 +71,41 @@ def active_part(trial: CheckedTrial) -> Iterator[Finding]:
     requested = None if trial.commanded is None else trial.commanded.effort
     if requested is not None and float(np.max(requested)) == 0.0:
         raise Unjudged("No effort was requested.")
-    idle = {m: _idle(trial, m) for m in trial.slow}
+    idle = {}
+    for muscle, envelope in trial.slow.items():
+        top, rest = quantiles(envelope, 0.98, 0.05)
+        idle[muscle] = top < _rest(trial.emg[muscle].unit) or top < VARIES * rest
     if all(idle.values()):
-        top = max(quantile(e, 0.98) for e in trial.slow.values())
-        unit = trial.emg[next(iter(trial.slow))].unit
-        yield make_finding(
-            "active-not-active", None, trial.span, top, "No muscle is active at any time.",
-            unit=unit,
-            advice="Record efforts in both directions; of a passive trial, fix g1 to g4, "
-            "l0_tri, l0_tib, f0 and beta.",
+        yield _never(
+            trial, None, tuple(idle), "No muscle is active at any time.",
+            "Record efforts in both directions; of a passive trial, fix g1 to g4, l0_tri, l0_tib, "
+            "f0 and beta.",
         )  # fmt: skip
         return
-    sides = (("triceps", trial.triceps), ("ta", tuple(m for m in idle if m == "ta")))
-    still = [side for side in sides if side[1] and all(idle[m] for m in side[1])]
-    if still:
-        yield from (_side(trial, *side) for side in still)
-    else:
+    sides = {
+        "triceps surae": (trial.triceps, "g2 to g4 and l0_tri"),
+        MUSCLE_NAMES["ta"]: (tuple(m for m in idle if m == "ta"), "g1 and l0_tib"),
+    }
+    still = {name: side for name, side in sides.items() if side[0] and all(map(idle.get, side[0]))}
+    for name, (muscles, lost) in still.items():
+        yield _never(
+            trial, f"emg_{muscles[0]}", muscles, f"The {name} is not active at any time.",
+            f"Record efforts in that direction too, or fix {lost}.",
+        )  # fmt: skip
+    if not still:
         yield from [*_bursts(trial)] or _stopped(trial)
 
 
-def _idle(trial: CheckedTrial, muscle: str) -> bool:
-    envelope = trial.slow[muscle]
-    unit = trial.emg[muscle].unit
-    top, rest = quantiles(envelope, 0.98, 0.05)
-    return top < _rest(unit) or top < VARIES * rest
+def _never(
+    trial: CheckedTrial, role: str | None, muscles: tuple[str, ...], text: str, advice: str
+) -> Finding:
+    top = max(quantile(trial.slow[m], 0.98) for m in muscles)
+    unit = trial.emg[muscles[0]].unit
+    return make_finding("active-not-active", role, trial.span, top, text, unit=unit, advice=advice)
 
 
 def _rest(unit: str) -> float:
     return REST_VOLTS if unit == "V" else REST_SHARE
-
-
-def _side(trial: CheckedTrial, name: str, muscles: tuple[str, ...]) -> Finding:
-    long = "triceps surae" if name == "triceps" else MUSCLE_NAMES["ta"]
-    lost = "g2 to g4 and l0_tri" if name == "triceps" else "g1 and l0_tib"
-    top = max(quantile(trial.slow[m], 0.98) for m in muscles)
-    return make_finding(
-        "active-not-active", f"emg_{muscles[0]}", trial.span, top,
-        f"The {long} is not active at any time.",
-        unit=trial.emg[muscles[0]].unit,
-        advice=f"Record efforts in that direction too, or fix {lost}.",
-    )  # fmt: skip
 
 
 def _bursts(trial: CheckedTrial) -> Iterator[Finding]:
@@ -132,9 +119,7 @@ def _bursts(trial: CheckedTrial) -> Iterator[Finding]:
             continue
         requested = trial.effort[:, [MUSCLES.index(m) for m in muscles]].mean(axis=1)
         done = np.mean([_relative(trial.slow[m]) for m in muscles], axis=0)
-        centre = requested > 0.15
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], centre.astype(np.int8), [0]])))
-        for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        for first, last in runs(requested > 0.15):
             total += 1
             # Subjects follow what they see with a delay.
             later = slice(first, min(last + round(0.3 * trial.rate_hz), len(done)))
@@ -180,8 +165,8 @@ def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
     width = round(0.15 * trial.rate_hz)
     if triceps is None or ta is None:
         raise Unjudged("There is no EMG of both sides of the ankle.")
-    if _silent(trial):
-        return
+    if all(quantile(e, 0.98) < _rest(trial.emg[m].unit) for m, e in trial.slow.items()):
+        return  # nothing stands out at all
     levels = []
     for envelope in (triceps, ta):
         smoothed = envelope if trial.emg_kind == "envelope" else smooth(envelope, width)
@@ -197,8 +182,3 @@ def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
         f"Triceps and tibialis anterior are active together in {100 * share:.0f} % of the time "
         "in which either is.",
     )  # fmt: skip
-
-
-def _silent(trial: CheckedTrial) -> bool:
-    """Whether nothing stands out of the EMG at all."""
-    return all(quantile(e, 0.98) < _rest(trial.emg[m].unit) for m, e in trial.slow.items())

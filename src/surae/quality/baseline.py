@@ -1,7 +1,6 @@
 """The torque of a leg that does nothing at an angle where nothing is stretched."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -104,37 +103,32 @@ def _constant(matrix: FloatArray, y: FloatArray) -> RestLevel:
     rest = np.arange(second, matrix.shape[1])
     best, level = -np.inf, 0.0
     # A muscle that pushes is left out: then only the other is there, or neither.
-    both = _solved(gram, right, pairs, rest)
-    pulling = both.weights[:, :2] > 0.0
-    alone = np.unique(pairs[pulling & ~np.all(pulling, axis=1, keepdims=True)])[:, None]
-    pull = np.all(pulling, axis=1, keepdims=True)
-    fits = [both.of(pull[:, 0])]
+    weights, gains = _solved(gram, right, pairs, rest)
+    pulling = weights[:, :2] > 0.0
+    both = np.all(pulling, axis=1)
+    alone = np.unique(pairs[pulling & ~both[:, None]])[:, None]
+    fits = [(weights[both], gains[both])]
     if len(alone):
         fits.append(_solved(gram, right, alone, rest))
     if not np.any(pulling, axis=1).all():
         fits.append(_solved(gram, right, np.empty((1, 0), dtype=np.intp), rest))
-    for fit in fits:
-        if len(fit.gain) and float(fit.gain.max()) > best:
-            k = int(np.argmax(fit.gain))
-            best = float(fit.gain[k])
-            level = float(fit.weights[k, fit.weights.shape[1] - len(rest)] / scale[second])
+    for weights, gains in fits:
+        if len(gains) and float(gains.max()) > best:
+            k = int(np.argmax(gains))
+            best = float(gains[k])
+            level = float(weights[k, weights.shape[1] - len(rest)] / scale[second])
     rest_power = max(float(y @ y) - best, 0.0)
     return RestLevel(level, float(np.sqrt(rest_power / len(y))))
 
 
-class _Fits(NamedTuple):
-    """Weights of several fits, shape (k, c), and what each explains."""
+def _solved(
+    gram: FloatArray, right: FloatArray, own: IndexArray, rest: IndexArray
+) -> tuple[FloatArray, FloatArray]:
+    """A fit for each row of `own`, of those columns and the `rest`: weights, and what it explains.
 
-    weights: FloatArray
-    gain: FloatArray
-
-    def of(self, chosen: BoolArray) -> "_Fits":
-        return _Fits(self.weights[chosen], self.gain[chosen])
-
-
-def _solved(gram: FloatArray, right: FloatArray, own: IndexArray, rest: IndexArray) -> _Fits:
-    """One fit for each row of `own`: of those columns and the `rest`."""
+    Shapes are (k, c) and (k,).
+    """
     chosen = np.concatenate([own, np.tile(rest, (len(own), 1))], axis=1)
     square = gram[chosen[:, :, None], chosen[:, None, :]] + 1e-9 * np.eye(chosen.shape[1])
     weights = np.linalg.solve(square, right[chosen][:, :, None])[:, :, 0]
-    return _Fits(weights, (weights * right[chosen]).sum(axis=1))
+    return weights, (weights * right[chosen]).sum(axis=1)

@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from surae.quality.finding import Finding, quantity, weight_of
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, make_finding, quantity, weight_of
 from surae.quality.numeric import equal_runs, quantile, runs, smooth, span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLE_NAMES, MUSCLES, Channel
@@ -52,16 +51,11 @@ def kind(trial: CheckedTrial) -> Iterator[Finding]:
             if declared == "raw":
                 advice += "; a fit refuses it else, unless all signals are prepared (--prepared)"
             yield make_finding(
-                "emg-kind",
-                role,
-                trial.span,
-                float(channel.values.min()),
-                f"{statement}.",
+                "emg-kind", role, trial.span, float(channel.values.min()), f"{statement}.",
                 # An envelope is right where all signals are prepared, as --prepared says.
-                severity="error" if declared == "envelope" else "warning",
-                unit=channel.unit,
+                severity="error" if declared == "envelope" else "warning", unit=channel.unit,
                 advice=f"{advice[:1].upper()}{advice[1:]}.",
-            )
+            )  # fmt: skip
             return
 
 
@@ -88,7 +82,7 @@ def flat(trial: CheckedTrial) -> Iterator[Finding]:
     tops = {m: quantile(e, 0.98) for m, e in trial.slow.items()}
     strongest = max(tops.values(), default=0.0)
     for muscle, channel in trial.emg.items():
-        if muscle not in trial.slow:
+        if muscle not in tops:
             yield _flat(channel, f"is constant at {float(channel.values[0]):.3g}")
         elif tops[muscle] < SILENT * strongest:
             share = 100 * tops[muscle] / strongest
@@ -140,15 +134,13 @@ def clipped(trial: CheckedTrial) -> Iterator[Finding]:
             [(high, values)] if trial.emg_kind == "envelope" else [(high, values), (-low, -values)]
         )
         for top, oriented in ends:
-            at = oriented >= top - 1e-9 * (high - low)
-            count = int(at.sum())
+            where = np.flatnonzero(oriented >= top - 1e-9 * (high - low))
+            count, share = len(where), len(where) / len(values)
             beside = int((oriented >= top - 0.01 * (high - low)).sum()) - count
             if top <= 0.0 or count < CLIPPED_SAMPLES or count < CLIPPED_EXCESS * beside:
                 continue
-            if count > 0.5 * len(values):
-                continue  # flat, not clipped
-            where = np.flatnonzero(at)
-            share = count / len(values)
+            if share > 0.5:  # flat, not clipped
+                continue
             yield make_finding(
                 "emg-clipped", channel.role, span_of(channel.time, where), share,
                 f"{count} samples of the EMG of the {MUSCLE_NAMES[muscle]} stop at "
@@ -160,9 +152,7 @@ def clipped(trial: CheckedTrial) -> Iterator[Finding]:
 
 def offset(trial: CheckedTrial) -> Iterator[Finding]:
     """Raw EMG that is not centred on zero, and envelopes that do not come down to it."""
-    for muscle, channel in trial.emg.items():
-        if muscle not in trial.slow:
-            continue
+    for muscle, channel in trial.varying.items():
         if trial.emg_kind == "raw":
             level = float(np.median(channel.values))
             ratio = abs(level) / float(np.std(channel.values))
@@ -193,9 +183,7 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
 
 def artefact(trial: CheckedTrial) -> Iterator[Finding]:
     """Spikes no muscle makes, and slow swings in raw EMG."""
-    for muscle, channel in trial.emg.items():
-        if muscle not in trial.slow:
-            continue
+    for muscle, channel in trial.varying.items():
         values = channel.values - float(np.median(channel.values))
         size, apart = np.abs(values), round(0.2 * channel.rate_hz)
         seconds = float(channel.time[-1] - channel.time[0])
@@ -211,16 +199,14 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
         if not wrong.any():
             continue
         # Touching pieces are one artefact.
-        near = smooth(wrong.astype(np.float64), apart) > 0.0
-        spans = list(runs(near))
+        spans = list(runs(smooth(wrong.astype(np.float64), apart) > 0.0))
         where = np.flatnonzero(wrong)
         worst = int(np.argmax(np.where(wrong, size, 0.0)))
         yield make_finding(
             "emg-artefact", channel.role, span_of(channel.time, where), float(size[worst]),
-            f"{len(spans)} "
-            + ("artefact" if len(spans) == 1 else "artefacts")
-            + f" in the EMG of the {MUSCLE_NAMES[muscle]}, the largest of "
-            f"{quantity(float(size[worst]), channel)} at {channel.time[worst]:.3f} s.",
+            f"{len(spans)} artefact{'s' * (len(spans) > 1)} in the EMG of the "
+            f"{MUSCLE_NAMES[muscle]}, the largest of {quantity(float(size[worst]), channel)} at "
+            f"{channel.time[worst]:.3f} s.",
             unit=channel.unit,
             advice="Fasten cable and electrode; "
             + (

@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from surae.quality.finding import Finding
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, make_finding
 from surae.quality.numeric import span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import Channel
@@ -34,15 +33,11 @@ def _fascicles(trial: CheckedTrial) -> Iterator[Channel]:
             yield channel
 
 
-def _likely(channel: Channel) -> bool:
-    return _LENGTHS[0] <= float(np.median(channel.values)) <= _LENGTHS[1]
-
-
 def unit(trial: CheckedTrial) -> Iterator[Finding]:
     """Lengths that no muscle of the ankle has."""
     for channel in _fascicles(trial):
         middle = float(np.median(channel.values))
-        if not _likely(channel):
+        if not _LENGTHS[0] <= middle <= _LENGTHS[1]:
             text = f"The fascicle is {1e3 * middle:.4g} mm long: its unit is not what it says."
             yield make_finding("film-unit", channel.role, span_of(channel.time), middle, text)
 
@@ -91,12 +86,10 @@ def jumps(trial: CheckedTrial) -> Iterator[Finding]:
 def against_the_robot(trial: CheckedTrial) -> Iterator[Finding]:
     """A film that is early, late or drifts, by what angle and torque say of the length."""
     for channel in _fascicles(trial):
-        if trial.torque is None or not _likely(channel):
-            continue
-        inside = (channel.time > trial.time[0] + _LATEST) & (
-            channel.time < trial.time[-1] - _LATEST
-        )
-        if inside.sum() < _FEWEST:
+        first, last = trial.span[0] + _LATEST, trial.span[1] - _LATEST
+        inside = (channel.time > first) & (channel.time < last)
+        likely = _LENGTHS[0] <= float(np.median(channel.values)) <= _LENGTHS[1]
+        if trial.torque is None or not likely or inside.sum() < _FEWEST:
             continue
         time, length = channel.time[inside], channel.values[inside]
         late = np.arange(-_LATEST, _LATEST + 1e-9, 0.01)
@@ -111,10 +104,7 @@ def against_the_robot(trial: CheckedTrial) -> Iterator[Finding]:
         since = (time - time[0]) / (time[-1] - time[0])
         drift = float(np.polyfit(since, _left(trial, time, length), 1)[0])
         if abs(drift) > _DRIFT:
-            text = (
-                f"The fascicle drifts by {1e3 * drift:+.1f} mm over the trial at like angles and "
-                "torques."
-            )
+            text = f"The fascicle drifts by {1e3 * drift:+.1f} mm at like angles and torques."
             yield make_finding("film-drift", channel.role, span_of(channel.time), drift, text)
 
 

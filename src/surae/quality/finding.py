@@ -125,8 +125,7 @@ class Quality(Tabular):
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as it is written to files."""
-        plain: dict[str, Any] = to_plain(self)
-        return plain
+        return dict(to_plain(self))
 
 
 def weight_of(muscle: str) -> str:
@@ -137,3 +136,135 @@ def weight_of(muscle: str) -> str:
 def quantity(value: float, channel: Channel) -> str:
     """A value of a channel with its unit; a normalised one has none."""
     return f"{value:.3g}" if channel.unit == "1" else f"{value:.3g} {channel.unit}"
+
+
+@dataclass(frozen=True, slots=True)
+class FindingKind:
+    """A kind of finding; a check may give severity, unit and advice that fit the recording."""
+
+    code: str  #: Its name.
+    looks_for: str  #: What is wrong, in a few words.
+    advice: str  #: What to do, a sentence.
+    severity: Severity = "warning"
+    unit: str = "1"  #: Of the number that it is judged by.
+
+
+_KINDS = (
+    FindingKind("emg-kind", "raw EMG declared an envelope, or the other way round",
+        "Declare what it is: # emg: raw or # emg: envelope.", "error"),
+    FindingKind("emg-missing", "muscles without EMG",
+        "Add the channel, or fix its weight, e.g. with --fixed g1=0.", unit=""),
+    FindingKind("emg-flat", "EMG that is constant, for a while or throughout",
+        "Leave that time out of the fit with --exclude, or record again.", unit="s"),
+    FindingKind("emg-clipped", "EMG at the amplifier’s limit",
+        "Lower the amplifier's gain and record again; efforts beyond that level are "
+        "underestimated."),
+    FindingKind("emg-offset", "EMG that does not rest at zero",
+        "Take the offset away in the mapping; rest the muscle for an envelope.", unit="V"),
+    FindingKind("emg-artefact", "spikes and swings of cables and skin",
+        "Fasten cable and electrode; leave that time out with --exclude, or fit with --robust.",
+        unit="V"),
+    FindingKind("mains-hum", "50 or 60 Hz in the EMG",
+        "Improve the reference electrode and keep cables from power lines; the high-pass does not "
+        "remove it.", unit="V"),
+    FindingKind("electrode-off", "an electrode that comes off during the trial",
+        "Fix the electrode, look at its signal while the muscle works, and record again.", "error"),
+    FindingKind("electrode-lag", "one electrode later than the others",
+        "Check the delay of that sensor, a wireless one above all, and shift its channel.",
+        unit="s"),
+    FindingKind("emg-torque-lag", "EMG and torque out of step",
+        "Check how the devices are synchronised, and shift the time of one file by that much.",
+        "error", "s"),
+    FindingKind("torque-limit", "torque at the device’s limit",
+        "Ask for less effort or a slower motion and record again; at its limit the device no "
+        "longer follows the profile.", "error", "Nm"),
+    FindingKind("torque-artefact", "torque that neither EMG nor angle explain",
+        "Look at that time; leave it out with --exclude, or fit with --robust.", unit="Nm"),
+    FindingKind("torque-sign", "torque of the wrong sign",
+        "Write sign = -1 for the torque (positive when the triceps pulls), or for the angle "
+        "(positive in dorsiflexion) if that is turned.", "error"),
+    FindingKind("torque-offset", "torque that gravity does not explain",
+        "Set the sensor to zero with the empty footplate and record again, or give the torque an "
+        "offset in the TOML.", unit="Nm"),
+    FindingKind("angle-units", "degrees for radians, or another zero",
+        "Give the unit in the column's name or in the mapping; 0 is the foot at 90°.",
+        "error", "rad"),
+    FindingKind("rom-not-covered", "a small range of motion",
+        "Move through the subject's whole range: stiffness and optimal lengths show at its ends.",
+        unit="rad"),
+    FindingKind("position-steps", "steps instead of the profile",
+        "Record again with slower motion or less effort; the device followed steps instead of the "
+        "profile.", "error", "rad"),
+    FindingKind("overshoot", "angles beside the commanded profile",
+        "Generate a protocol for this device with surae protocol --device, or lower its speed.",
+        unit="rad"),
+    FindingKind("passive-not-passive", "activity while relaxed",
+        "Repeat the passive part with the subject relaxed: passive stiffness would be "
+        "overestimated."),
+    FindingKind("active-not-active", "efforts that were not made",
+        "Repeat the trial, or leave that time out with --exclude."),
+    FindingKind("co-contraction", "both sides active throughout",
+        "Ask for one direction at a time, and look for crosstalk: together, their weights cannot "
+        "be separated."),
+    FindingKind("reflex-suspected", "bursts that follow stretches",
+        "Stretch more slowly for passive parameters; with reflexes, activity and stretch are not "
+        "independent.", unit="s"),
+    FindingKind("time-gap", "samples that are missing",
+        "Use a part without a gap, or record again: signals across a gap are not known.",
+        "error", "s"),
+    FindingKind("time-jitter", "time stamps that scatter or go back",
+        "Take the time from the sample counter of the device, not from the computer's clock.",
+        unit="s"),
+    FindingKind("samples-missing", "samples that are not numbers",
+        "Cut the recording to a part without them; no fit reads such a file.", "error"),
+    FindingKind("trial-too-short", "trials too short for the relaxation",
+        "Record longer, with holds, or fix tau_rel and k_rel.", unit="s"),
+    FindingKind("angle-sign", "an angle that is turned, by what a quick fit then explains",
+        "Write sign = -1 for the angle in the TOML.", "error"),
+    FindingKind("angle-still", "a static hold",
+        "Record a trial that moves: one hold can’t show stiffness, lengths or relaxation.",
+        "error", "rad"),
+    FindingKind("torque-unit", "mNm, or kNm, for Nm",
+        "Write the torque's unit in the TOML.", "error", "Nm"),
+    FindingKind("emg-unit", "mV or µV for V, in one channel or all",
+        'Write unit = "µV" for the EMG in the TOML.', "error", "V"),
+    FindingKind("film-unit", "fascicle lengths in mm, cm or m that no muscle of the ankle has",
+        "Write the unit of the lengths in the column's name or in the mapping.", "error", "m"),
+    FindingKind("film-lost", "frames in which the tracker lost the fascicle",
+        "Track these frames again; a fit leaves them out."),
+    FindingKind("film-repeated", "frames that repeat the one before",
+        "Export the film at its own rate: repeated frames add no information."),
+    FindingKind("film-jump", "jumps of a fascicle from one frame to the next",
+        "Look at these frames and track them again.", unit="m"),
+    FindingKind("film-clock", "a film that is early or late",
+        "Correct start_s of the film in the mapping, and check how it is synchronised.", "error",
+        "s"),
+    FindingKind("film-drift", "a fascicle that drifts away while the movement repeats",
+        "Correct the tracked fascicle at key frames, once in each cycle of the movement.",
+        unit="m"),
+    FindingKind("time-unit", "ms or µs for s",
+        "Give the unit of time in the column's name.", "error", "s"),
+)  # fmt: skip
+#: All of them by code.
+KINDS = {kind.code: kind for kind in _KINDS}
+#: Every code that a finding can have.
+CODES = tuple(KINDS)
+
+
+def make_finding(
+    code: str,
+    channel: str | None,
+    span: tuple[float, float],
+    value: float | None,
+    message: str,
+    *,
+    severity: Severity | None = None,
+    unit: str | None = None,
+    advice: str | None = None,
+) -> Finding:
+    """A finding; what is not given is as of its kind."""
+    kind = KINDS[code]
+    return Finding(
+        code, severity or kind.severity, channel, float(span[0]), float(span[1]), value,
+        kind.unit if unit is None else unit, message, advice or kind.advice,
+    )  # fmt: skip

@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import correlation, shifted, smooth
 from surae.quality.torque_model import LONGEST
 from surae.quality.trial import CheckedTrial
@@ -90,11 +89,5 @@ def _one_side(trial: CheckedTrial) -> tuple[str, float] | None:
     # The triceps makes most of the torque: its lag is the better known.
     # A lag at the end of those that are tried is no minimum.
     known = abs(ta) < 0.95 * LONGEST
-    if (
-        known
-        and abs(ta - triceps) > ONE_SIDE
-        and abs(triceps) <= LAG
-        and model.group_gain["ta"] > GAIN
-    ):
-        return "ta", ta - triceps
-    return None
+    apart = abs(ta - triceps) > ONE_SIDE and abs(triceps) <= LAG and model.group_gain["ta"] > GAIN
+    return ("ta", ta - triceps) if known and apart else None

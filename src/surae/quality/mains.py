@@ -3,16 +3,13 @@
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 
-from surae.quality.finding import Finding, Unjudged, quantity
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, Unjudged, make_finding, quantity
 from surae.quality.numeric import runs, span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLE_NAMES, Channel
 from surae.units import FloatArray
 
-ComplexArray = npt.NDArray[np.complex128]
 #: Frequencies of mains [Hz].
 MAINS = (50.0, 60.0)
 #: How far from them the line may lie [Hz]: a grid is held within 0.2 Hz.
@@ -29,18 +26,11 @@ SMALLEST = 0.02
 def hum(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels with mains hum."""
     slow, heard = None, False
-    carriers: dict[tuple[int, float], list[ComplexArray]] = {}
-    for muscle, channel in trial.emg.items():
-        if muscle not in trial.slow:
-            continue
+    for muscle, channel in trial.varying.items():
         if channel.rate_hz < 2.2 * MAINS[-1]:
             slow = channel.rate_hz
             continue
-        size = len(channel.values), channel.rate_hz
-        if size not in carriers:
-            carriers[size] = [_carrier(*size, mains) for mains in MAINS]
-        lines = [line(channel, m, c) for m, c in zip(MAINS, carriers[size], strict=True)]
-        amplitude, frequency = max(lines, key=lambda found_line: found_line[0])
+        amplitude, frequency = max(line(channel, mains) for mains in MAINS)
         # Bursts raise the root mean square but not the harm done at rest.
         rms = float(np.std(channel.values))
         if amplitude < SMALLEST * rms or amplitude == 0.0:
@@ -57,14 +47,7 @@ def hum(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged(f"EMG at {slow:g} Hz cannot show {MAINS[-1]:g} Hz.")
 
 
-def _carrier(n: int, rate: float, mains: float) -> ComplexArray:
-    """What turns the mains frequency into zero, within a Hann window."""
-    return np.asarray(np.hanning(n) * np.exp(-2j * np.pi * mains / rate * np.arange(n)))
-
-
-def line(
-    channel: Channel, mains: float, carrier: ComplexArray | None = None
-) -> tuple[float, float]:
+def line(channel: Channel, mains: float) -> tuple[float, float]:
     """Amplitude and frequency [Hz] of the line near a mains frequency; amplitude 0 without."""
     values: FloatArray = channel.values - float(channel.values.mean())
     n, rate = len(values), channel.rate_hz
@@ -72,9 +55,9 @@ def line(
         return 0.0, mains
     # Only the band around the line is needed: mixing down and averaging is quicker than a long
     # transform of awkward length.
-    carrier = _carrier(n, rate, mains) if carrier is None else carrier
     block = max(1, int(rate / (4.0 * _AROUND)))
     whole = n // block * block
+    carrier = np.hanning(n) * np.exp(-2j * np.pi * mains / rate * np.arange(n))
     mixed = (values * carrier)[:whole].reshape(-1, block).sum(axis=1)
     power = np.abs(np.fft.fft(mixed)) ** 2
     frequency = np.fft.fftfreq(len(mixed), block / rate)
@@ -113,10 +96,12 @@ def _off(channel: Channel) -> Finding | None:
     pieces = channel.values[: count * size].reshape(count, size)
     pieces = pieces - pieces.mean(axis=1, keepdims=True)
     power = np.mean(pieces**2, axis=1)
-    hum, mains = max(
-        ((_amplitude(pieces, f / channel.rate_hz), f) for f in MAINS),
-        key=lambda amplitude_and_mains: float(amplitude_and_mains[0].sum()),
-    )
+    hums = {}  # amplitude of the line in each piece
+    for frequency in MAINS:
+        wave = np.exp(-2j * np.pi * (frequency / channel.rate_hz) * np.arange(size))
+        hums[frequency] = 2.0 * np.abs(pieces @ wave) / size
+    mains = max(hums, key=lambda frequency: float(hums[frequency].sum()))
+    hum = hums[mains]
     alone = 0.5 * hum**2 > _SHARE * np.maximum(power, np.finfo(float).tiny)
     first, last = max(runs(alone), key=lambda run: run[1] - run[0], default=(0, 0))
     inside = np.zeros(count, dtype=bool)
@@ -135,10 +120,3 @@ def _off(channel: Channel) -> Finding | None:
         f"hears little but the mains, {quantity(now, channel)} at {mains:.0f} Hz.",
         unit=channel.unit,
     )  # fmt: skip
-
-
-def _amplitude(pieces: FloatArray, cycles: float) -> FloatArray:
-    """Amplitude of a line in each piece; `cycles` per sample."""
-    wave = np.exp(-2j * np.pi * cycles * np.arange(pieces.shape[1]))
-    amplitude: FloatArray = 2.0 * np.abs(pieces @ wave) / pieces.shape[1]
-    return amplitude

@@ -4,11 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import runs, smooth, span_of
 from surae.quality.trial import IMPOSSIBLE_ANGLE, CheckedTrial
-from surae.recording import Channel
 from surae.units import FloatArray
 
 #: No ankle goes further than this from neutral [rad]: 63° up, 92° down.
@@ -37,12 +35,13 @@ def units(trial: CheckedTrial) -> Iterator[Finding]:
     channel = trial.recording.channels["angle"]
     low, high = float(channel.values.min()), float(channel.values.max())
     span = high - low
-    far = max(abs(low), abs(high))
+    value = far = max(abs(low), abs(high))
+    # A small angle may be a sensor's noise about a fixed position.
+    noise = float(np.std(np.diff(channel.values))) > 0.5 * float(np.std(channel.values))
     if far > IMPOSSIBLE_ANGLE:
         text = f"The angle goes from {low:.3g} to {high:.3g} rad: these are degrees."
         advice = 'Name the column angle_deg, or write unit = "deg" in the TOML.'
-        value = far
-    elif _TWICE[0] <= span <= _TWICE[1] and not _noise(channel):
+    elif _TWICE[0] <= span <= _TWICE[1] and not noise:
         text = (
             f"The angle moves by {span:.2g} rad in all, {np.rad2deg(span):.2g}°: radians taken for "
             "degrees."
@@ -55,40 +54,25 @@ def units(trial: CheckedTrial) -> Iterator[Finding]:
             "is not the neutral position, or its unit is not what it says."
         )
         advice = "Give the angle an offset or its sign in the TOML: 0 with the foot at 90°."
-        value = far
     else:
         return
-    yield make_finding(
-        "angle-units", "angle", trial.span, value, text, advice=advice,
-    )  # fmt: skip
-
-
-def _noise(channel: Channel) -> bool:
-    """Whether a small angle is a sensor's noise about a fixed position."""
-    return float(np.std(np.diff(channel.values))) > 0.5 * float(np.std(channel.values))
+    yield make_finding("angle-units", "angle", trial.span, value, text, advice=advice)
 
 
 def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     """A range too small to tell the parameters, or smaller than was commanded."""
-    if any(units(trial)):
-        angle = trial.recording.channels["angle"].values
-        if float(np.ptp(angle)) <= _TWICE[1]:
-            return  # its unit is a finding of its own
+    angle = trial.recording.channels["angle"].values
+    if float(np.ptp(angle)) <= _TWICE[1] and any(units(trial)):
+        return  # its unit is a finding of its own
     span = float(np.ptp(trial.angle))
     low, high = float(trial.angle.min()), float(trial.angle.max())
-    commanded = trial.commanded
-    part = None
-    if (
-        commanded is not None
-        and commanded.given
-        and (moved := float(np.ptp(commanded.angle))) > 0.0
-    ):
-        part = span / moved
-    if span >= ROM and (part is None or part >= REACHED):
+    given = trial.commanded is not None and trial.commanded.given
+    moved = float(np.ptp(trial.commanded.angle)) if trial.commanded is not None and given else 0.0
+    missed = moved > 0.0 and span / moved < REACHED
+    if span >= ROM and not missed:
         return
-    missed = part is not None and part < REACHED
     text = f"The angle covers {np.rad2deg(span):.0f}°, from {low:.2f} to {high:.2f} rad"
-    text += f": {100 * part:.0f} % of what was commanded." if missed and part is not None else "."
+    text += f": {100 * (span / moved):.0f} % of what was commanded." if missed else "."
     yield make_finding(
         "rom-not-covered", "angle", trial.span, span, text,
         severity="warning" if span < SMALL_ROM or missed else "info",
@@ -101,12 +85,9 @@ def steps(trial: CheckedTrial) -> Iterator[Finding]:
     factor = np.pi / 180.0 if float(np.abs(channel.values).max()) > IMPOSSIBLE_ANGLE else 1.0
     moved = np.diff(channel.values) * factor
     size = np.abs(moved)
-    around = 5
-    padded = np.pad(size, around, mode="edge")
-    beside = np.zeros_like(size)
-    for k in (*range(around - 2), *range(around + 3, 2 * around + 1)):
-        beside = np.maximum(beside, padded[k : k + len(size)])
     # A jump may fall on two samples; the two next to it are not looked at.
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(size, 5, mode="edge"), 11)
+    beside = np.maximum(around[:, :3].max(axis=1), around[:, 8:].max(axis=1))
     jumps = np.flatnonzero((size > JUMP) & (size > _ALONE * beside))
     gaps = np.diff(channel.time)
     jumps = jumps[gaps[jumps] < 1.5 * float(np.median(gaps))]
@@ -116,8 +97,8 @@ def steps(trial: CheckedTrial) -> Iterator[Finding]:
     yield make_finding(
         "position-steps", "angle", (channel.time[jumps[0]], channel.time[jumps[-1] + 1]),
         float(size[worst]),
-        f"The angle jumps {len(jumps)} {'time' if len(jumps) == 1 else 'times'}, by up to "
-        f"{size[worst]:.2g} rad within a sample, as when the device has lost its profile.",
+        f"The angle jumps {len(jumps)} time{'s' * (len(jumps) > 1)}, by up to {size[worst]:.2g} "
+        "rad within a sample, as when the device has lost its profile.",
     )  # fmt: skip
 
 
@@ -126,20 +107,20 @@ def overshoot(trial: CheckedTrial) -> Iterator[Finding]:
     if trial.commanded is not None:
         yield from _departure(trial)
         return
-    ringing = _ringing(trial.angle, trial.time, trial.rate_hz)
-    if ringing is None:
+    holds, shot = _ringing(trial.angle, trial.time, trial.rate_hz)
+    if holds == 0:
         raise Unjudged(
             "No commanded profile is given or recognised, and no movement ends in a hold."
         )
-    size, first, last, count = ringing
-    if count == 0:
-        return
-    yield make_finding(
-        "overshoot", "angle", (first, last), size,
-        f"{count} {'movement' if count == 1 else 'movements'} shot past where they came to "
-        f"rest, by up to {size:.2g} rad.",
-        advice=_ADVICE,
-    )  # fmt: skip
+    if shot:
+        sizes, begins, ends = zip(*shot, strict=True)
+        movements = "movement" if len(shot) == 1 else "movements"
+        yield make_finding(
+            "overshoot", "angle", (min(begins), max(ends)), max(sizes),
+            f"{len(shot)} {movements} shot past where they came to rest, by up to "
+            f"{max(sizes):.2g} rad.",
+            advice=_ADVICE,
+        )  # fmt: skip
 
 
 _ADVICE = "Adapt the protocol to the device (surae protocol --device), or lower its speed."
@@ -155,13 +136,12 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged(f"{commanded.name} covers less than half of the trial.")
     time = trial.time[inside]
     if commanded.given:
-        best = min(
-            (
-                trial.angle[inside] - np.interp(time - delay, commanded.time, commanded.angle)
-                for delay in np.arange(0.0, 0.11, 0.01)
-            ),
-            key=lambda left: float(np.mean(left**2)),
+        delayed = (
+            np.interp(time - delay, commanded.time, commanded.angle)
+            for delay in np.arange(0.0, 0.11, 0.01)
         )
+        apart = (trial.angle[inside] - profile for profile in delayed)
+        best = min(apart, key=lambda left: float(np.mean(left**2)))
     else:
         # A recognised profile was fitted to the angle's own samples.
         channel = trial.recording.channels["angle"]
@@ -189,30 +169,25 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
 
 def _ringing(
     angle: FloatArray, time: FloatArray, rate: float
-) -> tuple[float, float, float, int] | None:
-    """Largest overshoot before a hold [rad], first and last time, and how many there were.
+) -> tuple[int, list[tuple[float, float, float]]]:
+    """How many fast movements end in a hold, and of those that shot past it: by how much [rad].
 
-    None where no fast movement ends in a hold.
+    With it stand the first and last time [s].
     """
     velocity = np.gradient(smooth(angle, round(0.05 * rate)), 1.0 / rate)
     still = smooth(np.abs(velocity), round(0.3 * rate)) < 0.05
-    holds = 0
-    worst, first, last, count = 0.0, float(time[-1]), float(time[0]), 0
+    holds, shot = 0, []
     for begin, end in runs(still):
         if (end - begin) < 0.3 * rate:
             continue
         before = slice(max(begin - round(1.5 * rate), 0), begin + round(0.15 * rate))
         rest = float(np.median(angle[begin + (end - begin) // 2 : end]))
         piece = angle[before]
-        start = float(piece[0])
-        if abs(rest - start) < 0.1:
+        moved = rest - float(piece[0])
+        if abs(moved) < 0.1:
             continue
         holds += 1
-        direction = 1.0 if rest > start else -1.0
-        beyond = float((direction * (piece - rest)).max())
-        if beyond > max(OVERSHOOT * abs(rest - start), LEAST):
-            count += 1
-            worst = max(worst, beyond)
-            first = min(first, float(time[before][0]))
-            last = max(last, float(time[begin]))
-    return (worst, first, last, count) if holds else None
+        beyond = float((np.sign(moved) * (piece - rest)).max())
+        if beyond > max(OVERSHOOT * abs(moved), LEAST):
+            shot.append((beyond, float(time[before][0]), float(time[begin])))
+    return holds, shot

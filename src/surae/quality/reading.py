@@ -1,6 +1,6 @@
 """From a file to findings, also where the file is too faulty to be read as a recording."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -8,10 +8,11 @@ import numpy as np
 from surae.errors import InputError
 from surae.files import PathLike
 from surae.frozen import read_only
+from surae.model.joint import Joint
 from surae.protocol import read_protocol
 from surae.quality.commanded import Commanded
-from surae.quality.finding import Finding, Quality, Skipped
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, Quality, Skipped, make_finding
+from surae.quality.numeric import BoolArray
 from surae.quality.registry import CHECKS, check_recording, ordered
 from surae.quality.timing import axis_findings
 from surae.recording import MUSCLES, Channel, Recording
@@ -20,7 +21,7 @@ from surae.recording.formats import open_table
 from surae.recording.reading import read_described, recording_of_table
 from surae.recording.roles import NAMES
 from surae.recording.source import Source, open_source
-from surae.recording.table import Column, Table
+from surae.recording.table import Column, Table, load_each
 from surae.signals import ModelInputs
 from surae.units import FACTORS, FloatArray, plain
 
@@ -28,8 +29,6 @@ from surae.units import FACTORS, FloatArray, plain
 _COMMANDED = {f"commanded_angle_{unit}": factor for unit, factor in FACTORS["angle"].items()}
 #: Samples that must be left to look at more than the time.
 _FEWEST = 32
-#: Column and unit by role.
-_Roles = dict[str, tuple[str, str]]
 
 
 def recording_or_findings(path: PathLike) -> tuple[Recording | Quality, Commanded | None]:
@@ -77,14 +76,9 @@ def commanded_file(path: PathLike) -> Commanded:
 
 def _commanded_column(table: Table) -> Commanded | None:
     """The commanded angle that a table of our columns has beside the measured one, or None."""
-    name = next((name for name in table.names if name in _COMMANDED), None)
-    if name is None:
-        return None
-    try:
-        column = table.load([name])[name]
-    except InputError:
-        return None
-    if not np.isfinite(column.values).all():
+    name = next((name for name in table.names if name in _COMMANDED), "")
+    column = load_each(table, [name])[name] if name else None
+    if not isinstance(column, Column) or not np.isfinite(column.values).all():
         return None
     angle = read_only(column.values * _COMMANDED[name])
     return Commanded("the commanded profile", column.time, angle)
@@ -92,29 +86,33 @@ def _commanded_column(table: Table) -> Commanded | None:
 
 def _faulty(source: Source, table: Table) -> Quality | None:
     """Findings of a table whose samples no reader takes; None where that is not what is wrong."""
-    roles: _Roles = {}
+    names: dict[str, str] = {}
+    units: dict[str, str] = {}
     for name in table.names:
-        if plain(name) in NAMES:
-            roles.setdefault(NAMES[plain(name)][0], (name, NAMES[plain(name)][1]))
-    if "angle" not in roles:
-        return None
+        role, unit = NAMES.get(plain(name), ("", ""))
+        if role and role not in names:
+            names[role], units[role] = name, unit
     try:
-        columns = table.load([name for name, _ in roles.values()])
+        loaded = table.load(list(names.values()))
     except InputError:
         return None
-    first = columns[roles["angle"][0]]
-    findings = _missing(roles, columns)
-    time = np.asarray(first.time)
+    columns = {role: loaded[name] for role, name in names.items()}
+    if "angle" not in columns:
+        return None
+    findings = [
+        finding
+        for role, column in columns.items()
+        for finding in _missing(role, column, ~np.isfinite(column.values))
+    ]
+    time = np.asarray(columns["angle"].time)
     known = np.isfinite(time)
-    if not known.all():
-        findings.append(_missing_finding("time", first, ~known))
+    findings += _missing("time", columns["angle"], ~known)
     if known.sum() >= 2:
         axis = Channel("time", read_only(time[known]), read_only(time[known]), "s", table.file)
         findings += axis_findings(axis)
     if not findings:
         return None
-    skipped: tuple[Skipped, ...] = ()
-    recording = _left(table, roles, columns)
+    recording = _left(table, columns, units)
     if recording is not None:
         rest = check_recording(replace(recording, files=(source.file,)))
         codes = {finding.code for finding in findings}
@@ -126,48 +124,37 @@ def _faulty(source: Source, table: Table) -> Quality | None:
     return Quality(table.notes.get("name", source.name), ordered(findings), skipped)
 
 
-def _missing(roles: _Roles, columns: Mapping[str, Column]) -> list[Finding]:
-    """Channels with samples that are not numbers."""
-    findings = []
-    for role, (name, _) in roles.items():
-        column = columns[name]
-        wrong = ~np.isfinite(column.values)
-        if wrong.any():
-            findings.append(_missing_finding(role, column, wrong))
-    return findings
-
-
-def _missing_finding(role: str, column: Column, wrong: np.ndarray) -> Finding:
+def _missing(role: str, column: Column, wrong: BoolArray) -> Iterator[Finding]:
+    """Samples that are not numbers."""
     where = np.flatnonzero(wrong)
-    times = column.time[np.isfinite(column.time)]
-    inside = column.time[where][np.isfinite(column.time[where])]
-    begin, end = (inside[0], inside[-1]) if inside.size else (times[0], times[-1])
-    return make_finding(
-        "samples-missing", role, (begin, end), float(wrong.sum()),
-        f"{int(wrong.sum())} samples of {column.name} are not numbers, the first in "
-        f"{column.position(int(where[0]))}.",
-    )  # fmt: skip
+    if where.size:
+        times = column.time[np.isfinite(column.time)]
+        inside = column.time[where][np.isfinite(column.time[where])]
+        begin, end = (inside[0], inside[-1]) if inside.size else (times[0], times[-1])
+        yield make_finding(
+            "samples-missing", role, (begin, end), float(where.size),
+            f"{where.size} samples of {column.name} are not numbers, the first in "
+            f"{column.position(int(where[0]))}.",
+        )  # fmt: skip
 
 
-def _left(table: Table, roles: _Roles, columns: Mapping[str, Column]) -> Recording | None:
+def _left(
+    table: Table, columns: Mapping[str, Column], units: Mapping[str, str]
+) -> Recording | None:
     """A recording of the samples that are whole, in the order of time; None if they are few."""
-    chosen = {role: columns[name] for role, (name, _) in roles.items()}
-    time = chosen["angle"].time
-    if any(len(column.time) != len(time) for column in chosen.values()):
+    time = columns["angle"].time
+    if any(len(column.time) != len(time) for column in columns.values()):
         return None
-    whole = np.isfinite(time)
-    for column in chosen.values():
-        whole &= np.isfinite(column.values)
+    whole = np.isfinite(time) & np.all([np.isfinite(c.values) for c in columns.values()], axis=0)
     rising = np.full(len(time), -np.inf)
     rising[1:] = np.maximum.accumulate(np.where(whole, time, -np.inf))[:-1]
     whole &= time > rising
     if int(whole.sum()) < _FEWEST:
         return None
     channels = {}
-    for role, column in chosen.items():
+    for role, column in columns.items():
         kept = replace(column, time=read_only(time[whole]), values=read_only(column.values[whole]))
-        unit = roles[role][1]
-        channels[role] = channel(role, kept, Scaling(unit), table)
+        channels[role] = channel(role, kept, Scaling(units[role]), table)
     smooth = table.notes.get("emg") == "envelope"
     return Recording("left", channels, emg="envelope" if smooth else "raw")
 
@@ -185,3 +172,26 @@ def recording_of(inputs: ModelInputs) -> Recording:
         if muscle not in inputs.missing_emg:
             channels[f"emg_{muscle}"] = channel(f"emg_{muscle}", inputs.emg[:, k], inputs.emg_unit)
     return Recording(inputs.name, channels, emg="envelope", fixed=inputs.fixed, files=inputs.files)
+
+
+#: Checks with limits of the ankle, or by a quick fit that has its arms.
+_ANKLES = (
+    "angle-sign", "angle-still", "angle-units", "emg-unit", "film-unit", "reflex-suspected",
+    "time-unit", "torque-artefact", "torque-offset", "torque-unit",
+)  # fmt: skip
+
+
+def of_joint(quality: Quality, joint: Joint) -> Quality:
+    """Findings in a joint's words, but for those by the ankle's limits and of no muscle."""
+    silent = {f"emg_{MUSCLES[channel]}" for channel in joint.silent}
+    findings = tuple(
+        replace(each, message=joint.worded(each.message), advice=joint.worded(each.advice))
+        for each in quality.findings
+        if each.code not in _ANKLES and each.channel not in silent
+    )
+    others = (skip for skip in quality.skipped if skip.check not in _ANKLES)
+    skipped = (
+        *(replace(skip, reason=joint.worded(skip.reason)) for skip in others),
+        *(Skipped(code, "Its limits are known of the ankle alone.") for code in _ANKLES),
+    )
+    return replace(quality, findings=findings, skipped=skipped)

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import BoolArray, correlation, quantile, shifted, smooth
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES
@@ -113,13 +112,9 @@ def _proportional(
         return None
     if float(np.mean(emg[during])) < 1.5 * float(np.mean(emg[quiet])):
         return None
-    return Reflex(delay, float(alike[best]), len(_onsets(trial, stretch)), _answered(trial, late))
-
-
-def _answered(trial: CheckedTrial, late: FloatArray) -> BoolArray:
-    """Times in which a stretch, late by the reflex's delay, shows in a level of `SLOW` seconds."""
-    answered: BoolArray = smooth((late > 0.0).astype(np.float64), round(0.3 * trial.rate_hz)) > 0.0
-    return answered
+    # Times in which a stretch, late by the delay, shows in a level of `SLOW` seconds.
+    shows = smooth((late > 0.0).astype(np.float64), round(0.3 * trial.rate_hz)) > 0.0
+    return Reflex(delay, float(alike[best]), len(_onsets(trial, stretch)), shows)
 
 
 def _onsets(trial: CheckedTrial, stretch: FloatArray) -> list[int]:
@@ -134,13 +129,6 @@ def _onsets(trial: CheckedTrial, stretch: FloatArray) -> list[int]:
     return onsets
 
 
-def _peaks(trial: CheckedTrial, stretch: FloatArray) -> list[int]:
-    """Find where stretches reach their speed, which ramps then keep."""
-    width = round(0.5 * trial.rate_hz)
-    pieces = ((start, stretch[start : start + width]) for start in _onsets(trial, stretch))
-    return [start + int(np.argmax(piece >= 0.95 * piece.max())) for start, piece in pieces]
-
-
 def _bursts(trial: CheckedTrial, emg: FloatArray, stretch: FloatArray) -> Reflex | None:
     """A reflex of short bursts, after the onset or the peak of most stretches."""
     rate = trial.rate_hz
@@ -151,7 +139,11 @@ def _bursts(trial: CheckedTrial, emg: FloatArray, stretch: FloatArray) -> Reflex
     def mean(first: int, last: int) -> float:
         return float(total[last] - total[first]) / (last - first)
 
-    for events in (_onsets(trial, stretch), _peaks(trial, stretch)):
+    onsets, width = _onsets(trial, stretch), round(0.5 * rate)
+    pieces = [(start, stretch[start : start + width]) for start in onsets]
+    # Where stretches reach their speed, which ramps then keep.
+    peaks = [start + int(np.argmax(piece >= 0.95 * piece.max())) for start, piece in pieces]
+    for events in (onsets, peaks):
         followed: list[float] = []
         looked = 0
         hits: list[int] = []

@@ -6,12 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from surae.errors import InputError
-from surae.frozen import read_only
-from surae.quality.finding import Finding
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, make_finding
 from surae.quality.numeric import quantile
 from surae.recording import Channel, Recording
-from surae.signals.timebase import GAP_STEPS, UNIFORM_STEPS, timing
+from surae.signals.timebase import GAP_STEPS, timing
+from surae.units import FloatArray
 
 #: Jitter above this part of a step is worth a warning: the signals are then interpolated, which
 #: loses the fastest content, and below it the clock is as good as a logger's.
@@ -27,12 +26,11 @@ TOO_SHORT = 5.0
 
 def time_axes(recording: Recording) -> Iterator[Finding]:
     """Gaps and jitter in the time stamps, once for channels that share them."""
-    seen: list[Channel] = []
+    seen: list[FloatArray] = []
     for channel in recording.signals.values():
-        if any(np.array_equal(channel.time, other.time) for other in seen):
-            continue
-        seen.append(channel)
-        yield from axis_findings(channel)
+        if not any(np.array_equal(channel.time, other) for other in seen):
+            seen.append(channel.time)
+            yield from axis_findings(channel)
 
 
 def axis_findings(channel: Channel) -> Iterator[Finding]:
@@ -47,15 +45,15 @@ def axis_findings(channel: Channel) -> Iterator[Finding]:
     # in most samples, so what the usual scatter of steps explains is jitter.
     scatter = quantile(np.abs(steps - step), 0.9)
     longest = max(GAP_STEPS * step, step + 6.0 * scatter)
-    gaps = np.flatnonzero(steps > longest)
+    explained = _explained(channel)
+    # Stamps rounded to whole milliseconds have none.
+    gaps = np.flatnonzero(steps > longest) if not explained else np.empty(0, dtype=np.intp)
     lost = float((steps[gaps] - step).sum())
-    if gaps.size and _explained(channel):
-        gaps = gaps[:0]  # stamps rounded to whole milliseconds
     if gaps.size:
         worst = int(gaps[np.argmax(steps[gaps])])
         yield make_finding(
             "time-gap", _name(channel), (time[gaps[0]], time[gaps[-1] + 1]), lost,
-            f"{len(gaps)} {'gap' if len(gaps) == 1 else 'gaps'} in time, the longest from "
+            f"{len(gaps)} gap{'s' * (len(gaps) > 1)} in time, the longest from "
             f"{time[worst]:.4f} to {time[worst + 1]:.4f} s where a sample every "
             f"{1e3 * step:.3g} ms is expected.",
         )  # fmt: skip
@@ -63,7 +61,7 @@ def axis_findings(channel: Channel) -> Iterator[Finding]:
     if back:
         yield _disorder(channel, back, step)
         return
-    jitter = _jitter(time, gaps) if gaps.size or not _explained(channel) else 0.0
+    jitter = 0.0 if explained else _jitter(time, gaps)
     if jitter > JITTER * step:
         yield make_finding(
             "time-jitter", _name(channel), (time[0], time[-1]), jitter,
@@ -77,24 +75,18 @@ def _jitter(time: np.ndarray, gaps: np.ndarray) -> float:
     """Standard deviation of the stamps about even steps, within pieces without a gap [s]."""
     total, count = 0.0, 0
     for piece in np.split(time, gaps + 1):
-        if len(piece) < 8:
-            continue
-        index = np.arange(len(piece)) - (len(piece) - 1) / 2
-        slope = float(index @ piece / (index @ index))
-        residual = piece - piece.mean() - slope * index
-        total += float((residual**2).sum())
-        count += len(piece)
-    return float(np.sqrt(total / count)) if count else 0.0
+        if len(piece) >= 8:
+            index = np.arange(len(piece)) - (len(piece) - 1) / 2
+            slope = float(index @ piece / (index @ index))
+            total += float(((piece - piece.mean() - slope * index) ** 2).sum())
+            count += len(piece)
+    return float(np.sqrt(total / max(count, 1)))
 
 
 def _explained(channel: Channel) -> bool:
     """Whether the stamps are even, but perhaps for their rounding."""
-    time = channel.time
-    step = float(time[-1] - time[0]) / (len(time) - 1)
-    if float(np.max(np.abs(time - time[0] - step * np.arange(len(time))))) <= UNIFORM_STEPS * step:
-        return True
     try:
-        return timing(replace(channel, values=read_only(np.zeros(len(time)))), "").uniform
+        return timing(replace(channel, values=channel.time), "").uniform
     except InputError:
         return False
 

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 
 import numpy as np
 
 from surae.protocol import DEVICES
 from surae.quality.baseline import baseline
-from surae.quality.finding import Finding, Unjudged
-from surae.quality.kinds import make_finding
+from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import IndexArray, correlation, equal_runs, quantile, span_of
 from surae.quality.torque_model import passive_columns
 from surae.quality.trial import CheckedTrial
@@ -87,77 +87,54 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
     size = np.abs(channel.values)
     top = float(size.max())
     if top > IMPOSSIBLE:
-        at = channel.time[size > IMPOSSIBLE]
         text = f"The torque reaches {top:.3g} Nm, more than any ankle makes."
-        yield _artefact(trial, float(at[0]), float(at[-1]), top, text)
+        yield _artefact(trial, channel.time[size > IMPOSSIBLE], top, text)
         return
-    model = trial.model
-    if model is None:
+    if trial.model is None:
         raise Unjudged("The trial is too short to know its torque.")
-    left = np.abs(model.left)
-    usual = quantile(left, 0.68)
-    wrong = left > max(LEFT, LEFT_TIMES * usual)
-    if not wrong.any() or float(wrong.mean()) > LEFT_SHARE:
-        return
-    at, top = model.time[wrong], float(left.max())
-    text = (
-        f"In {100 * float(wrong.mean()):.2g} % of the time the torque is up to {top:.3g} Nm from "
-        "what angle and EMG explain."
-    )
-    yield _artefact(trial, float(at[0]), float(at[-1]), top, text)
+    left = np.abs(trial.model.left)
+    wrong = left > max(LEFT, LEFT_TIMES * quantile(left, 0.68))
+    if wrong.any() and float(wrong.mean()) <= LEFT_SHARE:
+        top = float(left.max())
+        text = (
+            f"In {100 * float(wrong.mean()):.2g} % of the time the torque is up to {top:.3g} Nm "
+            "from what angle and EMG explain."
+        )
+        yield _artefact(trial, trial.model.time[wrong], top, text)
 
 
-def _artefact(trial: CheckedTrial, start: float, end: float, value: float, text: str) -> Finding:
-    apart = end - start < 0.5 * float(np.ptp(trial.time))
-    return make_finding(
-        "torque-artefact", "torque", (start, end), value, text,
-        advice="Look at the torque there; "
-        + (
-            "leave that time out with --exclude, or fit with --robust."
-            if apart
-            else "fit with --robust."
-        ),
+def _artefact(trial: CheckedTrial, at: FloatArray, value: float, text: str) -> Finding:
+    span = span_of(at)
+    apart = span[1] - span[0] < 0.5 * float(np.ptp(trial.time))
+    advice = "leave that time out with --exclude, or fit with --robust." if apart else (
+        "fit with --robust."
     )  # fmt: skip
+    advice = f"Look at the torque there; {advice}"
+    return make_finding("torque-artefact", "torque", span, value, text, advice=advice)
 
 
 def sign(trial: CheckedTrial) -> Iterator[Finding]:
     """A torque that acts against the muscles that make it."""
     if trial.torque is None or trial.model is None:
         raise Unjudged("There is no torque, or too little of it.")
-    model = trial.model
-    wrong: str | None = None
-    strength = None
-    shown = bool(model.part) and model.known
-    if shown:
+    model, wrong, unit = trial.model, "", "1"
+    if model.part and model.known:
         # The stronger group decides: the weaker may only show the other's crosstalk.
         group = max(model.part, key=lambda name: abs(model.part[name]))
-        strength = model.part[group]
+        strength, unit = model.part[group], "Nm"
         if group == "triceps" and strength < 0.0:
             wrong = f"the triceps pulls with {strength:.2g} Nm, which should be positive"
         elif group == "ta" and strength > 0.0:
             wrong = f"the tibialis anterior pulls with {strength:.2g} Nm, which should be negative"
     elif float(np.ptp(trial.angle)) > 0.2:
-        stretch = passive_columns(trial.angle)[0]
-        alike = correlation(stretch, trial.torque)
-        strength = alike
-        if alike < _AGAINST:
+        strength = correlation(passive_columns(trial.angle)[0], trial.torque)
+        if strength < _AGAINST:
             wrong = "it falls where the triceps is stretched, instead of rising"
     else:
         raise Unjudged("Neither EMG nor angle say what the torque should be.")
-    if wrong is None:
-        return
-    yield make_finding(
-        "torque-sign", "torque", trial.span, strength, f"The torque has the wrong sign: {wrong}.",
-        unit="Nm" if shown else "1",
-    )  # fmt: skip
-
-
-def _turned(trial: CheckedTrial) -> bool:
-    """Whether the torque is known to have the wrong sign."""
-    try:
-        return any(sign(trial))
-    except Unjudged:
-        return False
+    if wrong:
+        text = f"The torque has the wrong sign: {wrong}."
+        yield make_finding("torque-sign", "torque", trial.span, strength, text, unit=unit)
 
 
 def offset(trial: CheckedTrial) -> Iterator[Finding]:
@@ -166,7 +143,10 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged("There is no torque.")
     if trial.recording.fixed.get("m") == 0.0:
         raise Unjudged("m is fixed at 0: gravity has been taken out already.")
-    torque = -trial.torque if _turned(trial) else trial.torque
+    turned = False
+    with suppress(Unjudged):
+        turned = any(sign(trial))
+    torque = -trial.torque if turned else trial.torque
     rest = baseline(trial.rate_hz, trial.angle, torque, trial.fast)
     if rest is None:
         raise Unjudged("Too little rest, or too little of the range, to tell.")

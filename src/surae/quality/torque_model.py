@@ -6,6 +6,7 @@ muscle's activation (equation 14 with f0 = 2 Hz, beta = 1) alone and times angle
 velocity, all averaged over 80 ms and compared at 25 Hz.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -130,19 +131,16 @@ def torque_model(
     at = np.clip(keep + np.round(lags * rate).astype(np.intp)[:, None], 0, len(time) - 1)
     smoothed = {n: np.array([smooth(c, width) for c in columns]) for n, columns in tables.items()}
     some = slice(None, None, -(-len(keep) // _MOST))
-    lagging = _Lagging(
-        [column[some] for column in passive],
-        {name: columns[:, at[:, some]] for name, columns in smoothed.items()},
-        y[some],
-    )
+    late = {name: columns[:, at[:, some]] for name, columns in smoothed.items()}
+    left = _lagging(np.array([column[some] for column in passive]), late, y[some])
     every = np.arange(len(lags))
-    together = lagging.left(dict.fromkeys(groups, every))
+    together = left(dict.fromkeys(groups, every))
     best = int(np.argmin(together))
     group_lag, group_gain = {}, {}
     if len(groups) > 1:
         for name in groups:
             others = {other: np.full(len(lags), best) for other in groups if other != name}
-            alone_at = lagging.left({name: every, **others})
+            alone_at = left({name: every, **others})
             group_lag[name] = _vertex(lags, alone_at)
             own = float(alone_at.min())
             group_gain[name] = float(together[best]) / own - 1.0 if own > 0.0 else 0.0
@@ -171,27 +169,29 @@ def torque_model(
     )
 
 
-class _Lagging:
-    """The regression at many lags at once: what is passive is taken out of everything first."""
+def _lagging(
+    passive: FloatArray, moved: dict[str, FloatArray], y: FloatArray
+) -> Callable[[dict[str, IndexArray]], FloatArray]:
+    """Sums of squares with each group at its lags, which are equally many.
 
-    def __init__(
-        self, passive: list[FloatArray], moved: dict[str, FloatArray], y: FloatArray
-    ) -> None:
-        basis = np.linalg.qr(_scaled(np.array(passive)).T)[0]
-        self._y = y - basis @ (basis.T @ y)
-        self._moved = {}
-        for name, columns in moved.items():
-            scaled = _scaled(columns)
-            self._moved[name] = np.swapaxes(scaled - scaled @ basis @ basis.T, 0, 1)
+    What is passive is taken out of everything first.
+    """
+    basis = np.linalg.qr(_scaled(passive).T)[0]
+    rest = y - basis @ (basis.T @ y)
+    active = {}
+    for name, columns in moved.items():
+        scaled = _scaled(columns)
+        active[name] = np.swapaxes(scaled - scaled @ basis @ basis.T, 0, 1)
 
-    def left(self, lags: dict[str, IndexArray]) -> FloatArray:
-        """Sums of squares with each group at its lags, which are equally many."""
-        matrix = np.concatenate([self._moved[name][at] for name, at in lags.items()], axis=1)
+    def left(lags: dict[str, IndexArray]) -> FloatArray:
+        matrix = np.concatenate([active[name][at] for name, at in lags.items()], axis=1)
         gram = matrix @ np.swapaxes(matrix, 1, 2)
         gram += 1e-8 * np.eye(matrix.shape[1])
-        right = matrix @ self._y
+        right = matrix @ rest
         weights = np.linalg.solve(gram, right[:, :, None])[:, :, 0]
-        return np.asarray(float(self._y @ self._y) - (weights * right).sum(axis=1))
+        return np.asarray(float(rest @ rest) - (weights * right).sum(axis=1))
+
+    return left
 
 
 def _scaled(columns: FloatArray) -> FloatArray:

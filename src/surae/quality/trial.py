@@ -1,8 +1,8 @@
 """A recording as the checks look at it: every signal once, on one coarse time axis."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -41,21 +41,25 @@ _FEW, _RECOGNISED_FEW = 12.0, 0.88
 
 
 @dataclass(frozen=True, slots=True)
-class CheckedTrial:
-    """What the checks share."""
+class Signals:
+    """A recording's signals on one axis."""
 
-    recording: Recording  #: As it was read; checks of single samples look at its channels.
     #: What the EMG's values say it is, whatever the recording says.
     emg_kind: Literal["raw", "envelope"]
     time: FloatArray  #: Uniform axis over the span that all channels share [s], shape (n,).
     rate_hz: float  #: Its rate: `RATE`, or that of the slowest channel where this is lower.
-    #: `angle`, `velocity`: [rad, rad/s], degrees under the name of radians undone, shape (n,).
-    angle: FloatArray
-    velocity: FloatArray
+    angle: FloatArray  #: [rad], degrees under the name of radians undone, shape (n,).
     torque: FloatArray | None  #: [Nm], shape (n,).
-    #: `fast`, `slow`: envelopes by muscle, averaged over one step and over `SLOW`, shape (n,).
-    fast: dict[str, FloatArray]
-    slow: dict[str, FloatArray]
+    fast: dict[str, FloatArray]  #: Envelopes by muscle, averaged over one step, shape (n,).
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckedTrial(Signals):
+    """What the checks share."""
+
+    recording: Recording  #: As it was read; checks of single samples look at its channels.
+    velocity: FloatArray  #: [rad/s], shape (n,).
+    slow: dict[str, FloatArray]  #: Envelopes by muscle, averaged over `SLOW`, shape (n,).
     commanded: Commanded | None  #: The motion that the device was to follow, given or recognised.
     effort: FloatArray | None  #: The requested effort, given or recognised, shape (n, 4).
     #: What torque, angle and EMG have to do with each other; None without torque.
@@ -71,6 +75,11 @@ class CheckedTrial:
         """The EMG channels by muscle, those too that are constant."""
         channels = self.recording.channels
         return {m: channels[f"emg_{m}"] for m in MUSCLES if f"emg_{m}" in channels}
+
+    @property
+    def varying(self) -> dict[str, Channel]:
+        """The EMG channels by muscle that are not constant."""
+        return {muscle: channel for muscle, channel in self.emg.items() if muscle in self.slow}
 
     @property
     def triceps(self) -> tuple[str, ...]:
@@ -101,30 +110,14 @@ def trial_of(recording: Recording, commanded: Commanded | None = None) -> Checke
     if seen.torque is not None:
         model = torque_model(time, rate, seen.angle, seen.torque, seen.fast)
     return CheckedTrial(
+        *(getattr(seen, field.name) for field in fields(seen)),
         recording=recording,
-        emg_kind=seen.emg_kind,
-        time=time,
-        rate_hz=rate,
-        angle=seen.angle,
         velocity=velocity,
-        torque=seen.torque,
-        fast=seen.fast,
         slow=slow,
         commanded=commanded or recognised(recording.channels["angle"]),
         effort=_requested_effort(time, slow, commanded),
         model=model,
     )
-
-
-class Signals(NamedTuple):
-    """A recording's signals on one axis, see `CheckedTrial`."""
-
-    emg_kind: Literal["raw", "envelope"]
-    time: FloatArray
-    rate_hz: float
-    angle: FloatArray
-    torque: FloatArray | None
-    fast: dict[str, FloatArray]
 
 
 def signals_of(recording: Recording) -> Signals:
@@ -142,8 +135,10 @@ def signals_of(recording: Recording) -> Signals:
     fast = {}
     for muscle in MUSCLES:
         channel = channels.get(f"emg_{muscle}")
-        if channel is not None and float(np.ptp(channel.values)) > 0.0:
-            fast[muscle] = _sampled(channel, time, rate, _envelope(channel, kind))
+        if channel is not None and float(np.ptp(values := channel.values)) > 0.0:
+            if kind == "raw":
+                values = np.abs(values - smooth(values, round(_DETREND * channel.rate_hz)))
+            fast[muscle] = _sampled(channel, time, rate, values)
     return Signals(kind, time, rate, angle, torque, fast)
 
 
@@ -163,13 +158,6 @@ def emg_kind(recording: Recording) -> Literal["raw", "envelope"]:
         return "envelope"
     positive = all(float(c.values.min()) >= 0.0 for c in alive)
     return "envelope" if positive and alive[0].rate_hz < _RAW_RATE else "raw"
-
-
-def _envelope(channel: Channel, kind: Literal["raw", "envelope"]) -> FloatArray:
-    if kind == "envelope":
-        return channel.values
-    values = channel.values - smooth(channel.values, round(_DETREND * channel.rate_hz))
-    return np.abs(values)
 
 
 def _sampled(
@@ -196,29 +184,22 @@ def _requested_effort(
     few = float(late.sum()) < _FEW * (len(time) - 1) / float(since[-1])
     best, recognised_effort = (_RECOGNISED_FEW if few else _RECOGNISED), None
     for name in ("part-passive", "active"):
-        requested = _task_effort(since, name)
+        few_times, efforts = _sparse_effort(name, int(since[-1] / _STEP))
+        requested = np.column_stack([np.interp(since, few_times, each) for each in efforts])
         alike = match(requested, slow, late)
         if alike > best:
             best, recognised_effort = alike, requested
     return recognised_effort
 
 
-def _task_effort(since: FloatArray, task: str) -> FloatArray:
-    """The effort of a task, made once for trials of one length."""
-    few, requested = _sparse_effort(task, int(since[-1] / _STEP))
-    return np.column_stack([np.interp(since, few, column) for column in requested])
-
-
 @lru_cache(8)
 def _sparse_effort(task: str, steps: int) -> tuple[FloatArray, FloatArray]:
+    """The effort of a task at few instants, made once for trials of one length."""
     few = _STEP * np.arange(steps + 1.0)
     return read_only(few), read_only(effort(few, named_task(task)).T.copy())
 
 
 def match(requested: FloatArray, slow: dict[str, FloatArray], where: BoolArray) -> float:
     """Mean correlation of the requested effort with the envelopes."""
-    return float(
-        np.mean(
-            [correlation(requested[where, MUSCLES.index(m)], e[where]) for m, e in slow.items()]
-        )
-    )
+    alike = [correlation(requested[where, MUSCLES.index(m)], e[where]) for m, e in slow.items()]
+    return float(np.mean(alike))

@@ -1,8 +1,7 @@
 """Files to recordings: readers, units and signs, provenance."""
 
 from surae.recording.hdf5 import write_hdf5
-from surae.recording.inspected import InspectedChannel, Inspection
-from surae.recording.inspection import inspect
+from surae.recording.inspection import InspectedChannel, Inspection, inspect
 from surae.recording.mapping_text import mapping_text, write_mapping
 from surae.recording.reading import read
 from surae.recording.recording import (
@@ -15,7 +14,7 @@ from surae.recording.recording import (
     Recording,
     SourceFile,
 )
-from surae.recording.writing import csv_columns, write_csv, write_sto
+from surae.recording.writing import csv_columns, write_csv
 
 __all__ = [
     "FILMED",
@@ -35,5 +34,4 @@ __all__ = [
     "write_csv",
     "write_hdf5",
     "write_mapping",
-    "write_sto",
 ]

@@ -55,10 +55,7 @@ def recognises(source: Source) -> bool:
 
 
 def open_table(source: Source) -> Table:
-    """Read the channels and points.
-
-    A file that holds neither, is damaged, or contradicts itself beyond telling is refused.
-    """
+    """The channels and points; a file that contradicts itself beyond telling is refused."""
     return foreign_table(source, "C3D", "c3d")
 
 
@@ -67,7 +64,7 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
     with untrusted(shown):
         parameters = _Parameters(data, shown)
         layout, doubts = _layout(data, parameters, shown)
-        points, analog = _samples(data, layout)
+        points, analog = _samples(data, layout, parameters.processor)
         point_hz, analog_hz, doubt = _rates(data, parameters, layout, shown)
         about = [*doubts, doubt] if doubt else doubts
         columns = [*_channels(parameters, layout, analog, analog_hz, about)]
@@ -109,12 +106,22 @@ class _Parameters:
         """A parameter's numbers, empty where it has none."""
         return [float(x) for x in self._values(group, name) if not isinstance(x, str)]
 
+    def number(self, group: str, name: str, default: float = 0.0) -> float:
+        """The first of a parameter's numbers."""
+        return next(iter(self.numbers(group, name)), default)
+
     def whole(self, group: str, name: str) -> int | None:
         """A count, stored in 16 bits that may be meant without a sign."""
-        number = next(iter(self.numbers(group, name)), math.nan)
+        number = self.number(group, name, math.nan)
         if not math.isfinite(number):
             return None
         return int(number) % 65536 if number < 0 else int(number)
+
+    def real(self, raw: bytes) -> float:
+        """A 32-bit float of the header, as the file's processor stores it."""
+        if self.processor != _DEC:
+            return float(struct.unpack("<f", raw)[0])
+        return float(struct.unpack("<f", raw[2:] + raw[:2])[0]) / 4
 
     def _values(self, group: str, name: str) -> Iterator[Any]:
         """The values of a parameter and its continuations."""
@@ -136,9 +143,7 @@ class _Layout:
     per_frame: int
     floats: bool
     signed: bool
-    processor: int
     point_scale: float
-    first_frame: int
 
     @property
     def words(self) -> int:
@@ -150,37 +155,41 @@ class _Layout:
         """Size of a frame."""
         return self.words * (4 if self.floats else 2)
 
+    def fills(self, data: bytes) -> bool:
+        """Whether the samples end where the file does, apart from the rest of a block."""
+        end = self.begin + self.frames * self.bytes_per_frame
+        return end <= len(data) and (len(data) - end < _BLOCK or not any(data[end:]))
+
 
 def _layout(data: bytes, parameters: _Parameters, shown: str) -> tuple[_Layout, list[str]]:
     """Header and parameters put together; where they differ, the file's size decides."""
-    head = struct.unpack_from("<4H", data, 2)
+    in_header, samples, first_frame, last_frame = struct.unpack_from("<4H", data, 2)
     block, per_frame = struct.unpack_from("<2H", data, 16)
-    scale = _real(data[12:16], parameters) or next(iter(parameters.numbers("POINT", "SCALE")), 1.0)
+    scale = parameters.real(data[12:16]) or parameters.number("POINT", "SCALE", 1.0)
     begin = ((parameters.whole("POINT", "DATA_START") or block) - 1) * _BLOCK
     if not _BLOCK <= begin <= len(data):
         raise InputError(f"{shown}: the file is cut short or damaged (no data block)")
-    texts = parameters.texts("ANALOG", "FORMAT")
-    points = parameters.whole("POINT", "USED")
-    channels = parameters.whole("ANALOG", "USED")
-    analog = head[1] // per_frame if per_frame else 0
-    ratio = _ratio(parameters)
+    signed = [text.upper() for text in parameters.texts("ANALOG", "FORMAT")[:1]] != ["UNSIGNED"]
+    points, channels = (parameters.whole(group, "USED") for group in ("POINT", "ANALOG"))
+    analog = samples // per_frame if per_frame else 0
+    point_hz, analog_hz = (parameters.number(group, "RATE") for group in ("POINT", "ANALOG"))
+    ratio = analog_hz / point_hz if point_hz else 0.0
     shapes = [
         (p, c, n)
-        for n in dict.fromkeys((per_frame, ratio))
-        for p in dict.fromkeys((head[0] if points is None else points, head[0]))
+        for n in dict.fromkeys((per_frame, round(ratio) if 0.0 < ratio < _UNCOUNTED else 0))
+        for p in dict.fromkeys((in_header if points is None else points, in_header))
         for c in dict.fromkeys((analog if channels is None else channels, analog))
         if 4 * p + c * n
     ]
-    announced = _frames(parameters, head[2], head[3])
+    announced = _frames(parameters, last_frame - first_frame + 1)
     layouts = [
-        _Layout(begin, n, *shape, scale < 0, not (texts and texts[0].upper() == "UNSIGNED"),
-                parameters.processor, scale, head[2])
+        _Layout(begin, n, *shape, scale < 0, signed, scale)
         for n in announced or [_UNCOUNTED]
         for shape in shapes
-    ]  # fmt: skip
+    ]
     if not layouts:
         raise InputError(f"{shown}: this C3D file holds neither analog channels nor points")
-    exact = [each for each in layouts if _fills(each, data)]
+    exact = [each for each in layouts if each.fills(data)]
     first = (exact or layouts)[0]
     doubts = []
     if not exact and len({each[:2] for each in shapes}) > 1:
@@ -201,54 +210,30 @@ def _layout(data: bytes, parameters: _Parameters, shown: str) -> tuple[_Layout, 
         first = replace(first, frames=complete)
     elif announced and first.frames != announced[0]:
         doubts.append(f"{announced[0]} frames are announced, but the file holds {first.frames}")
-    if first.first_frame > 1:
-        doubts.append(f"time 0 is frame {first.first_frame} of the trial")
+    if first_frame > 1:
+        doubts.append(f"time 0 is frame {first_frame} of the trial")
     return first, doubts
 
 
-def _fills(layout: _Layout, data: bytes) -> bool:
-    """Whether the samples end where the file does, apart from the rest of a block."""
-    end = layout.begin + layout.frames * layout.bytes_per_frame
-    return end <= len(data) and (len(data) - end < _BLOCK or not any(data[end:]))
-
-
-def _frames(parameters: _Parameters, first: int, last: int) -> list[int]:
+def _frames(parameters: _Parameters, counted: int) -> list[int]:
     """Numbers of frames that the file states; only the first count beyond 16 bits."""
-    stated = [parameters.whole("POINT", "LONG_FRAMES")]
-    if end := parameters.numbers("TRIAL", "ACTUAL_END_FIELD"):
-        begin = parameters.numbers("TRIAL", "ACTUAL_START_FIELD") or [1.0]
-        stated.insert(0, _long(end) - _long(begin) + 1)
-    stated.append(last - first + 1)
+    stated = [parameters.whole("POINT", "LONG_FRAMES"), counted]
+    if last := parameters.numbers("TRIAL", "ACTUAL_END_FIELD"):
+        first = parameters.numbers("TRIAL", "ACTUAL_START_FIELD") or [1.0]
+        # Each in two words of 16 bits, the low one first.
+        begin, end = (
+            int(words[0]) % 65536 + (int([*words, 0.0][1]) % 65536 << 16) for words in (first, last)
+        )
+        stated.insert(0, end - begin + 1)
     return list(dict.fromkeys(count for count in stated if count and count > 0))
-
-
-def _long(words: Sequence[float]) -> int:
-    """A number in two words of 16 bits, the low one first."""
-    low, high = (int(word) % 65536 for word in [*words, 0.0][:2])
-    return low + (high << 16)
-
-
-def _ratio(parameters: _Parameters) -> int:
-    """Analog samples of a frame by the rates that the parameters state; 0 where they don't."""
-    point, analog = (next(iter(parameters.numbers(g, "RATE")), 0.0) for g in ("POINT", "ANALOG"))
-    ratio = analog / point if point else 0.0
-    return round(ratio) if 0.0 < ratio < _UNCOUNTED else 0
-
-
-def _real(raw: bytes, parameters: _Parameters) -> float:
-    """A 32-bit float of the header, as the file's processor stores it."""
-    if parameters.processor == _DEC:
-        raw = raw[2:] + raw[:2]
-    number: float = struct.unpack("<f", raw)[0]
-    return number / 4 if parameters.processor == _DEC else number
 
 
 def _rates(
     data: bytes, parameters: _Parameters, layout: _Layout, shown: str
 ) -> tuple[float, float, str]:
     """Rates of frames and of analog samples [Hz], and what is doubtful about the latter."""
-    point = next(iter(parameters.numbers("POINT", "RATE")), 0.0) or _real(data[20:24], parameters)
-    analog = next(iter(parameters.numbers("ANALOG", "RATE")), 0.0)
+    point = parameters.number("POINT", "RATE") or parameters.real(data[20:24])
+    analog = parameters.number("ANALOG", "RATE")
     if not point and layout.per_frame:
         point = analog / layout.per_frame
     if not (math.isfinite(point) and point > 0):
@@ -256,20 +241,17 @@ def _rates(
     counted = point * layout.per_frame
     if math.isclose(analog, counted, rel_tol=1e-3):
         return point, analog, ""
-    return (
-        point,
-        counted,
-        (
-            f"the file states {analog:g} Hz, but {layout.per_frame} samples in each of {point:g} "
-            f"frames/s are {counted:g} Hz, which is used"
-        ),
+    doubt = (
+        f"the file states {analog:g} Hz, but {layout.per_frame} samples in each of {point:g} "
+        f"frames/s are {counted:g} Hz, which is used"
     )
+    return point, counted, doubt
 
 
-def _samples(data: bytes, layout: _Layout) -> tuple[FloatArray, FloatArray]:
+def _samples(data: bytes, layout: _Layout, processor: int) -> tuple[FloatArray, FloatArray]:
     """Points, shape (frames, points, 4), and raw analog samples, shape (n, channels)."""
     kind = "f4" if layout.floats else "i2" if layout.signed else "u2"
-    swapped = layout.floats and layout.processor == _DEC
+    swapped = layout.floats and processor == _DEC
     raw = np.frombuffer(
         data, f"<{'u4' if swapped else kind}", layout.frames * layout.words, layout.begin
     ).reshape(layout.frames, layout.words)
@@ -292,39 +274,31 @@ def _channels(
     names = _names(parameters.texts("ANALOG", "LABELS"), "channel", layout.channels)
     units, described = (parameters.texts("ANALOG", name) for name in ("UNITS", "DESCRIPTIONS"))
     scales, offsets = (parameters.numbers("ANALOG", name) for name in ("SCALE", "OFFSET"))
-    general = next(iter(parameters.numbers("ANALOG", "GEN_SCALE")), 1.0)
-    plates = _plates(parameters)
+    general = parameters.number("ANALOG", "GEN_SCALE", 1.0)
+    plates = parameters.numbers("FORCE_PLATFORM", "CHANNEL")
+    each = len(plates) // (parameters.whole("FORCE_PLATFORM", "USED") or 1) or 1
+    plate = {int(at) - 1: f"force plate {k // each + 1}" for k, at in enumerate(plates)}
     for index, name in enumerate(names):
-        remarks = [*described[index : index + 1], plates.get(index, ""), *doubts]
+        remarks = [*described[index : index + 1], plate.get(index, ""), *doubts]
         refused = ""
-        scale, offset = (([*values[index : index + 1], 0.0][0]) for values in (scales, offsets))
+        values = analog[:0, index]
         if index >= len(scales):
             refused = "the file states no scale for it, so its values have no unit"
         elif offsets and index >= len(offsets):
             refused = "the file states no offset for it, so its zero is not known"
-        elif not offsets:
-            remarks.append("no offset is stated: taken as 0")
-        elif scale == 0:
-            remarks.append("its scale is 0, so all its values are")
-        if not layout.signed:
-            offset %= 65536
-        with np.errstate(all="ignore"):
-            values = (analog[:, index] - offset) * (scale * general)
+        else:
+            if not offsets:
+                remarks.append("no offset is stated: taken as 0")
+            elif scales[index] == 0:
+                remarks.append("its scale is 0, so all its values are")
+            offset = offsets[index] if offsets else 0.0
+            with np.errstate(all="ignore"):
+                values = analog[:, index] - (offset if layout.signed else offset % 65536)
+                values *= scales[index] * general
         yield Parsed(
-            name=name,
-            values=values[:0] if refused else values,
-            time=(0.0, rate_hz),
-            unit="".join(units[index : index + 1]),
-            remark="; ".join(text for text in remarks if text),
-            refused=refused,
-        )
-
-
-def _plates(parameters: _Parameters) -> dict[int, str]:
-    """The force plate that an analog channel is of, by the channel's place."""
-    channels = parameters.numbers("FORCE_PLATFORM", "CHANNEL")
-    each = len(channels) // (parameters.whole("FORCE_PLATFORM", "USED") or 1) or 1
-    return {int(at) - 1: f"force plate {k // each + 1}" for k, at in enumerate(channels)}
+            name, values, (0.0, rate_hz), "".join(units[index : index + 1]),
+            "; ".join(filter(None, remarks)), refused,
+        )  # fmt: skip
 
 
 def _points(
@@ -362,23 +336,18 @@ def _points(
         if not seen.all():
             time = np.flatnonzero(seen) / rate_hz
             remarks = [*doubts, f"only {len(time)} of {len(seen)} frames have it"]
+        unit = units.get(labels[index] if index < len(labels) else name, place)
         for axis, letter in enumerate("XYZ"):
-            yield Parsed(
-                name=f"{name}.{letter}",
-                values=points[seen, index, axis] * scale,
-                time=time,
-                unit=units.get(labels[index] if index < len(labels) else name, place),
-                remark="; ".join(remarks),
-            )
+            values = points[seen, index, axis] * scale
+            yield Parsed(f"{name}.{letter}", values, time, unit, "; ".join(remarks))
 
 
 def _names(labels: Sequence[str], kind: str, count: int) -> list[str]:
     """Names of columns, each once; one without a label is called by its number."""
-    names = [*labels[:count], *([""] * (count - len(labels)))]
-    names = [name or f"{kind} {number}" for number, name in enumerate(names, start=1)]
     counts: Counter[str] = Counter()
     unique = []
-    for name in names:
+    for number in range(1, count + 1):
+        name = "".join(labels[number - 1 : number]) or f"{kind} {number}"
         counts[name] += 1
         unique.append(name if counts[name] == 1 else f"{name} #{counts[name]}")
     return unique

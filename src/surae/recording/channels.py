@@ -1,6 +1,6 @@
 """A raw column becomes a channel: its unit settled, its scaling applied, its samples checked."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +9,8 @@ from surae.errors import InputError
 from surae.frozen import freeze
 from surae.recording.recording import FILM_ROLES, Channel
 from surae.recording.roles import heading_unit
-from surae.recording.samples import check_finite, check_samples
-from surae.recording.table import Column, Table
-from surae.units import FACTORS, SI, FloatArray, kind, plain, spelled, to_si
+from surae.recording.table import Column, Table, check_finite, check_samples
+from surae.units import FACTORS, SI, kind, plain, spelled, to_si
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,54 +79,35 @@ def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str
 
 
 def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channel:
-    """Check a column's samples and bring them to SI."""
+    """Check a column's samples and bring them to SI.
+
+    Of a film the frames are left out in which its tracker found nothing: no number, or 0.
+    """
     shown = f"column {column.name!r}"
-    column = _tracked(column) if role in FILM_ROLES else column
-    check_samples(
-        column.time,
-        column.values,
-        where=table.file,
-        names=(f"column {column.time_name!r}", shown),
-        position=column.position,
-    )
-    factor = to_si(role, scaling.unit, f"{table.file}: {shown}")
-    values = _scaled(column.values, scaling, factor)
-    if values is not column.values:
-        name = f"{shown} scaled to SI"
-        check_finite(values, where=table.file, name=name, position=column.position)
-    remark = f"; {text}" if (text := table.remarks.get(column.name)) else ""
-    return Channel(
-        role=role,
-        time=column.time,
-        values=freeze(values),
-        unit="1" if scaling.unit == "1" else SI[kind(role)],
-        source=f"{Path(table.file).name}: {column.name} {scaling.describe()}{remark}",
-    )
-
-
-def _tracked(column: Column) -> Column:
-    """A film's column without the frames in which its tracker found nothing: no number, or 0."""
-    kept = np.flatnonzero(np.isfinite(column.values) & (column.values != 0.0))
-    if len(kept) == len(column.values):
-        return column
-    return replace(
-        column,
-        time=freeze(column.time[kept]),
-        values=freeze(column.values[kept]),
-        position=lambda index: column.position(int(kept[index])),
-    )
-
-
-def _scaled(raw: FloatArray, scaling: Scaling, factor: float) -> FloatArray:
-    """The values in SI; the same array where nothing changes, at most one copy where it does."""
+    times, raw, position = column.time, column.values, column.position
+    if role in FILM_ROLES:
+        kept = np.flatnonzero(np.isfinite(raw) & (raw != 0.0))
+        if len(kept) < len(raw):
+            times, raw = freeze(times[kept]), freeze(raw[kept])
+            position = lambda index: column.position(int(kept[index]))  # noqa: E731
+    names = (f"column {column.time_name!r}", shown)
+    check_samples(times, raw, where=table.file, names=names, position=position)
+    factor = scaling.sign * to_si(role, scaling.unit, f"{table.file}: {shown}")
     values = raw
     with np.errstate(over="ignore", invalid="ignore"):
         if scaling.scale != 1:
             values = values * scaling.scale
-        if scaling.offset != 0:
+        if scaling.offset != 0:  # at most one copy is made, none where nothing changes
             values = np.add(values, scaling.offset, out=None if values is raw else values)
-        if scaling.sign * factor != 1:
-            values = np.multiply(
-                values, scaling.sign * factor, out=None if values is raw else values
-            )
-    return values
+        if factor != 1:
+            values = np.multiply(values, factor, out=None if values is raw else values)
+    if values is not raw:
+        check_finite(values, where=table.file, name=f"{shown} scaled to SI", position=position)
+    remark = f"; {text}" if (text := table.remarks.get(column.name)) else ""
+    return Channel(
+        role=role,
+        time=times,
+        values=freeze(values),
+        unit="1" if scaling.unit == "1" else SI[kind(role)],
+        source=f"{Path(table.file).name}: {column.name} {scaling.describe()}{remark}",
+    )

@@ -40,28 +40,26 @@ def of_frame(table: DataFrame) -> Recording:
     units: Mapping[Any, Any] = {} if stated is None else stated
     if not isinstance(units, Mapping):
         raise InputError(f'{_WHERE}: attrs["units"] is no table of units by column')
-    data: dict[str, Any] = {}
-    for column in table.columns:
-        if str(column) in data:
-            raise InputError(f"{_WHERE}: column {str(column)!r} is there twice; keep one")
-        data[str(column)] = table[column]
-    renamed: dict[str, str] = {}
-    for name in data:
+    data: dict[str, Any] = {}  # by the names of our CSV
+    named: dict[str, str] = {}
+    columns = [str(column) for column in table.columns]
+    for name, column in zip(columns, table.columns, strict=True):
+        if columns.count(name) > 1:
+            raise InputError(f"{_WHERE}: column {name!r} is there twice; keep one")
         ours = _our_name(name, units.get(name))
-        if ours in renamed:
+        if ours in named:
             raise InputError(
-                f"{_WHERE}: columns {renamed[ours]!r} and {name!r} are the same signal; keep one"
+                f"{_WHERE}: columns {named[ours]!r} and {name!r} are the same signal; keep one"
             )
         if ours is not None:
-            renamed[ours] = name
-    time_name, time = _time(table, data, renamed)
-
+            named[ours], data[ours] = name, table[column]
+    time_name, time = _time(table, {name: data[name] for name in data if name in TIMES})
     own = table.attrs.get("times") == "own"
 
     def load(wanted: Sequence[str]) -> dict[str, Column]:
         columns = {}
         for name in wanted:
-            values = _numbers(data[renamed[name]], name)
+            values = _numbers(data[name], name)
             rows = np.flatnonzero(~np.isnan(values)) if own else np.arange(len(values))
             columns[name] = Column(
                 name, freeze(time[rows]), freeze(values[rows]), time_name, partial(_row, rows)
@@ -69,7 +67,7 @@ def of_frame(table: DataFrame) -> Recording:
         return columns
 
     notes = {key: str(table.attrs[key]) for key in ("name", "emg") if table.attrs.get(key)}
-    names = tuple(name for name in renamed if name not in TIMES)
+    names = tuple(name for name in data if name not in TIMES)
     columns_table = Table(_WHERE, "DataFrame", names, time_name, load, notes=notes)
     return recording_of_table(columns_table, notes.get("name", _WHERE))
 
@@ -96,11 +94,8 @@ def _our_name(name: str, unit: Any) -> str | None:
     return f"{role}_{str(own).replace('/', '_')}"
 
 
-def _time(
-    table: DataFrame, data: Mapping[str, Any], renamed: Mapping[str, str]
-) -> tuple[str, FloatArray]:
+def _time(table: DataFrame, times: dict[str, Any]) -> tuple[str, FloatArray]:
     """The time's name and values [s], of a column or of the index."""
-    times = {name: data[renamed[name]] for name in renamed if name in TIMES}
     index, called = table.index, str(table.index.name)
     if called in TIMES and called not in times:
         times[called] = index

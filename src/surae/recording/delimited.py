@@ -35,12 +35,6 @@ _WITH_COMMA = re.compile(_CELL % rb",", re.MULTILINE)
 _WITH_POINT = re.compile(_CELL % rb"\.", re.MULTILINE)
 
 
-def recognises(source: Source) -> bool:
-    """Whether to read it as CSV: yes, what no other format claims."""
-    del source
-    return True
-
-
 def open_table(source: Source, *, timed: bool = True) -> Table:
     """Read the header of a CSV file, which has a column of times unless `timed` is false.
 
@@ -54,14 +48,18 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
             f"{where}: numbers where the names of the columns belong; the first line that is no "
             "comment must name them (time_s, angle_rad, ...)"
         )
+    time, factor = "", 1.0
     if timed or any(map(is_time, head.names)):
         time, factor = time_column(head.names, where)
-    else:
-        time, factor = "", 1.0
     if (unit := head.units.get(time)) is not None:
         factor = FACTORS["time"].get(spelled(unit) or "", factor)
-    comma = head.delimiter != "," and _decimal_comma(source, head.row)
-    rows = Rows(source, head.row, head.names, head.delimiter, "," if comma else ".")
+    decimal = "."
+    if head.delimiter != ",":
+        body = "".join(itertools.islice(source.lines(), head.row, head.row + 1000)).encode()
+        body = body[:_LOOKED_AT]
+        if _WITH_COMMA.search(body) and not _WITH_POINT.search(body):
+            decimal = ","
+    rows = Rows(source, head.row, head.names, head.delimiter, decimal)
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         return rows.columns(wanted, time, factor)
@@ -103,7 +101,10 @@ def _header(source: Source) -> _Header:
             continue
         if not line.strip():
             continue
-        delimiter = _delimiter(source, number, line)
+        # What the row below has as often separates the cells, else what is there most often.
+        below = next(itertools.islice(source.lines(), number, None), "")
+        alike = (d for d in DELIMITERS if d in line and line.count(d) == below.count(d))
+        delimiter = next(alike, max(reversed(DELIMITERS), key=line.count))
         try:
             names = tuple(split(line, delimiter))
         except csv.Error as error:
@@ -121,13 +122,6 @@ def _header(source: Source) -> _Header:
     return first
 
 
-def _delimiter(source: Source, row: int, line: str) -> str:
-    """What separates the cells of a header: what the row below has as often, else most often."""
-    below = next(itertools.islice(source.lines(), row, None), "")
-    alike = (d for d in DELIMITERS if d in line and line.count(d) == below.count(d))
-    return next(alike, max(reversed(DELIMITERS), key=line.count))
-
-
 def _with_units(source: Source, header: _Header) -> _Header:
     """The header with a row of units below it, where there is one."""
     below = next(itertools.islice(source.lines(), header.row, None), "")
@@ -139,12 +133,6 @@ def _with_units(source: Source, header: _Header) -> _Header:
     if len(cells) != len(header.names) or not any(known) or any(map(_numeric, cells)):
         return header
     return replace(header, row=header.row + 1, units=dict(zip(header.names, cells, strict=True)))
-
-
-def _decimal_comma(source: Source, row: int) -> bool:
-    """Whether the numbers below a row are written with a comma, and none with a point."""
-    body = "".join(itertools.islice(source.lines(), row, row + 1000)).encode()[:_LOOKED_AT]
-    return bool(_WITH_COMMA.search(body)) and not _WITH_POINT.search(body)
 
 
 def _note(key: str, text: str, where: str) -> str:

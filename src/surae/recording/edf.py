@@ -6,16 +6,14 @@ sample.
 """
 
 import re
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from surae.errors import InputError
 from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
-from surae.recording.samples import instants
 from surae.recording.source import Source
-from surae.recording.table import Table
+from surae.recording.table import Table, instants
 from surae.units import FloatArray
 
 _EDF, _BDF = b"0       ", b"\xffBIOSEMI"
@@ -35,10 +33,7 @@ def recognises(source: Source) -> bool:
 
 
 def open_table(source: Source) -> Table:
-    """Read the signals.
-
-    A file that is damaged or cut short, or a signal without calibration, is refused.
-    """
+    """The signals; a file that is cut short, or a signal without calibration, is refused."""
     return foreign_table(source, "BDF" if source.data.startswith(_BDF) else "EDF", "edf")
 
 
@@ -123,20 +118,17 @@ class _File:
             return None
         if self._notes is None:
             raise InputError(f"{self._shown}: interrupted (EDF+D), without its records' times")
-        onsets = np.array(list(self._onsets(self._notes)))
+        skipped = self._size + self._width * sum(self._samples[: self._notes])
+        onsets = np.empty(self.records)
+        for record in range(self.records):  # the time stands first in its annotations
+            at = skipped + record * self._record
+            raw = self._data[at : at + self._width * self._samples[self._notes]]
+            if (onset := _ONSET.match(raw)) is None:
+                raise InputError(f"{self._shown}: record {record + 1} has no time; it is damaged")
+            onsets[record] = float(onset[1])
         onsets -= onsets[0]
         even = np.abs(onsets - self.duration_s * np.arange(self.records)) < 1e-6
         return None if even.all() else onsets
-
-    def _onsets(self, notes: int) -> Iterator[float]:
-        """The time that stands first in each record's annotations [s]."""
-        skipped = self._size + self._width * sum(self._samples[:notes])
-        for record in range(self.records):
-            at = skipped + record * self._record
-            raw = self._data[at : at + self._width * self._samples[notes]]
-            if (onset := _ONSET.match(raw)) is None:
-                raise InputError(f"{self._shown}: record {record + 1} has no time; it is damaged")
-            yield float(onset[1])
 
     def _read(self, first: int, count: int) -> Any:
         """Some of the records, as edfio reads them."""

@@ -37,6 +37,7 @@ class Look:
     rectified: bool = False
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def look_of(time: FloatArray, values: FloatArray) -> Look:
     """Tell raw EMG from an envelope by its samples.
 
@@ -44,8 +45,32 @@ def look_of(time: FloatArray, values: FloatArray) -> Look:
     envelope is not negative and slow. EMG that stays far above zero and is fast, if only around a
     drift of its electrodes, is raw on an offset.
     """
-    with np.errstate(over="ignore", invalid="ignore"):
-        return _look(time, values[np.isfinite(values)])
+    values = values[np.isfinite(values)]
+    span = float(time[-1] - time[0]) if len(time) > 1 else 0.0
+    if len(values) < 2 or not np.isfinite(span) or span <= 0 or values.min() == values.max():
+        return Look(None, "too few samples, or all the same")
+    mean = float(values.mean())
+    if not np.isfinite(mean):
+        return Look(None, "too large for any EMG")
+    below = float(values.max()) < 0
+    if below:
+        values = -values
+    low, high, middle = float(values.min()), float(values.max()), float(np.median(values))
+    crossings = _crossings(values - middle) / span
+    rate = f"crosses its median {crossings:.0f} times a second"
+    if low < -_NEGATIVE * high:
+        return Look("raw", f"positive and negative, {rate}")
+    if low > _LIFTED * middle:
+        around = _crossings(_detrended(values, span)) / span
+        if max(crossings, around) > _SLOW:
+            if crossings <= _SLOW:
+                rate = f"crosses its drift {around:.0f} times a second"
+            offset = -float(f"{mean:.6g}")
+            return Look("raw", f"never near zero, yet fast: {rate}: raw on an offset", offset)
+    if crossings <= _SLOW and not below:
+        return Look("envelope", f"not negative and slow, {rate}")
+    rule = f"not negative, yet fast: {rate}: rectified but not smoothed?"
+    return Look(None, "negative throughout" if below else rule, rectified=not below and low >= 0.0)
 
 
 def emg_contradictions(recording: Recording) -> dict[str, str]:
@@ -74,34 +99,6 @@ def contradiction(name: str, look: Look, declared: str) -> str:
         f"{name} is declared {article} but {looks} ({look.rule}): write "
         f"emg = \"{kind}\" in the mapping, or '# emg: {kind}' in a CSV"
     )
-
-
-def _look(time: FloatArray, values: FloatArray) -> Look:
-    span = float(time[-1] - time[0]) if len(time) > 1 else 0.0
-    if len(values) < 2 or not np.isfinite(span) or span <= 0 or values.min() == values.max():
-        return Look(None, "too few samples, or all the same")
-    mean = float(values.mean())
-    if not np.isfinite(mean):
-        return Look(None, "too large for any EMG")
-    below = float(values.max()) < 0
-    if below:
-        values = -values
-    low, high, middle = float(values.min()), float(values.max()), float(np.median(values))
-    crossings = _crossings(values - middle) / span
-    rate = f"crosses its median {crossings:.0f} times a second"
-    if low < -_NEGATIVE * high:
-        return Look("raw", f"positive and negative, {rate}")
-    if low > _LIFTED * middle:
-        around = _crossings(_detrended(values, span)) / span
-        if max(crossings, around) > _SLOW:
-            if crossings <= _SLOW:
-                rate = f"crosses its drift {around:.0f} times a second"
-            offset = -float(f"{mean:.6g}")
-            return Look("raw", f"never near zero, yet fast: {rate}: raw on an offset", offset)
-    if crossings <= _SLOW and not below:
-        return Look("envelope", f"not negative and slow, {rate}")
-    rule = f"not negative, yet fast: {rate}: rectified but not smoothed?"
-    return Look(None, "negative throughout" if below else rule, rectified=not below and low >= 0.0)
 
 
 def amplified(high: float, low: float, unit_volts: float) -> bool:

@@ -36,25 +36,20 @@ def open_table(source: Source) -> Table:
             errors.append(error)
     if not tables:
         raise errors[0]
-    return _together(source, tables)
-
-
-def _together(source: Source, tables: Mapping[str, Table]) -> Table:
-    """The sheets as one table; each column has the times of its own."""
     prefix = {title: f"{title}: " if len(tables) > 1 else "" for title in tables}
-    places = {prefix[t] + name: (t, name) for t, table in tables.items() for name in table.names}
+    places = {
+        prefix[t] + name: (table, name) for t, table in tables.items() for name in table.names
+    }
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         loaded: dict[str, Column] = {}
-        for title, table in tables.items():
-            own = {name: places[name][1] for name in wanted if places[name][0] == title}
+        for table in tables.values():
+            own = {name: places[name][1] for name in wanted if places[name][0] is table}
             columns = table.load([*own.values()])
             loaded |= {name: replace(columns[its], name=name) for name, its in own.items()}
         return loaded
 
-    units = {
-        name: tables[t].units[its] for name, (t, its) in places.items() if its in tables[t].units
-    }
+    units = {name: table.units.get(its, "") for name, (table, its) in places.items()}
     return Table(source.shown, "Excel", tuple(places), "time", load, units)
 
 

@@ -8,7 +8,7 @@ import importlib
 import struct
 import warnings
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -19,9 +19,8 @@ import numpy.typing as npt
 from surae.errors import ComputationError, InputError
 from surae.frozen import as_read_only
 from surae.processes import guarded
-from surae.recording.samples import instants, sample
 from surae.recording.source import Source
-from surae.recording.table import Column, Table
+from surae.recording.table import Column, Table, instants, sample
 from surae.units import FloatArray
 
 #: What a reader may take at most [s, bytes], and the more for every byte of the file: pyxdf reads
@@ -48,11 +47,11 @@ def packed(columns: Sequence[Parsed]) -> dict[str, Any]:
     """Columns as plain data, arrays of times that several share once."""
     times = {id(c.time): c.time for c in columns if isinstance(c.time, np.ndarray)}
     places = {key: index for index, key in enumerate(times)}
-    plain = []
-    for column in columns:
-        fields = {name: getattr(column, name) for name in Parsed.__dataclass_fields__}
-        array = isinstance(column.time, np.ndarray)
-        plain.append(fields | {"time": places[id(column.time)] if array else list(column.time)})
+    plain = [
+        {name: getattr(column, name) for name in Parsed.__dataclass_fields__}
+        | {"time": places.get(id(column.time), column.time)}
+        for column in columns
+    ]
     return {"columns": plain, "times": list(times.values())}
 
 
@@ -80,39 +79,27 @@ def foreign_table(source: Source, format_name: str, module: str) -> Table:
     """The table that ``surae.recording.<module>:parse`` makes of a file's packed columns."""
     plain = in_child(source, format_name, module)
     times = [as_read_only(time) for time in plain["times"]]
-    columns = [_unpacked(fields, times) for fields in plain["columns"]]
+    columns = [Parsed(**fields) for fields in plain["columns"]]
     by_name = {column.name: column for column in reversed(columns)}
 
-    def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        for name in wanted:
-            if by_name[name].refused:
-                raise InputError(f"{source.shown}: column {name!r}: {by_name[name].refused}")
-        return {name: _loaded(by_name[name]) for name in wanted}
+    def loaded(name: str) -> Column:
+        column = by_name[name]
+        if column.refused:
+            raise InputError(f"{source.shown}: column {name!r}: {column.refused}")
+        at: Any = column.time
+        time = (
+            times[at]
+            if isinstance(at, int)
+            else instants(float(at[0]), float(at[1]), len(column.values))
+        )
+        return Column(name, time, as_read_only(column.values), column.time_name, sample)
 
     return Table(
-        file=source.shown,
-        format=format_name,
-        names=tuple(column.name for column in columns),
-        time_name="time",
-        load=load,
+        source.shown, format_name, tuple(column.name for column in columns), "time",
+        lambda wanted: {name: loaded(name) for name in wanted},
         units={name: column.unit for name, column in by_name.items() if column.unit},
         remarks={name: column.remark for name, column in by_name.items() if column.remark},
-    )
-
-
-def _unpacked(fields: Mapping[str, Any], times: Sequence[FloatArray]) -> Parsed:
-    """A column that came as plain data."""
-    place = fields["time"]
-    time = times[place] if isinstance(place, int) else (float(place[0]), float(place[1]))
-    return Parsed(**{**fields, "time": time})
-
-
-def _loaded(column: Parsed) -> Column:
-    """A column as numbers with their times."""
-    time = column.time
-    if not isinstance(time, np.ndarray):
-        time = instants(*time, len(column.values))
-    return Column(column.name, time, as_read_only(column.values), column.time_name, sample)
+    )  # fmt: skip
 
 
 _DAMAGE = (

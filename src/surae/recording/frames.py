@@ -1,12 +1,16 @@
-"""Tables of pandas and xarray of what surae has; neither is loaded unless it is used."""
+"""Tables of pandas, and axes of Matplotlib; neither is loaded unless it is used."""
 
 import importlib
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from surae.errors import InputError
+from surae.units import kind
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def frame(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> Any:
@@ -34,20 +38,6 @@ def channels_frame(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any
     return table
 
 
-def channels_dataset(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any:
-    """Channels by role as an xarray Dataset, each time axis once; see `Recording.to_xarray`."""
-    axes: list[tuple[str, Any]] = []
-    variables = {}
-    for role, channel in channels.items():
-        name = next((n for n, time in axes if np.array_equal(time, channel.time)), None)
-        if name is None:
-            name = f"time_{len(axes) + 1}" if axes else "time"
-            axes.append((name, channel.time))
-        variables[role] = (name, channel.values, {"units": channel.unit, "source": channel.source})
-    coordinates = {name: (name, time, {"units": "s"}) for name, time in axes}
-    return library("xarray", "a Dataset").Dataset(variables, coordinates, dict(about))
-
-
 def library(name: str, purpose: str) -> Any:
     """A library of the extra ``notebook``, loaded only where it is used."""
     try:
@@ -56,3 +46,33 @@ def library(name: str, purpose: str) -> Any:
         raise InputError(
             f"{purpose} needs {name}: install it with `pip install 'surae[notebook]'`"
         ) from None
+
+
+#: What readers look at: factor and unit.
+_SHOWN = {"rad": (180.0 / np.pi, "°"), "V": (1e3, "mV"), "m": (1e3, "mm")}
+
+
+def plotted(name: str, channels: "Mapping[str, Any]") -> "Sequence[Axes]":
+    """Draw every kind of signal in a panel of its own; derivatives of the angle are left out."""
+    from matplotlib import pyplot
+
+    panels: dict[str, list[str]] = {}
+    for role in channels:
+        if not role.startswith("angular_"):
+            panels.setdefault(kind(role), []).append(role)
+    figure, axes = pyplot.subplots(
+        len(panels), 1, sharex=True, squeeze=False, figsize=(8.4, 1.0 + 1.9 * len(panels)),
+        layout="constrained",
+    )  # fmt: skip
+    figure.suptitle(name, fontsize=10)
+    for panel, (what, roles) in zip(axes[:, 0], panels.items(), strict=True):
+        for role in roles:
+            channel = channels[role]
+            factor, unit = _SHOWN.get(channel.unit, (1.0, channel.unit.replace("1", "-")))
+            label = role.replace("_", " ")
+            panel.plot(channel.time, factor * channel.values, linewidth=0.8, label=label)
+        panel.set_ylabel(f"{what} [{unit}]")
+        if len(roles) > 1:
+            panel.legend(fontsize=8, frameon=False)
+    axes[-1, 0].set_xlabel("Time [s]")
+    return list(axes[:, 0])

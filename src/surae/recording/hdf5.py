@@ -28,15 +28,96 @@ from surae.errors import InputError
 from surae.files import PathLike, atomic_file, shown
 from surae.frozen import freeze
 from surae.recording.described import Setting
-from surae.recording.foreign import brief
-from surae.recording.hdf5file import member, numbers, opened, text_attribute, write_text
+from surae.recording.foreign import brief, untrusted
 from surae.recording.recording import ROLES, Channel, Recording, SourceFile
-from surae.recording.samples import check_samples, instants, sample
 from surae.recording.source import Source
-from surae.recording.table import Column, Table
+from surae.recording.table import Column, Table, check_samples, instants, sample
 from surae.recording.writing import column_name
 from surae.records import from_plain
 from surae.units import SI, FloatArray, kind
+
+#: Compressed, sparse or never written data may claim any size: what is unpacked is at most this
+#: many bytes, and this many times the file's size more.
+_ALWAYS_ALLOWED, _MOST_EXPANDED = 64 * 2**20, 300
+#: Characters of a text that is read.
+_LONGEST_TEXT = 2**20
+
+
+def member(group: Any, name: str) -> Any:
+    """An entry of a group, None where it has none or only a link to somewhere else."""
+    import h5py
+
+    return group[name] if isinstance(group.get(name, getlink=True), h5py.HardLink) else None
+
+
+def is_plain(dataset: Any) -> bool:
+    """Whether a dataset is plain numbers stored in this file, not in others."""
+    return dataset.dtype.kind in "fiu" and not dataset.external and not dataset.is_virtual
+
+
+def numbers(dataset: Any, source: Source, where: str) -> FloatArray:
+    """A dataset's numbers as float64 in one dimension, not checked.
+
+    Those that lie in the file as they are needed are not copied: the array is a view of its bytes.
+
+    It refuses what is no plain numbers stored in this file, or more than its size can explain.
+    """
+    import h5py
+
+    if not isinstance(dataset, h5py.Dataset) or not is_plain(dataset):
+        raise InputError(f"{where}: its values are not plain numbers stored in this file")
+    size = 8 * int(dataset.size or 0)
+    if size > _ALWAYS_ALLOWED + _MOST_EXPANDED * len(source.data):
+        raise InputError(
+            f"{where}: it claims {size / 2**20:.0f} MiB, which a file of "
+            f"{len(source.data) / 2**20:.2g} MiB doesn't hold; the file is damaged"
+        )
+    offset = dataset.id.get_offset()
+    if (
+        offset is not None
+        and dataset.dtype == np.dtype("<f8")
+        and offset + dataset.nbytes <= len(source.data)
+    ):
+        return np.frombuffer(source.data, dtype="<f8", count=dataset.size, offset=offset)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(dataset[()], dtype=np.float64).ravel()
+
+
+def fixed_text(item: Any, name: str) -> str | None:
+    """A text that an item carries; None where there is none of that name and of fixed length.
+
+    Texts of variable length lie in heaps, in which a damaged size sends the HDF5 library round in
+    a circle for ever.
+    """
+    if name not in item.attrs:
+        return None
+    import h5py
+
+    attribute = item.attrs.get_id(name)
+    kind = attribute.get_type()
+    if not isinstance(kind, h5py.h5t.TypeStringID) or kind.is_variable_str():
+        return None
+    if attribute.shape != () or kind.get_size() > _LONGEST_TEXT:
+        return None
+    value = item.attrs[name]
+    return value if isinstance(value, str) else bytes(value).decode(errors="replace")
+
+
+def text_attribute(item: Any, name: str, where: str) -> str:
+    """A text that an item must carry."""
+    text = fixed_text(item, name)
+    if text is None:
+        raise InputError(f"{where}: its attribute {name!r} is missing or no text")
+    return text
+
+
+def write_text(item: Any, name: str, text: str) -> None:
+    """Give an item a text of fixed length."""
+    import h5py
+
+    raw = text.encode()
+    item.attrs.create(name, raw, dtype=h5py.string_dtype("utf-8", max(len(raw), 1)))
+
 
 _MAGIC = b"surae recording 1, HDF5\n"
 _USER_BLOCK = 512
@@ -82,15 +163,28 @@ def _packed(recording: Recording) -> io.BytesIO:
         write_text(file, "name", recording.name)
         write_text(file, "emg", recording.emg)
         write_text(file, "side", recording.side or "")
-        for key in ("fixed", "prepare", "device"):
-            plain = dict(getattr(recording, key))
-            write_text(file, key, json.dumps(plain, allow_nan=False))
         files = [{"name": Path(f.path).name, "sha256": f.sha256} for f in recording.files]
-        write_text(file, "files", json.dumps(files))
-        group = file.create_group("channels", track_order=True)
+        plain = {key: dict(getattr(recording, key)) for key in _JSON[:-1]} | {"files": files}
+        for key in _JSON:
+            write_text(file, key, json.dumps(plain[key], allow_nan=False))
+        channels = file.create_group("channels", track_order=True)
         written: list[tuple[FloatArray, Any]] = []
         for role, channel in recording.channels.items():
-            _write_channel(group.create_group(role), channel, written)
+            group = channels.create_group(role)
+            write_text(group, "source", channel.source)
+            values = group.create_dataset("values", data=np.asarray(channel.values, dtype="<f8"))
+            write_text(values, "unit", channel.unit)
+            if (axis := _uniform(channel.time)) is not None:
+                values.attrs["start_s"], values.attrs["rate_hz"] = axis
+                continue
+            same = (there for time, there in written if _same(time, channel.time))
+            if (dataset := next(same, None)) is None:
+                time = np.asarray(channel.time, dtype="<f8")
+                dataset = group.create_dataset("time", data=time)
+                write_text(dataset, "unit", "s")
+                written.append((channel.time, dataset))
+            else:
+                group["time"] = dataset
     buffer.seek(0)
     buffer.write(_MAGIC)
     return buffer
@@ -103,8 +197,20 @@ def recognises(source: Source) -> bool:
 
 def read_recording(source: Source) -> Recording:
     """The recording in one of our files; its `files` begin with this one."""
-    with opened(source) as file:
-        return _recording(file, source)
+    import h5py
+
+    with untrusted(source.shown), h5py.File(io.BytesIO(source.data), "r") as file:
+        group = member(file, "channels")
+        roles = [role for role in ROLES if group is not None and role in group]
+        if "angle" not in roles:
+            raise InputError(f"{source.shown}: it has no channel 'angle'; the file is damaged")
+        clocks: dict[Any, FloatArray] = {}
+        channels = {role: _channel(member(group, role), role, source, clocks) for role in roles}
+        head = _head(file, source.shown)
+    files = (source.file, *(SourceFile(each.name, each.sha256) for each in head.files))
+    return Recording(
+        head.name, channels, head.emg, head.fixed, head.prepare, files, head.side, head.device
+    )
 
 
 def open_table(source: Source) -> Table:
@@ -119,31 +225,10 @@ def open_table(source: Source) -> Table:
         }
 
     return Table(
-        file=source.shown,
-        format="surae HDF5",
-        names=tuple(channels),
-        time_name="time",
-        load=load,
+        source.shown, "surae HDF5", tuple(channels), "time", load,
         units={name: channel.unit for name, channel in channels.items()},
         notes={"name": recording.name, "emg": recording.emg},
-    )
-
-
-def _write_channel(group: Any, channel: Channel, written: list[tuple[FloatArray, Any]]) -> None:
-    """One channel; `written` are the times that the file holds already."""
-    write_text(group, "source", channel.source)
-    values = group.create_dataset("values", data=np.asarray(channel.values, dtype="<f8"))
-    write_text(values, "unit", channel.unit)
-    if (axis := _uniform(channel.time)) is not None:
-        values.attrs["start_s"], values.attrs["rate_hz"] = axis
-        return
-    for time, dataset in written:
-        if time is channel.time or _same(time, channel.time):
-            group["time"] = dataset
-            return
-    dataset = group.create_dataset("time", data=np.asarray(channel.time, dtype="<f8"))
-    write_text(dataset, "unit", "s")
-    written.append((channel.time, dataset))
+    )  # fmt: skip
 
 
 def _uniform(time: FloatArray) -> tuple[float, float] | None:
@@ -157,26 +242,9 @@ def _uniform(time: FloatArray) -> tuple[float, float] | None:
 
 def _same(first: FloatArray, other: FloatArray) -> bool:
     """Whether two arrays are the same, bit by bit."""
-    return len(first) == len(other) and np.array_equal(
+    return np.array_equal(
         np.ascontiguousarray(first).view(np.uint64), np.ascontiguousarray(other).view(np.uint64)
     )
-
-
-def _recording(file: Any, source: Source) -> Recording:
-    """What an open file holds, checked."""
-    where = source.shown
-    group = member(file, "channels")
-    roles = [role for role in ROLES if group is not None and role in group]
-    if "angle" not in roles:
-        raise InputError(f"{where}: it has no channel 'angle'; the file is damaged")
-    clocks: dict[Any, FloatArray] = {}
-    channels = {role: _channel(member(group, role), role, source, clocks) for role in roles}
-    head = _head(file, where)
-    files = (SourceFile(each.name, each.sha256) for each in head.files)
-    return Recording(
-        head.name, channels, head.emg, head.fixed, head.prepare, (source.file, *files), head.side,
-        head.device,
-    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,29 +303,26 @@ def _time(
     group: Any, values: Any, n: int, source: Source, where: str, clocks: dict[Any, FloatArray]
 ) -> FloatArray:
     """Times of a channel's `n` samples, the same array for the same times."""
-    dataset = member(group, "time")
     key: Any
-    if dataset is not None:
+    if (dataset := member(group, "time")) is not None:
         import h5py
 
         key = h5py.h5o.get_info(dataset.id).addr
         if key not in clocks:
             clocks[key] = freeze(numbers(dataset, source, f"{where}: time"))
         return clocks[key]
-    if "start_s" not in values.attrs or "rate_hz" not in values.attrs:
-        raise InputError(f"{where}: it has no times; the file is damaged")
-    start, rate = (_number(values, name, where) for name in ("start_s", "rate_hz"))
+    axis = []
+    for name in ("start_s", "rate_hz"):
+        if name not in values.attrs:
+            raise InputError(f"{where}: it has no times; the file is damaged")
+        attribute = values.attrs.get_id(name)
+        if attribute.dtype.kind != "f" or attribute.shape != ():
+            raise InputError(f"{where}: its attribute {name!r} is no number")
+        axis.append(float(values.attrs[name]))
+    start, rate = axis
     key = (start, rate, n)
     if key not in clocks:
         if not (np.isfinite(start) and np.isfinite(rate) and rate > 0):
             raise InputError(f"{where}: start {start:g} s, rate {rate:g} Hz: not a time axis")
         clocks[key] = instants(start, rate, n)
     return clocks[key]
-
-
-def _number(item: Any, name: str, where: str) -> float:
-    """A number that an item carries."""
-    attribute = item.attrs.get_id(name)
-    if attribute.dtype.kind != "f" or attribute.shape != ():
-        raise InputError(f"{where}: its attribute {name!r} is no number")
-    return float(item.attrs[name])

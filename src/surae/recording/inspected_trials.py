@@ -3,15 +3,14 @@
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from surae.files import PathLike, shown
 from surae.recording.described import toml_value
-from surae.recording.inspected import Inspection
-from surae.recording.inspection import inspect
-from surae.recording.mapping_reader import TRIAL
+from surae.recording.inspection import Inspection, inspect
+from surae.recording.mapping import TRIAL
 from surae.recording.mapping_text import mapping_text
 from surae.recording.table import some
 from surae.records import to_plain
@@ -31,36 +30,20 @@ class TrialDifference:
 
 @dataclass(frozen=True, slots=True)
 class InspectedTrials:
-    """Trials of one layout, which one mapping describes.
+    """Trials of one layout, which one mapping describes."""
 
-    Attributes
-    ----------
-    typical : Inspection
-        Of the trial that most others are like.
-    trials : tuple of str
-        Their names.
-    files : mapping of str to str
-        What a mapping calls the files of the typical trial, ``"{trial}/ik.sto"``; empty where each
-        trial is one file.
-    differences : tuple of Difference
-        Where trials are not like that one.
-    directions : tuple of str
-        How torque goes with the angle, in the trials in which it does.
-    folder : str
-        Name of the folder that all of them are in.
-    """
-
-    typical: Inspection
-    trials: tuple[str, ...]
+    typical: Inspection  #: Of the trial that most others are like.
+    trials: tuple[str, ...]  #: Their names.
+    #: What a mapping calls the files of the typical trial, ``"{trial}/ik.sto"``; empty where each
+    #: trial is one file.
     files: Mapping[str, str]
-    differences: tuple[TrialDifference, ...]
-    directions: tuple[str, ...]
-    folder: str = "session"
+    differences: tuple[TrialDifference, ...]  #: Where trials are not like that one.
+    directions: tuple[str, ...]  #: How torque goes with the angle, in the trials in which it does.
+    folder: str = "session"  #: Name of the folder that all of them are in.
 
     def to_json(self) -> dict[str, Any]:
         """Give all of it as plain data."""
-        plain: dict[str, Any] = to_plain(self)
-        return plain
+        return dict(to_plain(self))
 
 
 def inspect_trials(
@@ -90,26 +73,19 @@ def inspect_trials(
     folders: dict[Path, list[Path]] = {}
     for path in map(Path, paths):
         folders.setdefault(path.parent, []).append(path)
-    names = [tuple(sorted(path.name for path in files)) for files in folders.values()]
-    if len(folders) > 1 and len(set(names)) == 1:
-        groups = {shown(folder.name): files for folder, files in folders.items()}
-        files = [f"{TRIAL}/{path.name}" for path in next(iter(folders.values()))]
-        if len(groups) == len(folders):
-            each = {name: inspect(parts, side=side) for name, parts in groups.items()}
-            return replace(_together(each, files), folder=_folder(paths))
+    alike = {tuple(sorted(path.name for path in files)) for files in folders.values()}
+    groups = {shown(folder.name): files for folder, files in folders.items()}
+    if len(folders) > 1 and len(alike) == 1 and len(groups) == len(folders):
+        each = {name: inspect(parts, side=side) for name, parts in groups.items()}
+        first = next(iter(folders.values()))
+        return _together(each, [f"{TRIAL}/{path.name}" for path in first], paths)
     if len(paths) > 1:
         each = {shown(Path(path).stem): inspect(path, side=side) for path in paths}
-        angles = [{"angle"} & {*trial.roles, *trial.open} for trial in each.values()]
-        if len(each) == len(paths) and all(angles):
-            return replace(_together(each, []), folder=_folder(paths))
+        if len(each) == len(paths) and all(
+            "angle" in (*trial.roles, *trial.open) for trial in each.values()
+        ):
+            return _together(each, [], paths)
     return inspect(list(paths), side=side)
-
-
-def _folder(paths: Sequence[PathLike]) -> str:
-    """The folder that all trials are in: what people call a session by."""
-    return Path(os.path.commonpath([Path(path).resolve().parent for path in paths])).name or (
-        "session"
-    )
 
 
 def trials_text(inspected: InspectedTrials, folder: PathLike) -> str:
@@ -122,48 +98,40 @@ def trials_text(inspected: InspectedTrials, folder: PathLike) -> str:
     folder : path
         Where the mapping will be.
     """
-    lines = [
-        mapping_text(inspected.typical, folder, inspected.files, inspected.folder).rstrip("\n")
-    ]
-    lines += [f"# {text}" for text in inspected.directions]
-    own = [difference for difference in inspected.differences if difference.line]
-    if own:
-        lines += ["", "[trials]  # check: what differs in single trials"]
+    text = mapping_text(inspected.typical, folder, inspected.files, inspected.folder)
+    lines = [text.rstrip("\n"), *(f"# {text}" for text in inspected.directions), ""]
+    if own := [difference for difference in inspected.differences if difference.line]:
+        lines.append("[trials]  # check: what differs in single trials")
         lines += [f"{each.line}  # {each.text}" for each in own]
     else:
-        lines += [
-            "",
-            "# What differs in a single trial is a line in [trials], such as:",
-            "# [trials]",
-        ]
-        lines.append(f"# {toml_value(inspected.trials[-1])}.torque.sign = -1")
+        lines.append("# What differs in a single trial is a line in [trials], such as:")
+        lines.append(f"# [trials]\n# {toml_value(inspected.trials[-1])}.torque.sign = -1")
     return "\n".join(lines) + "\n"
 
 
-def _together(each: Mapping[str, Inspection], files: Sequence[str]) -> InspectedTrials:
+def _together(
+    each: Mapping[str, Inspection], files: Sequence[str], paths: Sequence[PathLike]
+) -> InspectedTrials:
     """Trials of one layout, compared with the one that most are like."""
-    layouts = {name: _layout(trial) for name, trial in each.items()}
+    layouts = {  # which column is which signal in which unit
+        name: tuple((role, c.column, c.known_unit) for role, c in trial.roles.items())
+        for name, trial in each.items()
+    }
     common = Counter(layouts.values()).most_common(1)[0][0]
     typical = next(name for name, layout in layouts.items() if layout == common)
-    names = dict(zip(each[typical].formats, files, strict=True)) if files else {}
+    folder = os.path.commonpath([Path(path).resolve().parent for path in paths])
     return InspectedTrials(
         typical=each[typical],
         trials=tuple(each),
-        files=names,
+        files=dict(zip(each[typical].formats, files, strict=True)) if files else {},
         differences=tuple(
             difference
             for name, trial in each.items()
             for difference in _differences(name, trial, each[typical], typical)
         ),
-        directions=tuple(
-            f"{name}: {trial.direction}" for name, trial in each.items() if trial.direction
-        ),
+        directions=tuple(f"{name}: {own.direction}" for name, own in each.items() if own.direction),
+        folder=Path(folder).name or "session",
     )
-
-
-def _layout(trial: Inspection) -> tuple[tuple[str, str, str | None], ...]:
-    """Which column is which signal in which unit."""
-    return tuple((role, c.column, c.known_unit) for role, c in trial.roles.items())
 
 
 def _differences(
@@ -191,16 +159,11 @@ def _differences(
         if unit is not None and its is not None and unit != its:
             differs(f"{role} is in {unit}, that of {like} in {its}",
                     f"{role}.unit = {toml_value(unit)}")  # fmt: skip
-        if not _same_rate(own.rate_hz, channel.rate_hz):
+        its_rate = channel.rate_hz or 0.0
+        if abs((own.rate_hz or 0.0) - its_rate) > _SAME_RATE * its_rate:
             rates = [f"{r:.6g} Hz" if r else "no rate" for r in (own.rate_hz, channel.rate_hz)]
             differs(f"{role} has {rates[0]}, that of {like} {rates[1]}")
     if None not in (trial.emg, typical.emg) and trial.emg != typical.emg:
         text = f"EMG looks {trial.emg}, that of {like} {typical.emg}"
         differs(text, f"emg = {toml_value(trial.emg)}")
     return differences
-
-
-def _same_rate(first: float | None, other: float | None) -> bool:
-    if first is None or other is None:
-        return first is other
-    return abs(first - other) <= _SAME_RATE * other

@@ -1,10 +1,9 @@
 """What data files hold, which channel seems to be which signal, and what is left to say."""
 
 import re
-from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Literal
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -12,13 +11,13 @@ from surae.errors import InputError
 from surae.files import PathLike, paths_of
 from surae.frozen import FrozenDict
 from surae.recording.channels import stated_unit, written_unit
-from surae.recording.emg_kind import contradiction, look_of, relation
+from surae.recording.emg_kind import Look, contradiction, look_of, relation
 from surae.recording.formats import open_table
-from surae.recording.inspected import InspectedChannel, Inspection
 from surae.recording.reading import is_mapping
 from surae.recording.recording import FILM_ROLES, ROLES
 from surae.recording.roles import (
     CONFIDENCES,
+    Guess,
     Side,
     guess_role,
     is_plate_moment,
@@ -28,10 +27,77 @@ from surae.recording.roles import (
 )
 from surae.recording.source import open_source
 from surae.recording.table import Column, Sampling, Table, load_each, sampling_of, some
+from surae.records import to_plain
 
 _SIDES = ("left", "right")
 #: What differs between rules of the same kind.
 _NUMBER = re.compile(r"\d+")
+
+
+@dataclass(frozen=True, slots=True)
+class InspectedChannel:
+    """One channel of a data file."""
+
+    file: str  #: Path of its file as given.
+    column: str  #: Its name there.
+    unit: str | None = None  #: The unit that the file states, in its own spelling.
+    #: That unit as a mapping writes it for the guessed role; None where it is unknown.
+    known_unit: str | None = None
+    n: int | None = None  #: Number of samples; None where the channel cannot be read.
+    rate_hz: float | None = None  #: Sampling rate [Hz]; None where time steps differ.
+    #: `start_s`, `end_s`: times of the first and last sample [s].
+    start_s: float | None = None
+    end_s: float | None = None
+    #: `low`, `high`: least and greatest finite value, in the file's unit.
+    low: float | None = None
+    high: float | None = None
+    guess: Guess | None = None  #: What it seems to be.
+    look: Look | None = None  #: What its samples look like as an EMG.
+    remark: str = ""  #: What to know of it; why it cannot be used.
+    usable: bool = True  #: Whether a mapping can name it.
+
+
+@dataclass(frozen=True, slots=True)
+class Inspection:
+    """What data files hold; `surae.recording.mapping_text` writes it as a mapping.
+
+    Attributes
+    ----------
+    channels : tuple of InspectedChannel
+        Every channel, file by file.
+    formats : mapping of str to str
+        Format by file.
+    roles : mapping of str to InspectedChannel
+        The one channel that each role was found for.
+    open : mapping of str to tuple of InspectedChannel
+        Roles of which several channels, or only a vague one, could be it: the user decides.
+    missing : tuple of str
+        Roles of angle, torque and EMG of which there is no channel.
+    side, side_rule : {"left", "right"} or None, str
+        The leg, and how it is known; empty where there is no side.
+    emg, emg_rule : {"raw", "envelope"} or None, str
+        What the EMG seems to be, None where it is unclear, and why; empty where there is no EMG.
+    direction : str
+        How the torque goes with the angle, where it does.
+    advice : tuple of str
+        What to do, one line each.
+    """
+
+    channels: tuple[InspectedChannel, ...]
+    formats: Mapping[str, str]
+    roles: Mapping[str, InspectedChannel]
+    open: Mapping[str, tuple[InspectedChannel, ...]]
+    missing: tuple[str, ...]
+    side: Side | None = None
+    side_rule: str = ""
+    emg: Literal["raw", "envelope"] | None = None
+    emg_rule: str = ""
+    direction: str = ""
+    advice: tuple[str, ...] = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """Give all of it as plain data."""
+        return dict(to_plain(self))
 
 
 def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) -> Inspection:
@@ -57,37 +123,32 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
     """
     if side is not None and side not in _SIDES:
         raise InputError(f"side is {side!r}; use one of: {', '.join(_SIDES)}")
-    every = paths_of(paths)
+    every = [str(path) for path in paths_of(paths)]
     if not every:
         raise InputError("there is no file to inspect")
-    channels: list[InspectedChannel] = []
-    formats: dict[str, str] = {}
-    notes: set[str] = set()
-    raw: dict[int, Column] = {}
-    for path in every:
-        table = _opened(path)
-        formats[str(path)] = table.format
-        if "emg" in table.notes:
-            notes.add(table.notes["emg"])
-        for channel, column in _channels(str(path), table):
-            if column is not None and channel.guess is not None and channel.guess.role is not None:
-                raw[id(channel)] = column
-            channels.append(channel)
-    channels = _of_their_joint(channels, raw)
+    tables = {path: _opened(path) for path in every}
+    columns = {path: load_each(table, table.names) for path, table in tables.items()}
+    channels = _of_their_joint(
+        [
+            _described(path, tables[path], name, columns[path][name])
+            for path in every
+            for name in dict.fromkeys(tables[path].names)
+        ]
+    )
     leg, rule = _side(channels, side)
-    assigned, open_roles = _assigned(channels, leg)
-    missing = tuple(r for r in ROLES[:6] if r not in assigned and r not in open_roles)
-    emg, emg_rule = _emg(assigned, open_roles, notes)
+    roles, open_roles = _assigned(channels, leg)
+    stated = {table.notes["emg"] for table in tables.values() if "emg" in table.notes}
+    emg, emg_rule = _emg(roles, open_roles, stated)
     direction = ""
-    if {"angle", "torque"} <= assigned.keys():
-        angle, torque = assigned["angle"], assigned["torque"]
-        direction = relation(raw[id(angle)], raw[id(torque)])
+    if {"angle", "torque"} <= roles.keys():
+        pair = (columns[roles[r].file][roles[r].column] for r in ("angle", "torque"))
+        direction = relation(*(column for column in pair if isinstance(column, Column)))
     inspection = Inspection(
         channels=tuple(channels),
-        formats=FrozenDict(formats),
-        roles=FrozenDict(assigned),
+        formats=FrozenDict((path, table.format) for path, table in tables.items()),
+        roles=FrozenDict(roles),
         open=FrozenDict(open_roles),
-        missing=missing,
+        missing=tuple(r for r in ROLES[:6] if r not in roles and r not in open_roles),
         side=leg,
         side_rule=rule,
         emg=emg,
@@ -111,67 +172,53 @@ def _opened(path: PathLike) -> Table:
     return table if table.time_name or filmed else open_table(source)
 
 
-def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | None]]:
-    """Every channel of a file, with its samples where they can be read."""
-    loaded = load_each(table, table.names)
-    described: list[tuple[InspectedChannel, Column | None]] = []
-    for name, count in Counter(table.names).items():
-        unit, column = written_unit(table, name), loaded[name]
-        remark = table.remarks.get(name, "")
-        usable = True
-        if count > 1:
-            remark, usable = f"{count} columns have this name: rename one", False
-        if isinstance(column, InputError):
-            reason = str(column).removeprefix(f"{table.file}: ").removeprefix(f"column {name!r}: ")
-            reason = "; ".join(text for text in (reason, remark) if text)
-            described.append(
-                (InspectedChannel(path, name, unit, remark=reason, usable=False), None)
-            )
-            continue
-        finite = column.values[np.isfinite(column.values)]
-        if len(finite) < len(column.values):
-            wrong = len(column.values) - len(finite)
-            remark = f"{wrong} samples are no finite numbers{'; ' + remark if remark else ''}"
-        sampling = sampling_of(column.time) if table.time_name else Sampling(len(column.time))
-        if not table.time_name:
-            remark = "; ".join(filter(None, ("no times: give start_s and rate_hz", remark)))
-        guess = guess_role(name, unit) if usable else None
-        role = guess.roles[0] if guess else None
-        if role is not None:  # a file may state one unit for all signals of a kind
-            unit = written_unit(table, name, role)
-        described.append(
-            (
-                InspectedChannel(
-                    file=path,
-                    column=name,
-                    unit=unit,
-                    known_unit=None if role is None else stated_unit(table, role, name),
-                    n=sampling.n,
-                    rate_hz=sampling.rate_hz,
-                    start_s=sampling.start_s,
-                    end_s=float(column.time[-1]) if sampling.start_s is not None else None,
-                    low=float(finite.min()) if len(finite) else None,
-                    high=float(finite.max()) if len(finite) else None,
-                    guess=guess,
-                    look=look_of(column.time, column.values)
-                    if role and role.startswith("emg_")
-                    else None,
-                    remark=remark,
-                    usable=usable and sampling.n > 1,
-                ),
-                column,
-            )
-        )
-    return described
+def _described(path: str, table: Table, name: str, column: Column | InputError) -> InspectedChannel:
+    """One channel of a file, with its samples where they can be read."""
+    count = table.names.count(name)
+    usable = count == 1
+    unit = written_unit(table, name)
+    remarks = [
+        table.remarks.get(name, "") if usable else f"{count} columns have this name: rename one"
+    ]
+    if isinstance(column, InputError):
+        reason = str(column).removeprefix(f"{table.file}: ").removeprefix(f"column {name!r}: ")
+        remark = "; ".join(filter(None, (reason, *remarks)))
+        return InspectedChannel(path, name, unit, remark=remark, usable=False)
+    finite = column.values[np.isfinite(column.values)]
+    if wrong := len(column.values) - len(finite):
+        remarks.insert(0, f"{wrong} samples are no finite numbers")
+    sampling = Sampling(len(column.time))
+    if table.time_name:
+        sampling = sampling_of(column.time)
+    else:
+        remarks.insert(0, "no times: give start_s and rate_hz")
+    guess = guess_role(name, unit) if usable else None
+    role = guess.roles[0] if guess else None
+    if role is not None:  # a file may state one unit for all signals of a kind
+        unit = written_unit(table, name, role)
+    emg = role is not None and role.startswith("emg_")
+    return InspectedChannel(
+        file=path,
+        column=name,
+        unit=unit,
+        known_unit=None if role is None else stated_unit(table, role, name),
+        n=sampling.n,
+        rate_hz=sampling.rate_hz,
+        start_s=sampling.start_s,
+        end_s=float(column.time[-1]) if sampling.start_s is not None else None,
+        low=float(finite.min()) if len(finite) else None,
+        high=float(finite.max()) if len(finite) else None,
+        guess=guess,
+        look=look_of(column.time, column.values) if emg else None,
+        remark="; ".join(filter(None, remarks)),
+        usable=usable and sampling.n > 1,
+    )
 
 
-def _of_their_joint(
-    channels: Sequence[InspectedChannel], raw: dict[int, Column]
-) -> list[InspectedChannel]:
+def _of_their_joint(channels: Sequence[InspectedChannel]) -> list[InspectedChannel]:
     """Channels with no joint in their names are only possibly the ankle's beside a knee's muscles.
 
-    Those of another joint or of a force plate say so in their remark. `raw` goes over to what
-    replaces them.
+    Those of another joint or of a force plate say so in their remark.
     """
     joint = joint_of_muscles([channel.column for channel in channels])
     judged = []
@@ -182,16 +229,13 @@ def _of_their_joint(
             own += " (second_angle of a geometry over both)"
         if not own and is_plate_moment(channel.column, channel.unit):
             own = "a moment about an axis of a force plate or load cell, not the ankle's"
-        if guess is None and own:
-            remark = "; ".join(filter(None, (own, channel.remark)))
-            judged.append(replace(channel, remark=remark))
-        elif joint and guess and guess.role and guess.confidence == "likely":
+        changed: dict[str, Any] = {}
+        if guess is None:
+            changed["remark"] = "; ".join(filter(None, (own, channel.remark)))
+        elif joint and guess.role and guess.confidence == "likely":
             rule = f"{guess.rule}, and the muscles are of the {joint}: is it the ankle's?"
-            judged.append(replace(channel, guess=replace(guess, confidence="possible", rule=rule)))
-        else:
-            judged.append(channel)
-        if id(channel) in raw:
-            raw[id(judged[-1])] = raw[id(channel)]
+            changed["guess"] = replace(guess, confidence="possible", rule=rule)
+        judged.append(replace(channel, **changed))
     return judged
 
 
@@ -212,12 +256,11 @@ def _side(channels: Sequence[InspectedChannel], chosen: str | None) -> tuple[Sid
     votes: dict[Side, list[str]] = {}
     for role in ROLES:
         sides = {c.guess.side for c in _plain_candidates(channels, role) if c.guess is not None}
-        only = sides.pop() if len(sides) == 1 else None
-        if only is not None:
+        if len(sides) == 1 and (only := sides.pop()) is not None:
             votes.setdefault(only, []).append(role)
     if len(votes) != 1:
         return None, ""
-    leg, roles = next(iter(votes.items()))
+    ((leg, roles),) = votes.items()
     return leg, f"all channels of {', '.join(roles)} are of the {leg} side"
 
 
@@ -225,28 +268,13 @@ def _assigned(
     channels: Sequence[InspectedChannel], leg: Side | None
 ) -> tuple[dict[str, InspectedChannel], dict[str, tuple[InspectedChannel, ...]]]:
     """The channel of each role, and the roles that are left open with what could be them."""
-    assigned: dict[str, InspectedChannel] = {}
-    open_roles: dict[str, tuple[InspectedChannel, ...]] = {}
-
-    def fits(channel: InspectedChannel) -> bool:
-        own_side = None if channel.guess is None else channel.guess.side
-        return leg is None or own_side in (None, leg)
-
+    fitting = [c for c in channels if not leg or c.guess is None or c.guess.side in (None, leg)]
+    plain = {role: tuple(_plain_candidates(fitting, role)) for role in ROLES}
+    assigned = {role: several[0] for role, several in plain.items() if len(several) == 1}
+    open_roles = {role: several for role, several in plain.items() if len(several) > 1}
     for role in ROLES:
-        candidates = [c for c in _plain_candidates(channels, role) if fits(c)]
-        if len(candidates) == 1:
-            assigned[role] = candidates[0]
-        elif candidates:
-            open_roles[role] = tuple(candidates)
-    for role in ROLES:
-        if role in assigned or role in open_roles:
-            continue
-        vague = tuple(
-            c
-            for c in channels
-            if c.usable and c.guess is not None and role in c.guess.roles and fits(c)
-        )
-        if vague:
+        vague = tuple(c for c in fitting if c.usable and c.guess and role in c.guess.roles)
+        if vague and not plain[role]:
             open_roles[role] = vague
     return assigned, open_roles
 
@@ -257,80 +285,66 @@ def _emg(
     notes: set[str],
 ) -> tuple[Literal["raw", "envelope"] | None, str]:
     """Whether the EMG is raw or an envelope, and how that is known."""
-    looks = {role: c.look for role, c in assigned.items() if c.look is not None}
-    if not looks:
-        looks = {
-            c.column: c.look for some in open_roles.values() for c in some if c.look is not None
-        }
+    looks = {role: c.look for role, c in assigned.items() if c.look is not None} or {
+        c.column: c.look for some in open_roles.values() for c in some if c.look is not None
+    }
     if not looks:
         return None, ""
     if len(notes) == 1:
-        stated = notes.pop()
-        return ("envelope" if stated == "envelope" else "raw"), "as the file states"
-    kinds = {look.kind for look in looks.values()}
-    if len(kinds) == 1 and (only := next(iter(looks.values()))).kind is not None:
-        return only.kind, only.rule
-    alike: dict[str, list[tuple[str, str]]] = {}
+        return ("envelope" if notes == {"envelope"} else "raw"), "as the file states"
+    if len({look.kind for look in looks.values()}) == 1:
+        only = next(iter(looks.values()))
+        if only.kind is not None:
+            return only.kind, only.rule
+    alike: dict[str, list[str]] = {}
     for role, look in looks.items():
-        alike.setdefault(_NUMBER.sub("", look.rule), []).append((role, look.rule))
+        alike.setdefault(_NUMBER.sub("", look.rule), []).append(role)
     rules = (
-        f"{first[0]}{f' and {len(others)} more' if others else ''}: {first[1]}"
+        f"{first}{f' and {len(others)} more' if others else ''}: {looks[first].rule}"
         for first, *others in alike.values()
     )
     return None, "; ".join(rules)
 
 
-def _advice(inspection: Inspection) -> list[str]:
+def _advice(inspection: Inspection) -> Iterator[str]:
     """What is missing or open, and what to do about it."""
-    lines = []
     together: dict[tuple[int, ...], list[str]] = {}
     for role, candidates in inspection.open.items():
         together.setdefault(tuple(map(id, candidates)), []).append(role)
     for roles in together.values():
         candidates = inspection.open[roles[0]]
         sides = {c.guess.side for c in candidates if c.guess is not None}
+        todo = "choose in the mapping"
         if sides == {"left", "right"}:
             todo = "give --side left or --side right, or choose in the mapping"
         elif len(candidates) == 1 and (guess := candidates[0].guess) is not None:
             todo = f"only a guess ({guess.rule}): confirm it in the mapping"
-        else:
-            todo = "choose in the mapping"
-        are = "is" if len(roles) == 1 else "are"
         names = some([c.column for c in candidates])
-        lines.append(f"{', '.join(roles)} {are} open: {names}; {todo}")
-    for role in inspection.missing:
-        if role == "angle":
-            lines.append("angle is missing: no recording can be read without it; add its file")
-        elif role == "torque":
-            lines.append("torque is missing: nothing can be fitted without it; add its file")
-    silent = [role for role in inspection.missing if role.startswith("emg_")]
-    if silent:
-        lines.append(
+        yield f"{', '.join(roles)} {'is' if len(roles) == 1 else 'are'} open: {names}; {todo}"
+    if "angle" in inspection.missing:
+        yield "angle is missing: no recording can be read without it; add its file"
+    if "torque" in inspection.missing:
+        yield "torque is missing: nothing can be fitted without it; add its file"
+    if silent := [role for role in inspection.missing if role.startswith("emg_")]:
+        yield (
             f"no channel of {', '.join(silent)}: the mapping fixes their weights at 0, which is "
             "right only while these muscles are silent"
         )
-    lines += [
-        f"{role}: the unit of {c.column!r} is not known (the file says {c.unit or 'none'}): see "
-        "the mapping"
-        for role, c in inspection.roles.items()
-        if c.known_unit is None
-    ]
-    lines += [
-        sentence
-        for c in inspection.roles.values()
-        if c.look is not None and inspection.emg is not None
-        if (sentence := contradiction(repr(c.column), c.look, inspection.emg))
-    ]
+    for role, c in inspection.roles.items():
+        if c.known_unit is None:
+            yield (
+                f"{role}: the unit of {c.column!r} is not known (the file says "
+                f"{c.unit or 'none'}): see the mapping"
+            )
+    for c in inspection.roles.values():
+        if c.look is not None and inspection.emg is not None:
+            yield from filter(None, [contradiction(repr(c.column), c.look, inspection.emg)])
     if inspection.emg is None and inspection.emg_rule:
-        lines.append(
-            f"whether the EMG is raw is unclear ({inspection.emg_rule}): write it in the mapping"
-        )
+        yield f"whether the EMG is raw is unclear ({inspection.emg_rule}): write it in the mapping"
     if "angle" in inspection.roles or "torque" in inspection.roles:
-        lines.append(
+        yield (
             "we can’t tell which direction of angle and torque is positive: check sign in the "
-            "mapping "
-            "(dorsiflexion positive; torque positive when the triceps pulls)"
+            "mapping (dorsiflexion positive; torque positive when the triceps pulls)"
         )
     if inspection.direction:
-        lines.append(inspection.direction)
-    return lines
+        yield inspection.direction

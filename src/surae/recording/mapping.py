@@ -6,27 +6,39 @@ What it may say is written in `surae.recording.described`.
 """
 
 import datetime
+import difflib
 import glob
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from surae.errors import InputError
 from surae.files import PathLike, shown
-from surae.recording.described import MappedRecording
-from surae.recording.mapping_reader import TRIAL, Reader
-from surae.recording.recording import ROLES, Recording
-from surae.recording.source import Source
-from surae.recording.table import some
+from surae.frozen import as_read_only
+from surae.recording.channels import Scaling, channel, settle_unit
+from surae.recording.described import MappedChannel, MappedRecording
+from surae.recording.formats import open_table
+from surae.recording.recording import ROLES, Channel, Recording
+from surae.recording.roles import words_of
+from surae.recording.source import Source, open_source
+from surae.recording.table import Column, Table, instants, some
 from surae.records import brief, from_plain
+from surae.units import FACTORS, spelled, to_si
 
 #: How the first line of a TOML file begins: a table, or a key with its equals sign.
 _FIRST = re.compile(r"\s*(\[|[\w.\"' -]+=)")
+#: What stands for the trial's name in the name of a file.
+TRIAL = "{trial}"
 #: What a line of [trials] may say of one trial, beside what differs in its channels.
 _OF_A_TRIAL = {f.name for f in fields(MappedRecording)} - {"channels", "trials"}
+#: What gives a zero may change, from one part of so long [s] to another, by this part of the
+#: signal's own range, or by what a sensor's noise and a leg at rest bring: 1° and 1 Nm in SI.
+_PART, _QUIET, _REST = 0.1, 0.05, {"angle": 0.0175, "torque": 1.0}
 
 
 def recognises(source: Source) -> bool:
@@ -45,20 +57,26 @@ class Description:
     @classmethod
     def of(cls, source: Source) -> "Description":
         """The mapping in a file, all of it checked."""
-        description = cls(source, _parsed(source))
+        source.require_text()
+        try:
+            description = cls(source, tomllib.loads("".join(source.lines())))
+        except ValueError as error:
+            # Beside tomllib's own error: Python's, of a number with thousands of digits.
+            raise InputError(f"{source.shown}: not valid TOML: {error}") from None
+        except RecursionError:
+            raise InputError(f"{source.shown}: not valid TOML: nested too deeply") from None
         if "channels" not in description.toml:
             raise InputError(
                 f"{source.shown}: no channels: a recording's TOML has [channels.angle] with file, "
                 "column and unit, and likewise torque, emg_ta, ..."
             )
-        whole = description.mapped()
         for file in description.named:
             if TRIAL in file and (Path(file).is_absolute() or ".." in Path(file).parts):
                 raise InputError(
                     f"{source.shown}: file {file!r} leads out of the folder of the trials; write "
                     "it from there"
                 )
-        for trial in whole.trials:
+        for trial in description.trials:
             description.mapped(trial)
         return description
 
@@ -129,22 +147,30 @@ class Description:
         return {**merged, "channels": channels}
 
     def files(self, folder: PathLike) -> tuple[Path, ...]:
-        """The data files in a folder that its ``{trial}`` stands for; none where it has none."""
+        """The data files in a folder that its ``{trial}`` stands for; none where it has none.
+
+        Those that systems keep for themselves are none.
+        """
         if not self.patterns:
             return ()
         # Every sign but the trial's name stands for itself.
         parts = Path(self.patterns[0]).parts
         names = [glob.escape(part).replace(glob.escape(TRIAL), "*") for part in parts]
-        paths = Path(folder).glob("/".join(names))
-        return tuple(sorted(path for path in paths if not _hidden(path, folder)))
+        return tuple(
+            path
+            for path in sorted(Path(folder).glob("/".join(names)))
+            if not any(part.startswith(".") for part in path.relative_to(folder).parts)
+        )
 
     def trial_of(self, data: PathLike) -> tuple[str, Path]:
         """The name of the trial that a data file is of, and the folder of its files."""
         path = Path(data)
         for pattern in self.patterns:
             depth = len(Path(pattern).parts)
-            tail = Path(*path.parts[-depth:]).as_posix()
-            if match := _pattern(pattern).fullmatch(tail):
+            # The trial's name is the same wherever it comes again.
+            first, *rest = (re.escape(part) for part in Path(pattern).as_posix().split(TRIAL))
+            name = first + "(?P<trial>[^/]+)" + "(?P=trial)".join(rest)
+            if match := re.fullmatch(name, Path(*path.parts[-depth:]).as_posix()):
                 return match["trial"], path.parents[depth - 1]
         if self.patterns:
             raise InputError(
@@ -164,9 +190,9 @@ class Description:
             filed, folder = self.trial_of(data)
         trial = trial or filed
         mapped = self.mapped(trial)
-        reader = Reader(self.source, folder, filed, None if data is None else Path(data))
+        reader = _Reader(self.source, folder, filed, None if data is None else Path(data))
         channels = reader.channels(mapped.channels)
-        read_files = (each.file for each in reader.sources.values())
+        read_files = (source.file for source, _ in reader.opened.values())
         files = (*read_files, self.source.file) if data else (self.source.file, *read_files)
         return Recording(
             mapped.name or trial or self.source.name, channels, mapped.emg, mapped.fixed,
@@ -174,28 +200,155 @@ class Description:
         )  # fmt: skip
 
 
-def read_mapping(source: Source, data: PathLike | None = None) -> Recording:
-    """The recording that a TOML file describes, or makes of a data file; see `Description.read`."""
-    return Description.of(source).read(data)
+@dataclass(frozen=True, slots=True)
+class _Reader:
+    """Reads the files of one recording, each once."""
+
+    source: Source  #: The mapping.
+    folder: Path  #: What its names of files are relative to.
+    #: `trial`, `data`: the trial's name and data file, for a mapping of many.
+    trial: str | None
+    data: Path | None
+    opened: dict[Path, tuple[Source, Table]] = field(default_factory=dict)  #: What has been read.
+
+    def channels(self, described: Mapping[str, MappedChannel]) -> dict[str, Channel]:
+        """The channels that are described, in SI units."""
+        tables = self._tables(described)
+        wanted: dict[str, list[str]] = {}
+        for role, own in described.items():
+            table = tables[role]
+            if own.time is not None and own.time not in (*table.names, table.time_name):
+                raise InputError(
+                    f"{self._at(role)}: time: {table.file} has no column {some([own.time])}; it "
+                    f"has: {some(table.names)}"
+                )
+            names = (name for name in (own.column, own.time) if name in table.names)
+            wanted.setdefault(table.file, []).extend(names)
+        columns = {
+            table.file: table.load(list(dict.fromkeys(wanted[table.file])))
+            for table in {table.file: table for table in tables.values()}.values()
+        }
+        channels: dict[str, Channel] = {}
+        for role, own in described.items():
+            table = tables[role]
+            unit = settle_unit(table, role, own.column, own.unit, self._at(role))
+            column = _timed(own, columns[table.file], table)
+            offset, note = own.offset, ""
+            if own.zero is not None:
+                offset, note = self._zero(role, own, own.zero, column, unit)
+            scaling = Scaling(unit, own.sign, own.scale, offset, note)
+            channels[role] = channel(role, column, scaling, table)
+        return channels
+
+    def _at(self, role: str) -> str:
+        """Where the mapping describes a channel, for messages."""
+        return f"{self.source.shown}: channels.{role}"
+
+    def _tables(self, described: Mapping[str, MappedChannel]) -> dict[str, Table]:
+        """The table of every channel's file."""
+        named = {own.file for own in described.values()}
+        # A description of one file, given for another: it is the layout that is meant.
+        layout = self.data is not None and len(named) == 1 and TRIAL not in str(named)
+        tables = {}
+        for role, own in described.items():
+            where = self._at(role)
+            if not own.column:
+                raise InputError(f"{where}: column is missing")
+            if self.data is not None and (layout or own.file is None):
+                path = self.data
+            elif own.file is None or (self.trial is None and TRIAL in own.file):
+                lacks = "file is missing" if own.file is None else f"file is {own.file!r}"
+                raise InputError(
+                    f"{where}: {lacks}: name the file, or give this mapping of many files by "
+                    "--mapping, with the files"
+                )
+            elif self.trial is not None and TRIAL not in own.file:
+                raise InputError(
+                    f"{where}: file {own.file!r} is one and the same for all trials; write it with "
+                    '"{trial}", or leave `file` out'
+                )
+            else:
+                path = self.folder / self._named(own.file)
+            tables[role] = self._table(path, own, where)
+        return tables
+
+    def _named(self, file: str) -> str:
+        return file if self.trial is None else file.replace(TRIAL, self.trial)
+
+    def _table(self, path: Path, own: MappedChannel, where: str) -> Table:
+        """A data file's table that has the channel's column; errors say where it is named."""
+        if path not in self.opened:
+            try:
+                source = open_source(path)
+                self.opened[path] = source, open_table(source, timed=False)
+            except InputError as error:
+                raise InputError(f"{where}: {error}") from None
+        table = self.opened[path][1]
+        if not table.time_name and own.rate_hz is None and own.time is None:
+            raise InputError(
+                f"{where}: {table.file} has no column of times: give start_s, when the recording's "
+                "clock shows its first sample, and rate_hz, its samples a second"
+            )
+        count = table.names.count(own.column)
+        if count > 1:
+            raise InputError(
+                f"{where}: {table.file} has {count} columns {some([own.column])}; rename one"
+            )
+        if count == 0:
+            near = difflib.get_close_matches(own.column, table.names, n=3, cutoff=0.5)
+            has = f"did you mean {some(near)}?" if near else f"it has: {some(table.names)}"
+            raise InputError(f"{where}: {table.file} has no column {some([own.column])}; {has}")
+        return table
+
+    def _zero(
+        self,
+        role: str,
+        own: MappedChannel,
+        zero: str | tuple[float, float],
+        column: Column,
+        unit: str,
+    ) -> tuple[float, str]:
+        """The offset that takes a quiet trial or stretch to zero, and what to say of it."""
+        where = f"{self._at(role)}: zero"
+        if isinstance(zero, str):
+            path = self.folder / self._named(zero)
+            if not path.exists():
+                path = Path(self.source.path).parent / self._named(zero)
+            quiet = self._table(path, own, where).load([own.column])[own.column]
+            time, values, origin = quiet.time, quiet.values, shown(path.name)
+        else:
+            start, end = zero
+            inside = (column.time >= start) & (column.time <= end)
+            time, values = column.time[inside], column.values[inside]
+            origin = f"{start:g} to {end:g} s"
+        if len(values) < 2 or not np.isfinite(values).all():
+            raise InputError(f"{where}: {origin} holds no finite samples of {own.column!r}")
+        if role in _REST:
+            parts = min(max(round(float(time[-1] - time[0]) / _PART), 2), len(values))
+            means = [float(part.mean()) for part in np.array_split(values, parts)]
+            change, factor = max(means) - min(means), abs(own.scale) * to_si(role, unit, "")
+            range_ = float(np.ptp(column.values[np.isfinite(column.values)]))
+            if change > _QUIET * range_ and factor * change > _REST[role]:
+                raise InputError(
+                    f"{where}: {own.column!r} is not quiet in {origin}: it changes by "
+                    f"{abs(own.scale) * change:.3g} {unit}; name a trial or a stretch in which "
+                    "nothing happens"
+                )
+        mean = own.scale * float(values.mean())
+        return -mean, f"zero {mean:.4g} ± {abs(own.scale) * float(values.std()):.2g} of {origin}"
 
 
-def _parsed(source: Source) -> dict[str, Any]:
-    source.require_text()
-    try:
-        return tomllib.loads("".join(source.lines()))
-    except ValueError as error:
-        # Beside tomllib's own error: Python's, of a number with thousands of digits.
-        raise InputError(f"{source.shown}: not valid TOML: {error}") from None
-    except RecursionError:
-        raise InputError(f"{source.shown}: not valid TOML: nested too deeply") from None
-
-
-def _hidden(path: Path, folder: PathLike) -> bool:
-    """Whether a file, or a folder that it is in, is one that systems keep for themselves."""
-    return any(part.startswith(".") for part in path.relative_to(folder).parts)
-
-
-def _pattern(name: str) -> re.Pattern[str]:
-    """What a file's name with ``{trial}`` in it stands for; the same wherever it comes again."""
-    first, *rest = (re.escape(part) for part in Path(name).as_posix().split(TRIAL))
-    return re.compile(first + "(?P<trial>[^/]+)" + "(?P=trial)".join(rest))
+def _timed(own: MappedChannel, columns: Mapping[str, Column], table: Table) -> Column:
+    """A channel's column, with the times of its own clock where it has one."""
+    column = columns[own.column]
+    if own.time is not None and own.time in columns:
+        # Their unit is by the file's word, or by the last of the column's name.
+        unit = table.units.get(own.time) or words_of(own.time)[-1]
+        factor = FACTORS["time"].get(spelled(unit) or "s", 1.0)
+        seconds = as_read_only(columns[own.time].values * factor)
+        return replace(column, time=seconds, time_name=own.time)
+    if own.rate_hz is not None:
+        return replace(column, time=instants(own.start_s or 0.0, own.rate_hz, len(column.time)))
+    if own.start_s is not None and len(column.time):
+        return replace(column, time=as_read_only(column.time - column.time[0] + own.start_s))
+    return column

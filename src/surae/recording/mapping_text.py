@@ -7,13 +7,15 @@ from pathlib import Path
 from surae.files import PathLike, shown, write_atomic
 from surae.recording.described import toml_value
 from surae.recording.emg_kind import amplified
-from surae.recording.inspected import InspectedChannel, Inspection
+from surae.recording.inspection import InspectedChannel, Inspection
 from surae.recording.recording import FILM_ROLES, MUSCLES, ROLES
 from surae.recording.roles import unit_is_volts
 from surae.units import FACTORS, kind
 
 #: An EMG without a unit whose greatest value is one of these was normalised.
 _NORMALISED = (0.05, 2.0)
+#: Channels that are listed as not used.
+_MOST_UNUSED = 100
 
 _SIGN = {
     "angle": "check: 1 if dorsiflexion is positive in the file, -1 if plantarflexion is",
@@ -64,23 +66,28 @@ def mapping_text(
         A file's name cannot be written as text.
     """
     roles, open_roles = inspection.roles, inspection.open
+    channels = inspection.channels
+    title = shown(Path(channels[0].file).stem) if channels else "recording"
     lines = [
         "# Which channel is which signal, as `surae inspect` found it by the channels' names.",
         "# Lines that say check are yours to confirm. Then: "
         + ("surae fit this file" if files is None else "surae session FILES --mapping this file"),
-        f"name = {toml_value(name or _title(inspection))}",
-        *_emg_lines(inspection),
+        f"name = {toml_value(name or title)}",
     ]
+    if inspection.emg is not None:
+        lines.append(f"emg = {toml_value(inspection.emg)}  # {inspection.emg_rule}")
+    elif any(role.startswith("emg_") for role in (*roles, *open_roles)):
+        why = _line(inspection.emg_rule or "no EMG was settled")
+        lines.append(f'# emg = "raw"  # state it: raw or envelope ({why})')
     if inspection.side is not None:
         lines.append(f"side = {toml_value(inspection.side)}  # {inspection.side_rule}")
-    silent = [role for role in inspection.missing if role.startswith("emg_")]
+    silent = [role[4:] for role in inspection.missing if role.startswith("emg_")]
     if silent:
-        weights = (f"g{MUSCLES.index(role[4:]) + 1} = 0.0" for role in silent)
-        muscles = ", ".join(role[4:] for role in silent)
+        weights = ", ".join(f"g{MUSCLES.index(muscle) + 1} = 0.0" for muscle in silent)
+        muscles = ", ".join(silent)
         lines.append(f"# check: no EMG of {muscles}: right only while these muscles are silent")
-        lines.append(f"fixed = {{ {', '.join(weights)} }}")
-    torque = roles.get("torque")
-    if torque is not None and inspection.formats[torque.file] == "OpenSim":
+        lines.append(f"fixed = {{ {weights} }}")
+    if "torque" in roles and inspection.formats[roles["torque"].file] == "OpenSim":
         lines.append("# check: moments of inverse dynamics hold no inertia and weight of the foot:")
         lines.append("# then put m = 0.0 into fixed = { … }")
     for role in ROLES:
@@ -93,22 +100,16 @@ def mapping_text(
                 lines += [f"# {line}" for line in entry]
         elif role in ("angle", "torque"):
             lines += ["", f"# {role} is missing: add [channels.{role}] with file, column, unit."]
-    lines += ["", *_unused(inspection)]
-    return "\n".join(lines).rstrip("\n") + "\n"
-
-
-def _title(inspection: Inspection) -> str:
-    """The name of the recording: that of its first file."""
-    return shown(Path(inspection.channels[0].file).stem) if inspection.channels else "recording"
-
-
-def _emg_lines(inspection: Inspection) -> list[str]:
-    if not any(role.startswith("emg_") for role in (*inspection.roles, *inspection.open)):
-        return []
-    if inspection.emg is None:
-        why = inspection.emg_rule or "no EMG was settled"
-        return [f'# emg = "raw"  # state it: raw or envelope ({_line(why)})']
-    return [f"emg = {toml_value(inspection.emg)}  # {inspection.emg_rule}"]
+    used = {id(channel) for several in open_roles.values() for channel in several}
+    used |= set(map(id, roles.values()))
+    rest = [channel for channel in channels if id(channel) not in used]
+    lines += ["", "# Not used:"] if rest else []
+    for channel in rest[:_MOST_UNUSED]:
+        remarks = ", ".join(_line(text) for text in (channel.unit, channel.remark) if text)
+        lines.append(f"#   {_line(channel.column)}{f' ({remarks})' if remarks else ''}")
+    if len(rest) > _MOST_UNUSED:
+        lines.append(f"#   and {len(rest) - _MOST_UNUSED} more")
+    return "\n".join(lines) + "\n"
 
 
 def _entry(
@@ -119,19 +120,22 @@ def _entry(
     files: Mapping[str, str] | None,
 ) -> list[str]:
     """Write one channel's table."""
-    why = (
-        "" if channel.guess is None else f"{channel.guess.confidence}: {_line(channel.guess.rule)}"
-    )
-    lines = [
-        f"[channels.{role}]  # {why}",
-        *_file_lines(channel.file, folder, files),
-        f"column = {toml_value(channel.column)}",
-        *_unit_lines(role, channel, inspection),
-    ]
+    guess, opensim = channel.guess, inspection.formats[channel.file] == "OpenSim"
+    why = "" if guess is None else f"{guess.confidence}: {_line(guess.rule)}"
+    lines = [f"[channels.{role}]  # {why}"]
+    if files is None:
+        lines.append(f"file = {toml_value(_relative(channel.file, folder))}")
+    elif channel.file in files:  # elsewhere a trial is one file
+        lines.append(f"file = {toml_value(files[channel.file])}")
+    lines.append(f"column = {toml_value(channel.column)}")
+    lines += _unit_lines(role, channel, opensim=opensim)
     if role in _SIGN:
-        opensim = role == "torque" and inspection.formats[channel.file] == "OpenSim"
-        theirs = "; -1 for OpenSim's own moments, dorsiflexion positive" if opensim else ""
-        lines.append(f"sign = 1  # {_SIGN[role]}{theirs}{_span(role, channel)}")
+        sign = f"sign = 1  # {_SIGN[role]}"
+        if role == "torque" and opensim:
+            sign += "; -1 for OpenSim's own moments, dorsiflexion positive"
+        if role in ("angle", "torque") and channel.low is not None and channel.high is not None:
+            sign += f"; here {channel.low:.4g} … {channel.high:.4g} {_line(channel.unit or '')}"
+        lines.append(sign.rstrip())
         if role == "torque" and inspection.direction:
             lines.append(f"# {_line(inspection.direction)}")
     if files is not None and role == "torque":
@@ -149,69 +153,38 @@ def _entry(
     return lines
 
 
-def _file_lines(file: str, folder: PathLike, files: Mapping[str, str] | None) -> list[str]:
-    """Say where a channel is: a file, one of each trial, or nothing where a trial is one file."""
-    if files is None:
-        return [f"file = {toml_value(_relative(file, folder))}"]
-    return [f"file = {toml_value(files[file])}"] if file in files else []
-
-
-def _unit_lines(role: str, channel: InspectedChannel, inspection: Inspection) -> list[str]:
+def _unit_lines(role: str, channel: InspectedChannel, *, opensim: bool) -> list[str]:
     """The unit, where it is known; else what to write."""
-    sort = kind(role)
-    known = ", ".join(FACTORS[sort])
-    if channel.known_unit is not None:
-        lines = [f"unit = {toml_value(channel.known_unit)}  # as the file states"]
-        if sort == "emg" and channel.high is not None and channel.low is not None:
-            volts = FACTORS["emg"][channel.known_unit]
-            if channel.known_unit != "1" and amplified(channel.high, channel.low, volts):
+    sort, unit, look = kind(role), channel.unit, channel.look
+    if (known := channel.known_unit) is not None:
+        lines = [f"unit = {toml_value(known)}  # as the file states"]
+        if sort == "emg" and channel.high is not None and channel.low is not None and known != "1":
+            volts = FACTORS["emg"][known]
+            if amplified(channel.high, channel.low, volts):
                 peak = max(abs(channel.high), abs(channel.low)) * volts
-                too = "; the offset too times that" if channel.look and channel.look.offset else ""
+                too = "; the offset too times that" if look and look.offset else ""
                 lines.append(
                     f"# scale = 0.001  # check: {peak:.2g} V left an amplifier: 1 / its gain here "
                     f"makes weights g comparable{too}"
                 )
         return lines
-    statement = (
-        "the file states none" if channel.unit is None else f"the file says {channel.unit!r}"
-    )
-    if channel.unit is None and sort == "torque" and inspection.formats[channel.file] == "OpenSim":
+    if unit is None and sort == "torque" and opensim:
         return ['unit = "Nm"  # check: the file states none; moments of OpenSim are in Nm']
-    if sort == "emg" and channel.unit in ("%", "%MVC", "%mvc"):
+    if sort == "emg" and unit in ("%", "%MVC", "%mvc"):
         return ['unit = "1"  # check: the file says %', "scale = 0.01"]
-    smooth = channel.look is not None and channel.look.kind == "envelope"
     normalised = _NORMALISED[0] <= (channel.high or 0.0) <= _NORMALISED[1]
-    if sort == "emg" and channel.unit is None and smooth and normalised:
+    if sort == "emg" and unit is None and look and look.kind == "envelope" and normalised:
         return [
             f'unit = "1"  # check: the file states none; 0 … {channel.high:.3g} is normalised '
             "(weights g come out in N)"
         ]
-    scale = ["# scale = 1.0  # from the sensor's volts to that unit"] if unit_is_volts(
-        channel.unit
-    ) and sort != "emg" else []  # fmt: skip
-    first = next(iter(FACTORS[sort]))
-    return [f"# unit = {toml_value(first)}  # state it: {known} ({_line(statement)})", *scale]
-
-
-def _span(role: str, channel: InspectedChannel) -> str:
-    """The values that it takes, which help to tell its direction."""
-    if channel.low is None or channel.high is None or role not in ("angle", "torque"):
-        return ""
-    return f"; here {channel.low:.4g} … {channel.high:.4g} {_line(channel.unit or '')}".rstrip()
-
-
-def _unused(inspection: Inspection) -> list[str]:
-    """What is not in the mapping, as comments."""
-    used = {id(channel) for channel in inspection.roles.values()}
-    used |= {id(channel) for several in inspection.open.values() for channel in several}
-    rest = [channel for channel in inspection.channels if id(channel) not in used]
-    if not rest:
-        return []
-    lines = ["# Not used:"]
-    for channel in rest[:100]:
-        remarks = ", ".join(_line(text) for text in (channel.unit, channel.remark) if text)
-        lines.append(f"#   {_line(channel.column)}{f' ({remarks})' if remarks else ''}")
-    return [*lines, f"#   and {len(rest) - 100} more"] if len(rest) > 100 else lines
+    states = "the file states none" if unit is None else _line(f"the file says {unit!r}")
+    first, *others = FACTORS[sort]
+    known_units = ", ".join((first, *others))
+    lines = [f"# unit = {toml_value(first)}  # state it: {known_units} ({states})"]
+    if unit_is_volts(unit) and sort != "emg":
+        lines.append("# scale = 1.0  # from the sensor's volts to that unit")
+    return lines
 
 
 def _relative(file: str, folder: PathLike) -> str:
@@ -220,10 +193,9 @@ def _relative(file: str, folder: PathLike) -> str:
     try:
         shared = Path(os.path.commonpath([target.parent, base]))
     except ValueError:  # on two drives
-        return target.as_posix()
-    if shared == Path(shared.anchor):
-        return target.as_posix()
-    return Path(os.path.relpath(target, base)).as_posix()
+        shared = Path(target.anchor)
+    far = shared == Path(shared.anchor)
+    return (target if far else Path(os.path.relpath(target, base))).as_posix()
 
 
 def _line(text: str) -> str:

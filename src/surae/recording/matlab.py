@@ -13,7 +13,6 @@ Objects of MATLAB's classes, such as tables, can be opened by MATLAB alone; they
 
 import io
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.recording.foreign import Parsed, foreign_table, packed, untrusted
-from surae.recording.hdf5file import fixed_text, is_plain, member
+from surae.recording.hdf5 import fixed_text, is_plain, member
 from surae.recording.source import Source
 from surae.recording.table import Table, some
 from surae.units import FACTORS, FloatArray
@@ -53,19 +52,10 @@ _PLAINLY = {
 _TEXTS = ("string", "categorical", "function_handle", "FileWrapper__")
 
 
-@dataclass(frozen=True, slots=True)
-class _Object:
-    """A variable of one of MATLAB's classes."""
+class _Object(str):
+    """The class of a variable that is one of MATLAB's objects."""
 
-    class_name: str
-
-    def advice(self, name: str) -> str:
-        """What to do about it."""
-        plainly = _PLAINLY.get(self.class_name, "s = struct({0})").format(name)
-        return (
-            f"a MATLAB {self.class_name}, which only MATLAB can open; save it plainly there: "
-            f'{plainly}; save("plain.mat", "-struct", "s")'
-        )
+    __slots__ = ()
 
 
 def recognises(source: Source) -> bool:
@@ -77,32 +67,25 @@ def recognises(source: Source) -> bool:
 
 
 def open_table(source: Source) -> Table:
-    """Read the signals.
-
-    A file that is damaged, or holds no vectors with times or a rate, is refused.
-    """
+    """The signals; a file without vectors that have times or a rate is refused."""
     return foreign_table(source, "MATLAB", "matlab")
 
 
 def parse(data: bytes, shown: str) -> dict[str, Any]:
     """The signals of a file."""
     with untrusted(shown):
-        read = _matlab5 if data.startswith(_MATLAB5) else _matlab73
-        columns = list(_signals(read(data), "", shown, 0))
-        if not any(not column.refused for column in columns):
-            raise InputError(f"{shown}: {_nothing(columns)}")
-        return packed(columns)
-
-
-def _nothing(columns: list[Parsed]) -> str:
-    """Why a file has no signals."""
-    if columns:
-        others = f" ({some([c.name for c in columns[1:]], 3)} likewise)" if columns[1:] else ""
-        return f"{columns[0].name!r}: {columns[0].refused}{others}"
-    return (
-        "no channels: expected structures with values and interval, as Spike2 exports them, or "
-        "vectors beside a vector 'time' or a sampling rate 'fs'"
-    )
+        variables = _matlab5(data) if data.startswith(_MATLAB5) else _matlab73(data)
+        columns = list(_signals(variables, "", shown, 0))
+        if any(not column.refused for column in columns):
+            return packed(columns)
+        if not columns:
+            raise InputError(
+                f"{shown}: no channels: expected structures with values and interval, as Spike2 "
+                "exports them, or vectors beside a vector 'time' or a sampling rate 'fs'"
+            )
+        first, *more = columns
+        others = f" ({some([c.name for c in more], 3)} likewise)" if more else ""
+        raise InputError(f"{shown}: {first.name!r}: {first.refused}{others}")
 
 
 def _matlab5(data: bytes) -> Mapping[str, Any]:
@@ -186,8 +169,14 @@ def _signals(variables: Mapping[str, Any], prefix: str, shown: str, depth: int) 
     rate = None if times else _rate(variables, f"{shown}: {prefix}")
     for name, value in variables.items():
         full = prefix + name
-        if isinstance(value, _Object) and value.class_name not in _TEXTS:
-            yield Parsed(full, np.empty(0), (0.0, 1.0), refused=value.advice(full))
+        if isinstance(value, _Object):
+            if value not in _TEXTS:
+                plainly = _PLAINLY.get(value, "s = struct({0})").format(full)
+                refused = (
+                    f"a MATLAB {value}, which only MATLAB can open; save it plainly there: "
+                    f'{plainly}; save("plain.mat", "-struct", "s")'
+                )
+                yield Parsed(full, np.empty(0), (0.0, 1.0), refused=refused)
         elif isinstance(value, Mapping):
             if "values" in value and "interval" in value:
                 yield _spike2(full, value)
@@ -198,7 +187,11 @@ def _signals(variables: Mapping[str, Any], prefix: str, shown: str, depth: int) 
             for index, element in enumerate(each if depth < _DEEPEST else [], start=1):
                 yield from _signals({f"({index})": element}, full, shown, depth + 1)
         elif name not in times and _shape(value):
-            for label, vector in _vectors(full, value):
+            array = value.squeeze()  # a vector, or a matrix of which each column is one
+            vectors = [(full, array)] if array.ndim == 1 and len(array) > 1 else []
+            if array.ndim == 2 and array.shape[1] <= _MOST_COLUMNS:
+                vectors = [(f"{full}(:,{i + 1})", array[:, i]) for i in range(array.shape[1])]
+            for label, vector in vectors:
                 at = next((key for key, time in seconds.items() if len(time) == len(vector)), None)
                 if at is not None:
                     remark = "" if "_" in at else f"{prefix}{at} is taken as seconds"
@@ -207,21 +200,11 @@ def _signals(variables: Mapping[str, Any], prefix: str, shown: str, depth: int) 
                     yield Parsed(label, vector, (0.0, rate))
 
 
-def _vectors(name: str, value: Any) -> Iterator[tuple[str, npt.NDArray[Any]]]:
-    """The vectors of an array: itself, or the columns of a matrix."""
-    array = value.squeeze()
-    if array.ndim == 1 and len(array) > 1:
-        yield name, array
-    elif array.ndim == 2 and array.shape[1] <= _MOST_COLUMNS:
-        for index in range(array.shape[1]):
-            yield f"{name}(:,{index + 1})", array[:, index]
-
-
 def _spike2(name: str, channel: Mapping[str, Any]) -> Parsed:
     """A channel as Spike2 exports it."""
     values = channel["values"]
     start, interval = _number(channel, "start", 0.0), _number(channel, "interval", float("nan"))
-    refused, remark = "", ""
+    refused = remark = ""
     if len(_shape(values)) != 1:
         refused = "its values are not plain numbers stored in this file"
     elif not (np.isfinite(start) and np.isfinite(interval) and interval > 0):
@@ -274,7 +257,7 @@ def _number(channel: Mapping[str, Any], name: str, default: float) -> float:
 
 def _text(value: Any) -> str:
     """A text of a channel, or the letters' numbers as MATLAB stores them; empty for neither."""
-    text = value if isinstance(value, str) else ""
+    text = value if isinstance(value, str) and not isinstance(value, _Object) else ""
     shape = _shape(value)
     if len(shape) == 1 and shape[0] <= _LONGEST_UNIT and value.dtype.kind in "iu":
         text = "".join(chr(int(code)) for code in _floats(value) if 0 < code < 0xD800)

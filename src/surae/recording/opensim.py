@@ -23,10 +23,7 @@ def recognises(source: Source) -> bool:
 
 
 def open_table(source: Source) -> Table:
-    """Read the header of an OpenSim storage file.
-
-    It must name its columns and a time, and its ``inDegrees`` be yes or no.
-    """
+    """Read the header: it must name its columns and a time, its ``inDegrees`` be yes or no."""
     source.require_text()
     units: Mapping[str, str] = {}
     notes: dict[str, str] = {}
@@ -41,11 +38,11 @@ def open_table(source: Source) -> Table:
                     f"{source.shown}: row {number}: inDegrees is {value!r}; use yes or no"
                 )
             units = _UNITS[value.casefold()]
-        elif key == "emg" and value in _EMG:  # a line of our own writer
+        elif key == "emg" and value in _EMG:  # as files of surae say
             notes["emg"] = value
-    header, names = next(
-        ((number, _names(line)) for number, line in lines if line.strip()), (0, ())
-    )
+    header, line = next(((number, line) for number, line in lines if line.strip()), (0, ""))
+    # Names may hold spaces where tabs separate them.
+    names = tuple(map(str.strip, line.strip().split("\t"))) if "\t" in line else (*line.split(),)
     time = next((name for name in names if name.casefold() == "time"), None)
     if time is None:
         raise InputError(
@@ -56,19 +53,5 @@ def open_table(source: Source) -> Table:
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         return rows.columns(wanted, time, 1.0)
 
-    return Table(
-        file=source.shown,
-        format="OpenSim",
-        names=tuple(name for name in names if name and name != time),
-        time_name=time,
-        load=load,
-        units_of_kind=units,
-        notes=notes,
-    )
-
-
-def _names(line: str) -> tuple[str, ...]:
-    """Column names, which may hold spaces where tabs separate them."""
-    if "\t" not in line:
-        return tuple(line.split())
-    return tuple(name.strip() for name in line.strip().split("\t"))
+    others = tuple(name for name in names if name and name != time)
+    return Table(source.shown, "OpenSim", others, time, load, units_of_kind=units, notes=notes)

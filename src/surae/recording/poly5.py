@@ -11,13 +11,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.frozen import freeze
 from surae.recording.foreign import printable
-from surae.recording.samples import instants, sample
 from surae.recording.source import Source
-from surae.recording.table import Column, Table
+from surae.recording.table import Column, Table, instants, sample
 from surae.units import FloatArray
 
 _MAGIC = b"POLY SAMPLE FILE"
@@ -27,6 +27,7 @@ _SIGNAL = struct.Struct("<41p4x11pffffH62x")
 #: Before the samples of each block: index, time of day, reserved.
 _BLOCK_HEADER = 86
 _LOW, _HIGH = "(Lo) ", "(Hi) "
+_Words = npt.NDArray[np.int16]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,18 +42,6 @@ class _Signal:
     offset: float
 
 
-@dataclass(frozen=True, slots=True)
-class _Layout:
-    """The file's structure, checked against its size."""
-
-    first: int
-    blocks: int
-    per_block: int
-    words: int
-    n: int
-    rate_hz: float
-
-
 def recognises(source: Source) -> bool:
     """Whether it begins as Poly5 files do."""
     return source.data.startswith(_MAGIC)
@@ -63,34 +52,29 @@ def open_table(source: Source) -> Table:
 
     Another version, and a file that is compressed, damaged or cut short, is refused.
     """
-    layout, signals, remark = _opened(source)
+    samples, n, rate_hz, signals, remark = _opened(source)
     by_name = {signal.name: signal for signal in signals}
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        time = instants(0.0, layout.rate_hz, layout.n)
-        values = {name: _values(source, layout, by_name[name]) for name in wanted}
+        time = instants(0.0, rate_hz, n)
+        values = {name: _values(samples, n, by_name[name]) for name in wanted}
         return {name: Column(name, time, values[name], "time", sample) for name in wanted}
 
     return Table(
-        file=source.shown,
-        format="Poly5",
-        names=tuple(signal.name for signal in signals),
-        time_name="time",
-        load=load,
+        source.shown, "Poly5", tuple(signal.name for signal in signals), "time", load,
         units={signal.name: signal.unit for signal in signals if signal.unit},
         remarks=dict.fromkeys(by_name, remark) if remark else {},
-    )
+    )  # fmt: skip
 
 
-def _opened(source: Source) -> tuple[_Layout, list[_Signal], str]:
-    """Layout, signals, and what a user should know."""
+def _opened(source: Source) -> tuple[_Words, int, float, list[_Signal], str]:
+    """Words by block, sample and signal; samples, rate [Hz], signals, what a user should know."""
     where, data = source.shown, source.data
     begin = next((b for b in (31, 32) if data[b : b + 2] in (b"\xcb\x00", b"\xcc\x00")), None)
     if begin is None or len(data) < begin + _HEADER.size:
         raise InputError(f"{where}: no Poly5 file of version 2.03 or 2.04, or cut short")
-    header = _HEADER.unpack_from(data, begin)
-    rate, stored, words, count, blocks, per_block, size, compressed = (
-        header[i] for i in (2, 3, 5, 6, 7, 8, 9, 10)
+    _, _, rate, stored, _, words, count, blocks, per_block, size, compressed = _HEADER.unpack_from(
+        data, begin
     )
     if compressed:
         raise InputError(f"{where}: its samples are delta compressed; export it uncompressed")
@@ -116,8 +100,12 @@ def _opened(source: Source) -> tuple[_Layout, list[_Signal], str]:
         remark = f"the header counts {count} samples, the blocks hold {n}"
     if n < 2:
         raise InputError(f"{where}: it holds fewer than two samples")
-    layout = _Layout(first, blocks, per_block, words, n, float(rate))
-    return layout, list(_signals(data[begin + _HEADER.size : first], where)), remark
+    samples: _Words = np.ndarray(
+        (blocks, per_block, words), "<i2", data, first + _BLOCK_HEADER,
+        strides=(_BLOCK_HEADER + size, 2 * words, 2),
+    )  # fmt: skip
+    signals = list(_signals(data[begin + _HEADER.size : first], where))
+    return samples, n, float(rate), signals, remark
 
 
 def _signals(described: bytes, where: str) -> Iterator[_Signal]:
@@ -133,35 +121,25 @@ def _signals(described: bytes, where: str) -> Iterator[_Signal]:
                     f"{where}: {_LOW + name!r} is not followed by its high word; the file is "
                     "damaged"
                 )
-        scale, offset = _calibration(*calibration)
+        # Raw values between two are brought to the unit between two others.
+        unit_low, unit_high, raw_low, raw_high = calibration
+        scale, offset = 1.0, 0.0
+        if (unit_low, unit_high) != (raw_low, raw_high):
+            apart = raw_high - raw_low
+            scale = (unit_high - unit_low) / apart if apart else math.nan
+            offset = unit_low - scale * raw_low
         if not (math.isfinite(scale) and math.isfinite(offset)):
             raise InputError(f"{where}: {name!r} has no calibration; the file is damaged")
         yield _Signal(name, _latin(unit), word, floats, scale, offset)
 
 
-def _calibration(
-    unit_low: float, unit_high: float, raw_low: float, raw_high: float
-) -> tuple[float, float]:
-    """Scale and offset that bring raw values to the unit; not finite where there are none."""
-    if (unit_low, unit_high) == (raw_low, raw_high):
-        return 1.0, 0.0
-    if not (raw_high - raw_low):
-        return math.nan, math.nan
-    scale = (unit_high - unit_low) / (raw_high - raw_low)
-    return scale, unit_low - scale * raw_low
-
-
-def _values(source: Source, layout: _Layout, signal: _Signal) -> FloatArray:
+def _values(samples: _Words, n: int, signal: _Signal) -> FloatArray:
     """A signal in its unit."""
-    raw: FloatArray = np.ndarray(
-        shape=(layout.blocks, layout.per_block),
-        dtype="<f4" if signal.floats else "<i2",
-        buffer=source.data,
-        offset=layout.first + _BLOCK_HEADER + 2 * signal.word,
-        strides=(_BLOCK_HEADER + 2 * layout.words * layout.per_block, 2 * layout.words),
-    )
+    raw = samples[:, :, signal.word : signal.word + 1 + signal.floats]
+    if signal.floats:
+        raw = np.ascontiguousarray(raw).view("<f4")
     with np.errstate(invalid="ignore", over="ignore"):
-        values = raw.astype(np.float64).reshape(-1)[: layout.n]
+        values = raw.astype(np.float64).reshape(-1)[:n]
         if (signal.scale, signal.offset) != (1.0, 0.0):
             values *= signal.scale
             values += signal.offset

@@ -6,7 +6,7 @@ from surae.recording import hdf5, opensim
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.described import MappedRecording
 from surae.recording.formats import open_table
-from surae.recording.mapping import Description, read_mapping, recognises
+from surae.recording.mapping import Description, recognises
 from surae.recording.recording import Recording, SourceFile
 from surae.recording.roles import NAMES, TIMES, role_and_unit
 from surae.recording.source import Source, open_source
@@ -37,7 +37,7 @@ def read(path: PathLike, *, mapping: PathLike | None = None) -> Recording:
         One line that names file, column and row, and says what to do.
     """
     if mapping is not None:
-        return read_mapping(open_mapping(mapping), path)
+        return Description.of(open_mapping(mapping)).read(path)
     source = open_source(path)
     described = read_described(source)
     return described or recording_of_table(open_table(source), source.name, (source.file,))
@@ -47,7 +47,7 @@ def read_described(source: Source) -> Recording | None:
     """The recording of a file that says what each channel is: our HDF5 or a mapping; else None."""
     if hdf5.recognises(source):
         return hdf5.read_recording(source)
-    return read_mapping(source) if is_mapping(source) else None
+    return Description.of(source).read() if is_mapping(source) else None
 
 
 def is_mapping(source: Source) -> bool:
@@ -89,23 +89,19 @@ def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = 
     columns_of: dict[str, str] = {}
     units: dict[str, str] = {}
     for column in table.names:
+        where = _where(table, column)
         # Only in our own format does a name that is nearly ours mean a mistake.
-        claim = (
-            NAMES.get(plain(column))
-            if table.header is None
-            else role_and_unit(column, _where(table, column))
-        )
+        ours = table.header is not None
+        claim = role_and_unit(column, where) if ours else NAMES.get(plain(column))
         if claim is None:
             continue
         role, unit = claim
         if columns_of.get(role) == column:
-            raise InputError(f"{_where(table, column)}: the column is there twice; keep one")
+            raise InputError(f"{where}: the column is there twice; keep one")
         if role in columns_of:
-            raise InputError(
-                f"{_where(table, column)}: column {columns_of[role]!r} is the {role} too; keep one"
-            )
+            raise InputError(f"{where}: column {columns_of[role]!r} is the {role} too; keep one")
         columns_of[role] = column
-        units[role] = settle_unit(table, role, column, unit, _where(table, column))
+        units[role] = settle_unit(table, role, column, unit, where)
     if "angle" not in columns_of:
         raise InputError(_no_angle(table))
     columns = table.load(tuple(columns_of.values()))
@@ -134,15 +130,10 @@ def _no_angle(table: Table) -> str:
             f"found: {some((table.time_name, *table.names))}; rename them, or describe the file "
             "in a TOML mapping, which `surae inspect` begins"
         )
+    remarks = {table.remarks.get(name, "") for name in table.names}
+    alike = "".join(remarks) if len(remarks) == 1 else ""  # what is remarked of all columns
     return (
         f"{table.file}: {table.format} columns don't say which is the angle, the torque, the EMG: "
         "write a TOML mapping, which `surae inspect FILE --output MAP.toml` begins, and read "
-        f"that; columns here: {some(table.names)}{_alike(table)}"
+        f"that; columns here: {some(table.names)}{f' ({alike})' if alike else ''}"
     )
-
-
-def _alike(table: Table) -> str:
-    """What is remarked of all columns alike."""
-    remarks = {table.remarks.get(name, "") for name in table.names}
-    only = remarks.pop() if len(remarks) == 1 else ""
-    return f" ({only})" if only else ""

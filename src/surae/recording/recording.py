@@ -9,7 +9,7 @@ import numpy.typing as npt
 from surae.errors import InputError
 from surae.files import shown
 from surae.frozen import Comparable, FrozenDict, read_only
-from surae.recording.samples import check_samples
+from surae.recording.table import check_samples
 from surae.records import FileName
 from surae.units import SI, FloatArray, kind
 
@@ -60,28 +60,15 @@ class SourceFile:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Channel(Comparable):
-    """One measured signal.
+    """One measured signal."""
 
-    Attributes
-    ----------
-    role : str
-        One of `ROLES`.
-    time : ndarray, shape (n,)
-        Increasing times of the samples [s].
-    values : ndarray, shape (n,)
-        The signal in `unit`, sign applied: angle dorsiflexion positive, torque positive when the
-        triceps pulls.
-    unit : str
-        SI unit (`surae.units.SI`), or ``"1"`` for a normalised EMG envelope.
-    source : str
-        Where it came from and what was applied, e.g. ``"ik.sto: ankle_angle_r [deg]"``.
-    """
-
-    role: str
-    time: FloatArray
+    role: str  #: One of `ROLES`.
+    time: FloatArray  #: Increasing times of the samples [s], shape (n,).
+    #: The signal in `unit`, sign applied, shape (n,): angle dorsiflexion positive, torque positive
+    #: when the triceps pulls.
     values: FloatArray
-    unit: str
-    source: str
+    unit: str  #: SI unit (`surae.units.SI`), or ``"1"`` for a normalised EMG envelope.
+    source: str  #: Where it came from and what was applied: ``"ik.sto: ankle_angle_r [deg]"``.
 
     @property
     def rate_hz(self) -> float:
@@ -141,9 +128,8 @@ class Recording:
         """Order the channels and make the mappings read-only."""
         ordered = {role: self.channels[role] for role in ROLES if role in self.channels}
         object.__setattr__(self, "channels", FrozenDict(ordered))
-        object.__setattr__(self, "fixed", FrozenDict(self.fixed))
-        object.__setattr__(self, "prepare", FrozenDict(self.prepare))
-        object.__setattr__(self, "device", FrozenDict(self.device))
+        for name in ("fixed", "prepare", "device"):
+            object.__setattr__(self, name, FrozenDict(getattr(self, name)))
         emg = [channel for role, channel in ordered.items() if kind(role) == "emg"]
         for channel in emg[1:]:
             if channel.unit != emg[0].unit:
@@ -184,7 +170,7 @@ class Recording:
         sequence of matplotlib.axes.Axes
             A panel for each kind of signal.
         """
-        from surae.recording.plotting import plotted
+        from surae.recording.frames import plotted
 
         return plotted(self.name, self.channels)
 
@@ -206,24 +192,6 @@ class Recording:
         from surae.recording.frames import channels_frame
 
         return channels_frame(self.channels, {"name": self.name, "emg": self.emg})
-
-    def to_xarray(self) -> Any:
-        """The channels as an xarray Dataset, by role.
-
-        Returns
-        -------
-        xarray.Dataset
-            Channels of other times have a dimension of their own: ``time``, ``time_2``, …
-
-        Raises
-        ------
-        InputError
-            The package xarray is not installed.
-        """
-        from surae.recording.frames import channels_dataset
-
-        about = {"name": self.name, "emg": self.emg, "side": self.side or ""}
-        return channels_dataset(self.channels, about)
 
     @classmethod
     def from_arrays(
@@ -271,17 +239,9 @@ class Recording:
         if emg_kind not in ("raw", "envelope"):
             raise InputError(f"{name}: emg_kind is {emg_kind!r}; use one of: raw, envelope")
         axis = _floats(time, name, "time")
-        arrays = {
-            "angle": angle,
-            "torque": torque,
-            "angular_velocity": velocity,
-            "angular_acceleration": acceleration,
-        }
-        signals = {
-            role: _floats(values, name, role)
-            for role, values in arrays.items()
-            if values is not None
-        }
+        arrays = {"angle": angle, "torque": torque, "angular_velocity": velocity,
+                  "angular_acceleration": acceleration}  # fmt: skip
+        signals = {role: _floats(a, name, role) for role, a in arrays.items() if a is not None}
         if emg is not None:
             table = _floats(emg, name, "emg")
             if table.shape != (len(axis), len(MUSCLES)):

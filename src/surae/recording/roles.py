@@ -24,7 +24,7 @@ for an EMG) rules it out.
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -69,16 +69,13 @@ def role_and_unit(name: str, where: str) -> tuple[str, str] | None:
     for role, spelling in ((each, own) for each in ROLES for own in _spellings(each)):
         if name.casefold() != spelling and not name.casefold().startswith(f"{spelling}_"):
             continue
-        suffixes = _suffixes(role)
-        ours = [f"{spelling}_{suffix}" for suffix in suffixes]
-        suffix = name[len(spelling) + 1 :]
+        suffixes, suffix = _suffixes(role), name[len(spelling) + 1 :]
         if not suffix:
-            raise InputError(f"{where}: the unit is missing; write one of: {', '.join(ours)}")
+            ours = ", ".join(f"{spelling}_{known}" for known in suffixes)
+            raise InputError(f"{where}: the unit is missing; write one of: {ours}")
         if suffix in suffixes:
             raise InputError(f"{where}: write it in small letters, {spelling}_{suffix}")
-        if any(suffix.endswith(f"_{known}") for known in suffixes) or any(
-            suffix.startswith(f"{known}_") for known in suffixes
-        ):
+        if any(suffix.endswith(f"_{k}") or suffix.startswith(f"{k}_") for k in suffixes):
             return None
         to_si(role, suffix, where)
     return None
@@ -195,40 +192,29 @@ class Guess:
 def guess_role(name: str, unit: str | None = None) -> Guess | None:
     """Guess a channel's role from its name and the unit that its file states.
 
-    None: nothing in the name is of the ankle.
+    None: nothing in the name is of the ankle, or the unit rules out what it says.
     """
     if plain(name) in NAMES:
         role, stated = NAMES[plain(name)]
         return Guess((role,), "stated", f"{role} in {stated}: a name of surae's own format")
     words = words_of(name)
-    side = next((_SIDES[word] for word in words if word in _SIDES), None)
-    vocabulary = set(words)
+    word = _first(words, _SIDES)
+    side = _SIDES[word] if word else None
     suggested = unit_kind(unit)
-    match = _film(vocabulary, words) or _quantity(vocabulary, words) or _muscle(vocabulary, words)
-    if match is not None:
-        return _of_unit(*match, side, unit, _COORDINATE.fullmatch(name))
-    known = vocabulary & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES | _PLATE)
-    if suggested not in ("torque", "angle") or known:
-        return None
-    rule = f"only its unit, {unit}, is one of {suggested}"
-    return Guess((suggested,), "possible", rule, side)
-
-
-def _of_unit(
-    roles: tuple[str, ...],
-    confidence: Confidence,
-    rule: str,
-    side: Side | None,
-    unit: str | None,
-    coordinate: re.Match[str] | None,
-) -> Guess | None:
-    """The guess by a name, unless the unit rules it out."""
-    suggested, emg = unit_kind(unit), roles[0].startswith("emg_")
+    match = _film(words) or _quantity(words) or _muscle(words)
+    if match is None:
+        known = {*words} & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES | _PLATE)
+        if suggested not in ("torque", "angle") or known:
+            return None
+        rule = f"only its unit, {unit}, is one of {suggested}"
+        return Guess((suggested,), "possible", rule, side)
+    roles, confidence, rule = match
+    emg = roles[0].startswith("emg_")
     if suggested is not None and all(kind(role) != suggested for role in roles):
         if emg or not unit_is_volts(unit):
             return None
         rule += "; in volts: give the sensor's scale"
-    if coordinate is not None and not emg:
+    if (coordinate := _COORDINATE.fullmatch(name)) is not None and not emg:
         if coordinate[1] != "X":
             confidence, rule = "possible", f"{rule}, but not its first coordinate"
         else:
@@ -236,12 +222,17 @@ def _of_unit(
     return Guess(roles, confidence, rule, side)
 
 
+def _first(words: Sequence[str], vocabulary: Collection[str]) -> str:
+    """The first of the words that is in a vocabulary; empty where none is."""
+    return next((word for word in words if word in vocabulary), "")
+
+
 def other_joint(name: str) -> str | None:
     """The joint, other than the ankle, whose angle, torque or velocity a name says; else None."""
-    vocabulary = set(words_of(name))
-    if vocabulary & _ANKLE or not vocabulary & (_ANGLE | _TORQUE | _VELOCITY):
+    words = words_of(name)
+    if {*words} & _ANKLE or not {*words} & (_ANGLE | _TORQUE | _VELOCITY):
         return None
-    return next((joint for joint in words_of(name) if joint in _OTHER_JOINTS), None)
+    return _first(words, _OTHER_JOINTS) or None
 
 
 def is_plate_moment(name: str, unit: str | None = None) -> bool:
@@ -256,7 +247,7 @@ def joint_of_muscles(names: Sequence[str]) -> str | None:
     """The other joint that all muscles in a recording are of; None where one may be the ankle's."""
     joints = set()
     for name in names:
-        if _muscle(set(words_of(name)), words_of(name)) is not None:
+        if _muscle(words_of(name)) is not None:
             return None
         joints |= {_OF_OTHER_JOINTS[word] for word in words_of(name) if word in _OF_OTHER_JOINTS}
     return joints.pop() if len(joints) == 1 else None
@@ -299,39 +290,31 @@ def unit_is_volts(unit: str | None) -> bool:
 _Match = tuple[tuple[str, ...], Confidence, str]
 
 
-def _quantity(present: set[str], words: tuple[str, ...]) -> _Match | None:
+def _quantity(words: tuple[str, ...]) -> _Match | None:
     """Angle, torque and derivatives of the angle."""
-    ankle = bool(present & _ANKLE)
-    if present & _OTHER_JOINTS or present & _EMG:
+    present, ankle = {*words}, _first(words, _ANKLE)
+    if present & (_OTHER_JOINTS | _EMG | (_OTHER_SENSORS | _PLATE) - _ACCELERATION):
         return None
-    if present & (_OTHER_SENSORS | _PLATE) - _ACCELERATION:
-        return None
-    tests: tuple[tuple[str, set[str], Callable[[], bool]], ...] = (
-        ("torque", _TORQUE, lambda: True),
-        ("angular_velocity", _VELOCITY, lambda: True),
-        ("angular_acceleration", _ACCELERATION, lambda: ankle or "angular" in present),
-        ("angle", _ANGLE, lambda: True),
-    )
-    for role, vocabulary, allowed in tests:
-        word = next((word for word in words if word in vocabulary), None)
-        if word is None or not allowed():
-            continue
-        if ankle:
-            joint = next(word for word in words if word in _ANKLE)
-            return (role,), "named", f"the words {joint} and {word}"
-        return (role,), "likely", f"the word {word}; no joint is named"
+    for role, vocabulary in _QUANTITIES.items():
+        word = _first(words, vocabulary)
+        other = role == "angular_acceleration" and not (ankle or "angular" in present)
+        if word and not other:
+            if ankle:
+                return (role,), "named", f"the words {ankle} and {word}"
+            return (role,), "likely", f"the word {word}; no joint is named"
     if ankle and not present & _OTHER_SENSORS:
         return ("angle", "torque"), "possible", "the ankle, but not whether angle or torque"
     return None
 
 
-def _film(present: set[str], words: tuple[str, ...]) -> _Match | None:
+def _film(words: tuple[str, ...]) -> _Match | None:
     """A fascicle's length or pennation, of a muscle that the name may say."""
-    seen = next((seen for seen, vocabulary in _FILMS.items() if present & vocabulary), None)
-    if seen is None:
+    seen, word = next(
+        ((seen, word) for seen, known in _FILMS.items() if (word := _first(words, known))), ("", "")
+    )
+    if not seen:
         return None
-    word = next(word for word in words if word in _FILMS[seen])
-    match = _muscle(present, words)
+    match = _muscle(words)
     muscles = FILMED if match is None else [role[4:].replace("ta", "tib") for role in match[0]]
     roles = tuple(f"{seen}_{muscle}" for muscle in muscles)
     if match is None or len(roles) > 1:
@@ -339,35 +322,33 @@ def _film(present: set[str], words: tuple[str, ...]) -> _Match | None:
     return roles, "named", f"the word {word}, and {match[2]}"
 
 
-def _muscle(present: set[str], words: tuple[str, ...]) -> _Match | None:
-    """EMG of one of the four muscles."""
+def _muscle(words: tuple[str, ...]) -> _Match | None:
+    """EMG of one of the four muscles: by its name, or by shorthand."""
+    present = {*words}
     if present & (_OTHER_SENSORS | _OTHER_JOINTS):
         return None
-    match = _in_full(present, words)
-    if match is not None or present & _OTHER_MUSCLES:
-        return match
-    short = next((word for word in words if word in _SHORT), None)
-    if short is not None:
+    for first, second, role, rule in _TWO_WORDS:
+        if present & first and present & second:
+            return (role,), "named", rule
+    if whole := _first(words, _WHOLE):
+        return (_WHOLE[whole],), "named", f"the muscle {whole}"
+    if present & _OTHER_MUSCLES:
+        return None
+    if short := _first(words, _SHORT):
         rule = f"{short.upper()}, short for {MUSCLE_NAMES[_SHORT[short][4:]]}"
         rule += " (not gluteus?)" if short == "gm" else ""
-        if present & _EMG:
-            return (_SHORT[short],), "named", f"{rule}, with EMG"
-        return (_SHORT[short],), "likely", rule
-    for vocabulary, roles, rule in _VAGUE:
-        if present & vocabulary:
-            return roles, "possible", rule
-    return None
+        named = bool(present & _EMG)
+        return (_SHORT[short],), "named" if named else "likely", rule + ", with EMG" * named
+    vague = ((roles, rule) for vocabulary, roles, rule in _VAGUE if present & vocabulary)
+    return next(((roles, "possible", rule) for roles, rule in vague), None)
 
 
-def _in_full(vocabulary: set[str], words: tuple[str, ...]) -> _Match | None:
-    """A muscle by its name, or by the usual shorthand that can be no other."""
-    for first, second, role, rule in _TWO_WORDS:
-        if vocabulary & first and vocabulary & second:
-            return (role,), "named", rule
-    whole = next((word for word in words if word in _WHOLE), None)
-    return None if whole is None else ((_WHOLE[whole],), "named", f"the muscle {whole}")
-
-
+_QUANTITIES = {
+    "torque": _TORQUE,
+    "angular_velocity": _VELOCITY,
+    "angular_acceleration": _ACCELERATION,
+    "angle": _ANGLE,
+}
 _TWO_WORDS = (
     (_GASTROCNEMIUS, _LATERAL, "emg_gl", "gastrocnemius and lateralis"),
     (_GASTROCNEMIUS, _MEDIAL, "emg_gm", "gastrocnemius and medialis"),

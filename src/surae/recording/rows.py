@@ -42,7 +42,19 @@ class Rows:
             raise InputError(
                 f"{self.source.shown}: row {self.header}: no samples follow the header"
             )
-        return self._load_fast(wanted, *first) if self._plain(first[1]) else self._load(wanted)
+        number, line = first
+        lines = chain((line,), islice(self.source.lines(), number, None))
+        rows = (line for line in lines if (text := line.lstrip()) and text[0] != "#")
+        try:  # NumPy's parser takes rows with a number in every cell
+            cells = split(self._with_point(line), self.delimiter)
+            if len([float(cell) for cell in cells]) == len(self.names):
+                table = np.loadtxt(
+                    map(self._with_point, rows), delimiter=self.delimiter, comments=None, ndmin=2
+                )
+                return np.ascontiguousarray(table[:, list(wanted)].T)
+        except (ValueError, csv.Error):
+            pass
+        return self._load(wanted)
 
     def columns(self, wanted: Sequence[str], time: str, factor: float) -> dict[str, Column]:
         """The named columns with the times in column `time`, multiplied by `factor` to seconds.
@@ -71,29 +83,9 @@ class Rows:
             if text and text[0] != "#":
                 yield number, line
 
-    def _plain(self, line: str) -> bool:
-        """Whether a row is one that NumPy's parser takes: a number in every cell."""
-        try:
-            cells = split(self._with_point(line), self.delimiter)
-            return len([float(cell) for cell in cells]) == len(self.names)
-        except (ValueError, csv.Error):
-            return False
-
     def _with_point(self, text: str) -> str:
         """A text in which decimals begin with a point."""
         return text if self.decimal == "." else text.replace(self.decimal, ".")
-
-    def _load_fast(self, wanted: Sequence[int], number: int, line: str) -> FloatArray:
-        """Read with NumPy's parser; where it gives up, line by line."""
-        lines = chain((line,), islice(self.source.lines(), number, None))
-        rows = (line for line in lines if (text := line.lstrip()) and text[0] != "#")
-        try:
-            table = np.loadtxt(
-                map(self._with_point, rows), delimiter=self.delimiter, comments=None, ndmin=2
-            )
-        except ValueError:
-            return self._load(wanted)
-        return np.ascontiguousarray(table[:, list(wanted)].T)
 
     def _load(self, wanted: Sequence[int]) -> FloatArray:
         """Read line by line; the definition of what `load` accepts."""

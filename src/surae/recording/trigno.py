@@ -9,6 +9,7 @@ import re
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -45,10 +46,7 @@ def recognises(source: Source) -> bool:
 
 
 def open_table(source: Source) -> Table:
-    """Read the header.
-
-    Columns must be pairs of times and samples.
-    """
+    """Read the header: columns must be pairs of times and samples."""
     source.require_text()
     labels: dict[str, re.Match[str]] = {}
     header, cells = 0, [""]
@@ -77,15 +75,9 @@ def open_table(source: Source) -> Table:
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         return _columns(source, header, [by_name[name] for name in wanted])
 
-    return Table(
-        file=source.shown,
-        format="Trigno",
-        names=tuple(signal.name for signal in signals),
-        time_name=cells[0],
-        load=load,
-        units={signal.name: signal.unit for signal in signals if signal.unit},
-        remarks=remarks,
-    )
+    names = tuple(signal.name for signal in signals)
+    units = {signal.name: signal.unit for signal in signals if signal.unit}
+    return Table(source.shown, "Trigno", names, cells[0], load, units, remarks=remarks)
 
 
 def _signals(
@@ -106,14 +98,8 @@ def _signals(
         label = labels.get(name)
         if label is not None and label["domain"].strip() != "s":
             raise InputError(f"{where}: {name!r} is a function of {label['domain']!r}, not of time")
-        signals.append(
-            _Signal(
-                name,
-                column,
-                label["unit"].strip() if label else "",
-                int(label["points"]) if label else None,
-            )
-        )
+        unit, points = (label["unit"].strip(), int(label["points"])) if label else ("", None)
+        signals.append(_Signal(name, column, unit, points))
     if not signals or len(cells) % 2:
         raise InputError(f"{where}: expected pairs of columns, X[s] and a signal")
     return signals
@@ -121,36 +107,36 @@ def _signals(
 
 def _columns(source: Source, header: int, wanted: Sequence[_Signal]) -> dict[str, Column]:
     """Times and samples of the wanted signals."""
-    times, values = [array("d") for _ in wanted], [array("d") for _ in wanted]
-    rows: list[list[int]] = [[] for _ in wanted]
+    pairs = {signal: (array("d"), array("d")) for signal in wanted}
+    spans: dict[_Signal, tuple[int, int]] = {}  # first and last row
     for row, cells in _rows(source, header):
-        for k, signal in enumerate(wanted):
-            pair = cells[signal.column - 1 : signal.column + 1]
-            if not any(pair):
+        for signal, pair in pairs.items():
+            own = cells[signal.column - 1 : signal.column + 1]
+            if not any(own):
                 continue
             where = f"{source.shown}: column {signal.name!r}, row {row}"
-            if len(pair) < 2:
+            if len(own) < 2:
                 raise InputError(f"{where}: the sample is missing")
-            if rows[k] and rows[k][-1] != row - 1:
+            first, last = spans.get(signal, (row, row - 1))
+            if last != row - 1:
                 raise InputError(f"{where}: samples follow after blank cells")
             try:
-                at, value = as_number(pair[0]), as_number(pair[1])
+                for values, cell in zip(pair, own, strict=True):
+                    values.append(as_number(cell))
             except ValueError as error:
                 raise InputError(f"{where}: {error}") from None
-            times[k].append(at)
-            values[k].append(value)
-            rows[k] = [rows[k][0] if rows[k] else row, row]
+            spans[signal] = first, row
     columns = {}
-    for signal, time, samples, span in zip(wanted, times, values, rows, strict=True):
-        first = span[0] if span else header + 1
-        columns[signal.name] = Column(
-            signal.name,
-            freeze(np.array(time, dtype=np.float64)),
-            freeze(np.array(samples, dtype=np.float64)),
-            "X[s]",
-            lambda index, first=first: f"row {first + index}",  # type: ignore[misc]
-        )
+    for signal, pair in pairs.items():
+        times, samples = (freeze(np.array(values, dtype=np.float64)) for values in pair)
+        first = spans.get(signal, (header + 1, 0))[0]
+        at = partial(_position, first)
+        columns[signal.name] = Column(signal.name, times, samples, "X[s]", at)
     return columns
+
+
+def _position(first: int, index: int) -> str:
+    return f"row {first + index}"
 
 
 def _rows(source: Source, header: int) -> Iterator[tuple[int, list[str]]]:

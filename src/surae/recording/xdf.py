@@ -10,7 +10,10 @@ fills with the sample before where the file ends early, is refused.
 
 import io
 import logging
+import sys
 from collections.abc import Iterator, Mapping
+from itertools import chain
+from logging.handlers import BufferingHandler
 from typing import Any
 
 import numpy as np
@@ -38,10 +41,7 @@ def recognises(source: Source) -> bool:
 
 
 def open_table(source: Source) -> Table:
-    """Read the file's streams.
-
-    A file that is damaged or cut short, or has no streams of numbers, is refused.
-    """
+    """The file's streams; one that is damaged or has none of numbers is refused."""
     return foreign_table(source, "XDF", "xdf")
 
 
@@ -49,7 +49,9 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
     """The streams of numbers that have samples."""
     pyxdf = optional("pyxdf", "XDF", shown)
     with untrusted(shown):
-        _require_whole(data, shown)
+        end = end_of_chunks(io.BytesIO(data))
+        if end < len(data):
+            raise InputError(f"{shown}: the file is cut short or damaged at byte {end}")
         streams = [
             (stream, np.asarray(stream["time_series"]), np.asarray(stream["time_stamps"]))
             for stream in _loaded(pyxdf, data, shown)
@@ -60,40 +62,16 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
         if not all(np.isfinite(stamps).all() for _, _, stamps in streams):
             raise InputError(f"{shown}: a time stamp is not a finite number")
         origin = min(float(stamps[0]) for _, _, stamps in streams)
-        return packed(
-            [
-                column
-                for stream, values, stamps in streams
-                for column in _columns(stream, values, stamps - origin)
-            ]
-        )
-
-
-def _require_whole(data: bytes, shown: str) -> None:
-    """Check that the file ends where its last chunk does."""
-    at = end_of_chunks(io.BytesIO(data))
-    if at < len(data):
-        raise InputError(f"{shown}: the file is cut short or damaged at byte {at}")
-
-
-class _Complaints(logging.Handler):
-    """What pyxdf logs instead of raising."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.ERROR)
-        self.messages: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Keep a message."""
-        self.messages.append(record.getMessage())
+        columns = (_columns(stream, values, stamps - origin) for stream, values, stamps in streams)
+        return packed(list(chain.from_iterable(columns)))
 
 
 def _loaded(pyxdf: Any, data: bytes, shown: str) -> list[Any]:
-    """The streams as pyxdf gives them; what it would skip is an error."""
-    log, complaints = logging.getLogger("pyxdf"), _Complaints()
-    before = log.propagate
+    """The streams as pyxdf gives them; what it would skip, logging an error, is one."""
+    log, complaints = logging.getLogger("pyxdf"), BufferingHandler(sys.maxsize)
+    complaints.setLevel(logging.ERROR)
+    before, log.propagate = log.propagate, False
     log.addHandler(complaints)
-    log.propagate = False
     try:
         streams, _ = pyxdf.load_xdf(
             io.BytesIO(data), synchronize_clocks=True, dejitter_timestamps=False
@@ -101,7 +79,7 @@ def _loaded(pyxdf: Any, data: bytes, shown: str) -> list[Any]:
     finally:
         log.removeHandler(complaints)
         log.propagate = before
-    if complaints.messages:
+    if complaints.buffer:
         raise InputError(f"{shown}: the file is damaged: some of its samples are unreadable")
     return list(streams)
 
@@ -130,15 +108,8 @@ def _columns(
         )
     name = _text(info.get("name"))
     for index, (label, unit) in enumerate(_described(info, values.shape[1])):
-        yield Parsed(
-            name=f"{name}: {label}" if name else label,
-            values=values[:, index],
-            time=time,
-            unit=unit,
-            remark=remark,
-            refused=refused,
-            time_name="time stamp",
-        )
+        full = f"{name}: {label}" if name else label
+        yield Parsed(full, values[:, index], time, unit, remark, refused, "time stamp")
 
 
 def _clock_step(stream: Mapping[str, Any]) -> float:
@@ -159,12 +130,9 @@ def _axis(time: FloatArray) -> tuple[FloatArray, float, int]:
     """Times with one step by least squares, the stamps' largest distance [ms], and the gaps."""
     pieces = _pieces(time)
     index = np.arange(len(time), dtype=np.float64)
-    centres = [(index[piece].mean(), time[piece].mean()) for piece in pieces]
-    centred = np.concatenate([index[p] - i for p, (i, _) in zip(pieces, centres, strict=True)])
+    centred = np.concatenate([index[piece] - index[piece].mean() for piece in pieces])
     step = float(centred @ time / (centred @ centred))
-    fitted = np.concatenate(
-        [t + step * (index[p] - i) for p, (i, t) in zip(pieces, centres, strict=True)]
-    )
+    fitted = np.concatenate([time[piece].mean() + step * centred[piece] for piece in pieces])
     return fitted, 1e3 * float(np.max(np.abs(time - fitted))), len(pieces) - 1
 
 

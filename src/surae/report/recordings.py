@@ -7,7 +7,7 @@ import numpy as np
 from surae.assessment import RecordingQuality, Whiteness
 from surae.assessment.fascicles import FascicleQuality, Fascicles
 from surae.formatting import NO_NUMBER, chance, percentage, short, signed, significant
-from surae.recording.samples import sample
+from surae.recording.table import sample
 from surae.report.cycles import find_cycles
 from surae.report.document import (
     Block,

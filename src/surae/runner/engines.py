@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from queue import SimpleQueue
-from typing import Any, Protocol
+from typing import Any
 
 from surae.errors import ComputationError, InputError, SuraeError
 from surae.processes import Child, Plain, function, one_line, without_interrupt
@@ -77,7 +77,11 @@ def results(
     blamed: after as many deaths as the engine allows, what comes of it is `Died`. `stop` is set
     when no more is wanted, for calls in threads that look at it.
     """
-    pool = _started(engine)
+    pool: _Pool
+    if engine.kind == "dask":
+        pool = _Cluster(engine.address)
+    else:
+        pool = (_Threads if engine.kind == "threads" else _Processes)(engine.workers)
     waiting, suspects = deque(calls), deque[str]()
     deaths: Counter[str] = Counter()
     flying: dict[Future[Plain], str] = {}
@@ -132,48 +136,48 @@ def _told(pool: "_Pool") -> Iterator[None]:
         raise ComputationError(f"the workers are lost ({text}); {AGAIN}") from error
 
 
-class _Pool(Protocol):
-    """What the loop needs of an engine."""
+class _Pool:
+    """What the loop needs of an engine, with the threads that hand out its calls."""
 
     #: What its futures raise when a worker died.
-    died: tuple[type[BaseException], ...]
-    #: A call whose worker died this often while it was the only one at work is given up.
-    deaths: int
-    #: Whether an error can only be the function's.
-    here: bool
-
-    def submit(self, work: Work, keywords: Mapping[str, Plain]) -> Future[Plain]:
-        """Hand a call to a worker, a new one where the last ones broke."""
-        ...
-
-    def ahead(self) -> int:
-        """How many calls to hand out at once, so that no worker waits."""
-        ...
-
-    def stop(self) -> None:
-        """End it, with the calls at work."""
-        ...
-
-
-class _Threads:
-    """Threads of this process: the kernels run beside each other, Python does not."""
-
     died: tuple[type[BaseException], ...] = ()
-    deaths, here = 1, True
+    #: A call whose worker died this often while it was the only one at work is given up.
+    deaths = 1
+    #: Whether an error can only be the function's.
+    here = False
 
     def __init__(self, workers: int) -> None:
         self._workers = workers
-        self._limits = _limited.__wrapped__()
-        self._executor = ThreadPoolExecutor(workers)
+        self._executor: Any = ThreadPoolExecutor(workers)
 
     def submit(self, work: Work, keywords: Mapping[str, Plain]) -> Future[Plain]:
-        return self._executor.submit(_named(work), **keywords)
+        """Hand a call to a worker, a new one where the last ones broke."""
+        future: Future[Plain] = self._executor.submit(self._call, work, dict(keywords))
+        return future
+
+    def _call(self, work: Work, keywords: Mapping[str, Plain]) -> Plain:
+        return (function(work) if isinstance(work, str) else work)(**keywords)
 
     def ahead(self) -> int:
+        """How many calls to hand out at once, so that no worker waits."""
         return 2 * self._workers
 
     def stop(self) -> None:
+        """End it, with the calls at work."""
         self._executor.shutdown(cancel_futures=True)
+
+
+class _Threads(_Pool):
+    """Threads of this process: the kernels run beside each other, Python does not."""
+
+    here = True
+
+    def __init__(self, workers: int) -> None:
+        self._limits = _limited.__wrapped__()
+        super().__init__(workers)
+
+    def stop(self) -> None:
+        super().stop()
         self._limits.restore_original_limits()
 
 
@@ -181,21 +185,17 @@ class _DeadError(Exception):
     """The process of a call died."""
 
 
-class _Processes:
+class _Processes(_Pool):
     """Children, made anew when one dies; a thread waits for each."""
 
-    died: tuple[type[BaseException], ...] = (_DeadError,)
-    deaths, here = 3, False
+    died, deaths = (_DeadError,), 3
 
     def __init__(self, workers: int) -> None:
+        super().__init__(workers)
         self._children = [Child(calls=None) for _ in range(workers)]
         self._free: SimpleQueue[Child] = SimpleQueue()
         for child in self._children:
             self._free.put(child)
-        self._executor = ThreadPoolExecutor(workers)
-
-    def submit(self, work: Work, keywords: Mapping[str, Plain]) -> Future[Plain]:
-        return self._executor.submit(self._call, work, keywords)
 
     def _call(self, work: Work, keywords: Mapping[str, Plain]) -> Plain:
         assert isinstance(work, str)
@@ -211,19 +211,14 @@ class _Processes:
         kind = InputError if end.how == "refused" else ComputationError
         raise kind(end.message + (f" ({end.where})" if end.where else ""))
 
-    def ahead(self) -> int:
-        return 2 * len(self._children)
-
     def stop(self) -> None:
         for child in self._children:
             child.close()
-        self._executor.shutdown(cancel_futures=True)
+        super().stop()
 
 
-class _Cluster:
+class _Cluster(_Pool):
     """The workers of a Dask cluster; its scheduler does a call again elsewhere when one dies."""
-
-    deaths, here = 1, False  # after those that the scheduler allows
 
     def __init__(self, address: str) -> None:
         try:
@@ -235,7 +230,7 @@ class _Cluster:
             raise InputError(
                 "a cluster needs dask: install it with `pip install 'surae[cluster]'`"
             ) from None
-        self.died: tuple[type[BaseException], ...] = (KilledWorker,)
+        self.died = (KilledWorker,)
         for name in ("distributed", "tornado"):  # our own errors say it in one line
             logging.getLogger(name).setLevel(logging.CRITICAL)
         cannot = f"no cluster at {address}"
@@ -257,7 +252,7 @@ class _Cluster:
 
     def submit(self, work: Work, keywords: Mapping[str, Plain]) -> Future[Plain]:
         future: Future[Plain] = self._executor.submit(_in_cluster, work, dict(keywords))
-        return future
+        return future  # the scheduler does a call again after deaths, as often as it allows
 
     def ahead(self) -> int:
         if time.monotonic() - self._latest > _OFTEN:  # workers come and go
@@ -282,11 +277,7 @@ def cores() -> int:
 
 def _in_cluster(work: Work, keywords: Mapping[str, Plain]) -> Plain:
     _limited()
-    return _named(work)(**keywords)
-
-
-def _named(work: Work) -> Callable[..., Plain]:
-    return function(work) if isinstance(work, str) else work
+    return (function(work) if isinstance(work, str) else work)(**keywords)
 
 
 @cache
@@ -298,9 +289,3 @@ def _limited() -> Any:
 
     del np, scipy
     return threadpool_limits(limits=1)
-
-
-def _started(engine: Engine) -> _Pool:
-    if engine.kind == "dask":
-        return _Cluster(engine.address)
-    return _Threads(engine.workers) if engine.kind == "threads" else _Processes(engine.workers)

@@ -44,6 +44,10 @@ CREATE TABLE run (
 )
 
 
+#: What reading a damaged result raises.
+_DAMAGE = (ValueError, TypeError, LookupError, RecursionError)
+
+
 @dataclass(frozen=True, slots=True)
 class Running:
     """A run at work: its process and host, the results it has added and for how long [s]."""
@@ -144,7 +148,12 @@ class Ledger:
                 ((row, key, json.dumps(label)) for row, (key, label) in enumerate(rows)),
             )
             kept = self._file.execute("SELECT key, value, failed FROM result")
-            damaged = [(key,) for key, value, failed in kept if not self._whole(value, failed)]
+            damaged = []
+            for key, value, failed in kept:
+                try:
+                    self._result(value, failed)
+                except _DAMAGE:
+                    damaged.append((key,))
             self._file.executemany("DELETE FROM result WHERE key = ?", damaged)
             cursor = self._file.execute(
                 "INSERT INTO run (started, process, host) VALUES (?, ?, ?)",
@@ -220,7 +229,7 @@ class Ledger:
             for label, value, failed in rows:
                 try:
                     yield json.loads(label), self._result(value, failed)
-                except (ValueError, TypeError, LookupError, RecursionError):
+                except _DAMAGE:
                     continue  # damaged: the next run computes it again
 
     def status(self) -> LedgerStatus:
@@ -244,14 +253,6 @@ class Ledger:
             elif run:
                 last = run[1] or "stopped without a word: killed, or the system went down"
         return LedgerStatus(held[1], rows, calls, done, dict(reasons), running, last)
-
-    def _whole(self, value: object, failed: object) -> bool:
-        """Whether a result as it is kept can be read."""
-        try:
-            self._result(value, failed)
-        except (ValueError, TypeError, LookupError, RecursionError):
-            return False
-        return True
 
     def _result(self, value: Any, failed: Any) -> object:
         plain = json.loads(value)

@@ -12,7 +12,7 @@ itself), or mirrored (EMG, which must not change sign).
 
 import math
 from functools import lru_cache
-from typing import Any, Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from surae.errors import InputError
 from surae.units import FloatArray
 
 Ends = Literal["odd", "even"]
+_Kind = Literal["lowpass", "highpass", "bessel"]
 
 #: A cut-off must lie below this fraction of the sampling rate.
 HIGHEST_CUTOFF = 0.45
@@ -50,16 +51,14 @@ def butterworth(
     `order` is that of one pass; `ends` says how the signal is extended, reflected about its end
     point or mirrored; the message of an error begins with `where`.
     """
-    one_pass = _butterworth(*_possible(rate_hz, cutoff_hz, where), order, kind)
-    return _both_ways(one_pass, values, rate_hz, cutoff_hz, ends=ends, where=where)
+    return _both_ways(kind, values, rate_hz, cutoff_hz, order, ends, where)
 
 
 def bessel_lowpass(
     values: FloatArray, rate_hz: float, cutoff_hz: float, order: int, *, where: str = "signal"
 ) -> FloatArray:
     """Zero-phase Bessel low-pass: no overshoot at a step. Parameters as of `butterworth`."""
-    one_pass = _bessel(*_possible(rate_hz, cutoff_hz, where), order)
-    return _both_ways(one_pass, values, rate_hz, cutoff_hz, ends="odd", where=where)
+    return _both_ways("bessel", values, rate_hz, cutoff_hz, order, "odd", where)
 
 
 def antialias(
@@ -76,57 +75,55 @@ def antialias(
     of one up to 0.2 (20 Hz at 100 Hz), −3 dB at 0.4, at most −60 dB from 0.6 on.
     """
     cutoff = ANTIALIAS_PASS * target_hz
-    return butterworth(values, rate_hz, cutoff, ANTIALIAS_ORDER, "lowpass", ends=ends, where=where)
+    return _both_ways("lowpass", values, rate_hz, cutoff, ANTIALIAS_ORDER, ends, where)
 
 
-class _Pass(NamedTuple):
-    """One pass of a filter; to design it takes longer than to run it over a trial."""
+def _both_ways(
+    kind: _Kind,
+    values: FloatArray,
+    rate_hz: float,
+    cutoff_hz: float,
+    order: int,
+    ends: Ends,
+    where: str,
+) -> FloatArray:
+    """Run a filter forward and backward over the extended signal."""
+    from scipy.signal import sosfiltfilt
 
-    sections: FloatArray  #: Second-order sections, shape (k, 6).
-    memory: int  #: Samples until it has forgotten.
-
-
-def _possible(rate_hz: float, cutoff_hz: float, where: str) -> tuple[float, float]:
-    """Rate and cut-off [Hz], unless there is no such filter."""
     if cutoff_hz >= HIGHEST_CUTOFF * rate_hz:
         raise InputError(
             f"{where}: a filter at {cutoff_hz:g} Hz needs a sampling rate above "
             f"{cutoff_hz / HIGHEST_CUTOFF:g} Hz, it is {rate_hz:g} Hz; lower the cut-off in the "
             f"[prepare] settings"
         )
-    return rate_hz, cutoff_hz
+    sections, memory = _one_pass(kind, rate_hz, cutoff_hz, order)
+    if len(values) <= memory:
+        raise InputError(
+            f"{where}: {len(values)} samples ({len(values) / rate_hz:.3g} s) are too few for a "
+            f"filter at {cutoff_hz:g} Hz; record at least {(memory + 1) / rate_hz:.3g} s"
+        )
+    filtered: FloatArray = sosfiltfilt(sections, values, padtype=ends, padlen=memory)
+    return filtered
 
 
 @lru_cache
-def _butterworth(
-    rate_hz: float, cutoff_hz: float, order: int, kind: Literal["lowpass", "highpass"]
-) -> _Pass:
-    from scipy.signal import butter
+def _one_pass(kind: _Kind, rate_hz: float, cutoff_hz: float, order: int) -> tuple[FloatArray, int]:
+    """One pass as second-order sections, shape (k, 6), and the samples until it has forgotten.
 
-    ratio = _HALF ** (1.0 / (2 * order))
-    corner = _corner(rate_hz, cutoff_hz, 1.0 / ratio if kind == "lowpass" else ratio)
-    return _one_pass(butter(order, corner, kind, fs=rate_hz, output="zpk"))
+    To design it takes longer than to run it over a trial.
+    """
+    from scipy.signal import bessel, butter, zpk2sos
 
-
-@lru_cache
-def _bessel(rate_hz: float, cutoff_hz: float, order: int) -> _Pass:
-    from scipy.signal import bessel
-
-    corner = _corner(rate_hz, cutoff_hz, 1.0 / _bessel_ratio(order))
-    return _one_pass(bessel(order, corner, "lowpass", fs=rate_hz, norm="mag", output="zpk"))
-
-
-def _one_pass(zpk: Any) -> _Pass:
-    from scipy.signal import zpk2sos
-
+    ratio = _bessel_ratio(order) if kind == "bessel" else _HALF ** (1.0 / (2 * order))
+    shift = ratio if kind == "highpass" else 1.0 / ratio
+    corner = rate_hz / math.pi * math.atan(shift * math.tan(math.pi * cutoff_hz / rate_hz))
+    if kind == "bessel":
+        zpk = bessel(order, corner, "lowpass", fs=rate_hz, norm="mag", output="zpk")
+    else:
+        zpk = butter(order, corner, kind, fs=rate_hz, output="zpk")
     slowest = float(np.max(np.abs(zpk[1])))
     memory = math.ceil(math.log(_MEMORY) / math.log(slowest)) if slowest > 0.0 else 1
-    return _Pass(zpk2sos(*zpk), memory)
-
-
-def _corner(rate_hz: float, cutoff_hz: float, shift: float) -> float:
-    """Single-pass corner [Hz]: the cut-off times `shift` on the pre-warped axis."""
-    return rate_hz / math.pi * math.atan(shift * math.tan(math.pi * cutoff_hz / rate_hz))
+    return zpk2sos(*zpk), memory
 
 
 def _bessel_ratio(order: int) -> float:
@@ -141,19 +138,3 @@ def _bessel_ratio(order: int) -> float:
         return float(abs(response) ** 2 - math.sqrt(0.5))
 
     return float(brentq(excess, 0.1, 1.0, xtol=1e-14))
-
-
-def _both_ways(
-    one_pass: _Pass, values: FloatArray, rate_hz: float, cutoff_hz: float, *, ends: Ends, where: str
-) -> FloatArray:
-    """Run the filter forward and backward over the extended signal."""
-    from scipy.signal import sosfiltfilt
-
-    sections, memory = one_pass
-    if len(values) <= memory:
-        raise InputError(
-            f"{where}: {len(values)} samples ({len(values) / rate_hz:.3g} s) are too few for a "
-            f"filter at {cutoff_hz:g} Hz; record at least {(memory + 1) / rate_hz:.3g} s"
-        )
-    filtered: FloatArray = sosfiltfilt(sections, values, padtype=ends, padlen=memory)
-    return filtered

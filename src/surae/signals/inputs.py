@@ -191,13 +191,9 @@ def check_estimable(inputs: ModelInputs) -> None:
             f"{inputs.where}: the angle reaches {highest:.3g} rad, which no ankle does; if it is "
             f'in degrees, name the column angle_deg (or write unit = "deg" in the TOML)'
         )
-    if np.ptp(inputs.angle) < _STILL:
-        raise InputError(
-            f"{inputs.where}: the angle never changes ({inputs.angle[0]:.4g} rad): nothing can be "
-            f"estimated; check the channel mapped to angle"
-        )
-    if np.ptp(inputs.torque) < _STILL:
-        raise InputError(
-            f"{inputs.where}: the torque never changes ({inputs.torque[0]:.4g} Nm): nothing can be "
-            f"estimated; check the channel mapped to torque"
-        )
+    for name, signal, unit in (("angle", inputs.angle, "rad"), ("torque", inputs.torque, "Nm")):
+        if np.ptp(signal) < _STILL:
+            raise InputError(
+                f"{inputs.where}: the {name} never changes ({signal[0]:.4g} {unit}): nothing can "
+                f"be estimated; check the channel mapped to {name}"
+            )

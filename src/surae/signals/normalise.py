@@ -36,22 +36,11 @@ def normalise(
     *,
     mvc: Sequence[ModelInputs] = (),
 ) -> tuple[ModelInputs, ...]:
-    """Divide the EMG of a session's recordings by one number for each muscle.
+    """Divide the EMG of a session's recordings, in volts, by one number for each muscle.
 
-    Parameters
-    ----------
-    inputs : sequence of ModelInputs
-        All recordings of the session, EMG in volts.
-    reference : {"session", "mvc"} or EmgReference
-        ``"session"``: the largest envelope in any of `inputs`; ``"mvc"``: in any of `mvc`; each
-        averaged over 0.25 s. Or a reference of before, such as that of a fit.
-    mvc : sequence of ModelInputs
-        Recordings of maximum voluntary contractions, prepared as `inputs` are.
-
-    Returns
-    -------
-    tuple of ModelInputs
-        With EMG in parts of the reference, which they carry as `emg_reference`.
+    The reference is ``"session"``, the largest envelope in any of `inputs`, or ``"mvc"``, in any of
+    `mvc`, each averaged over 0.25 s; or one of before, such as that of a fit. It goes along as
+    `ModelInputs.emg_reference`.
 
     Raises
     ------

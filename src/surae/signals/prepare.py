@@ -3,15 +3,15 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
 from surae.errors import InputError
 from surae.frozen import as_read_only, read_only
-from surae.recording import MUSCLES, Recording
-from surae.signals.emg import envelope, envelope_step, refuse_negative, refuse_not_raw
-from surae.signals.filters import HIGHEST_CUTOFF, bessel_lowpass
+from surae.recording import MUSCLES, Channel, Recording
+from surae.recording.emg_kind import contradiction, look_of
+from surae.signals.filters import HIGHEST_CUTOFF, bessel_lowpass, butterworth
 from surae.signals.inputs import Film, ModelInputs
 from surae.signals.resample import (
     MINIMUM_SAMPLES,
@@ -87,6 +87,8 @@ def prepare(
     if missing:
         steps.append(f"There is no EMG of {', '.join(missing)}: taken as zero.")
     torque = signals.get("torque")
+    units = (c.unit for role, c in recording.channels.items() if role.startswith("emg_"))
+    cutoff = None if prepared else settings.bessel_hz
     return ModelInputs(
         name=recording.name,
         rate_hz=rate_hz,
@@ -95,28 +97,21 @@ def prepare(
         velocity=read_only(signals.get("angular_velocity", computed[0])),
         acceleration=read_only(signals.get("angular_acceleration", computed[1])),
         emg=read_only(emg),
-        emg_unit=_emg_unit(recording),
+        emg_unit=next(units, "V"),  # a recording has but one
         torque=None if torque is None else read_only(torque),
         missing_emg=missing,
         steps=tuple(steps),
         prepared=prepared,
         fixed=recording.fixed,
         files=recording.files,
-        films=films_of(recording),
+        films=tuple(
+            Film(role, as_read_only(channel.time), as_read_only(channel.values))
+            for role, channel in recording.films.items()
+            if role.startswith("fascicle_")
+        ),
         measured=tuple(name for name, role in _DERIVATIVES.items() if role in signals),
         second=tuple(map(read_only, second)),
-        lowpass=None
-        if prepared or settings.bessel_hz is None
-        else (settings.bessel_hz, settings.bessel_order),
-    )
-
-
-def films_of(recording: Recording) -> tuple[Film, ...]:
-    """The fascicles that were filmed, on the film's own clock."""
-    return tuple(
-        Film(role, as_read_only(channel.time), as_read_only(channel.values))
-        for role, channel in recording.films.items()
-        if role.startswith("fascicle_")
+        lowpass=None if cutoff is None else (cutoff, settings.bessel_order),
     )
 
 
@@ -166,19 +161,8 @@ def _filtered(inputs: ModelInputs) -> dict[str, FloatArray]:
     return {name: signal for name, signal in signals.items() if name not in inputs.measured}
 
 
-def _emg_unit(recording: Recording) -> str:
-    """The unit of the EMG channels, which a recording has but one of; volts without EMG."""
-    units = (c.unit for role, c in recording.channels.items() if role.startswith("emg_"))
-    return next(units, "V")
-
-
-class _Signals(NamedTuple):
-    """Signals by role on one time axis, and the account of how they came there."""
-
-    rate_hz: float
-    time: FloatArray
-    by_role: dict[str, FloatArray]
-    steps: list[str]
+#: Rate [Hz], time, signals by role on it, and the account of how they came there.
+_Signals = tuple[float, FloatArray, dict[str, FloatArray], list[str]]
 
 
 def _as_they_are(recording: Recording) -> _Signals:
@@ -203,12 +187,9 @@ def _as_they_are(recording: Recording) -> _Signals:
             )
         if role.startswith("emg_"):
             refuse_negative(channel, f"{name}: {role}", recording.emg)
-    return _Signals(
-        rate_hz=stamps.axis.rate_hz,
-        time=angle.time if stamps.jitter_s <= tolerance else stamps.axis.time,
-        by_role={role: channel.values for role, channel in channels.items()},
-        steps=[f"All signals are used as they are, at {stamps.axis.rate_hz:.6g} Hz."],
-    )
+    time = angle.time if stamps.jitter_s <= tolerance else stamps.axis.time
+    step = f"All signals are used as they are, at {stamps.axis.rate_hz:.6g} Hz."
+    return stamps.axis.rate_hz, time, {role: c.values for role, c in channels.items()}, [step]
 
 
 def _chain(recording: Recording, settings: Preparation) -> _Signals:
@@ -236,7 +217,12 @@ def _chain(recording: Recording, settings: Preparation) -> _Signals:
     mechanical = [role for role in ("angle", _SECOND, "torque") if role in sources]
     if settings.bessel_hz is not None:
         for role in mechanical:
-            filtered[role] = _bessel(sources[role], settings.bessel_hz, settings.bessel_order)
+            source = sources[role]
+            values = bessel_lowpass(
+                source.values, source.axis.rate_hz, settings.bessel_hz, settings.bessel_order,
+                where=source.where,
+            )  # fmt: skip
+            filtered[role] = source.replaced(values)
         which = " and ".join(mechanical).replace("_", " ").capitalize()
         steps.append(
             f"{which}: zero-phase Bessel low-pass of order "
@@ -248,28 +234,15 @@ def _chain(recording: Recording, settings: Preparation) -> _Signals:
         for role, signal in filtered.items()
     }
     steps += _resampling_steps(sources, axis, settings.rate_hz)
-    negative = max((_negative_share(signals[role]) for role in emg), default=0.0)
-    if negative > 0.0:
+    # Of every muscle its most negative sample, as a part of its maximum.
+    shares = [-float(signals[r].min()) / top for r in emg if (top := float(signals[r].max())) > 0.0]
+    if (negative := max(shares, default=0.0)) > 0.0:
         signals |= {role: np.maximum(signals[role], 0.0) for role in emg}
         steps.append(
             f"EMG: negative samples, at most {100 * negative:.2g} % of the muscle's maximum, "
             f"were set to zero (left by the ringing of filters)."
         )
-    return _Signals(axis.rate_hz, axis.time, signals, steps)
-
-
-def _bessel(source: Uniform, cutoff_hz: float, order: int) -> Uniform:
-    """The source, low-passed at its own rate."""
-    rate = source.axis.rate_hz
-    return source.replaced(
-        bessel_lowpass(source.values, rate, cutoff_hz, order, where=source.where)
-    )
-
-
-def _negative_share(emg: FloatArray) -> float:
-    """The most negative sample of one muscle's EMG as a fraction of its maximum, at least 0."""
-    highest = float(emg.max())
-    return max(-float(emg.min()) / highest, 0.0) if highest > 0.0 else 0.0
+    return axis.rate_hz, axis.time, signals, steps
 
 
 def _jitter_step(role: str, source: Uniform) -> str:
@@ -314,11 +287,88 @@ def _resampling_steps(sources: Mapping[str, Uniform], axis: Axis, wanted_hz: flo
 
 def _derivative_step(signals: Mapping[str, FloatArray]) -> str:
     """Say where velocity and acceleration come from."""
-    measured = [role for role in ("angular_velocity", "angular_acceleration") if role in signals]
+    how = "from the angle by central differences over 15 samples"
+    measured = [role for role in _DERIVATIVES.values() if role in signals]
     if len(measured) == 2:
         return "Angular velocity and acceleration are those given."
-    how = "from the angle by central differences over 15 samples"
     if not measured:
         return f"Angular velocity and acceleration {how}."
-    other = "Angular acceleration" if measured == ["angular_velocity"] else "Angular velocity"
-    return f"The {measured[0].replace('_', ' ')} is that given. {other} {how}."
+    other = next(role for role in _DERIVATIVES.values() if role not in signals)
+    given, computed = (role.replace("_", " ") for role in (measured[0], other))
+    return f"The {given} is that given. {computed.capitalize()} {how}."
+
+
+#: Filters of raw EMG in their order, which is rectified between them.
+_EMG_FILTERS: dict[Literal["highpass", "lowpass"], str] = {
+    "highpass": "high-pass",
+    "lowpass": "low-pass",
+}
+#: Raw EMG must be sampled at this many times its high-pass cut-off.
+RATE_FACTOR = 4.0
+
+#: An envelope may be negative by this fraction of its maximum: a low-pass filter rings by a few
+#: hundredths, raw EMG is as negative as it is positive.
+NEGATIVE_FRACTION = 0.1
+
+
+def envelope(source: Uniform, settings: Preparation) -> Uniform:
+    """Mean removed, high-passed, rectified and, where set, low-passed EMG at its own rate."""
+    values = source.values - source.values.mean()
+    for kind in _EMG_FILTERS:
+        cutoff, order = (getattr(settings, f"emg_{kind}_{what}") for what in ("hz", "order"))
+        values = np.abs(values) if kind == "lowpass" else values
+        if cutoff is not None:
+            values = butterworth(
+                values, source.axis.rate_hz, cutoff, order, kind, ends="even", where=source.where
+            )
+    return source.replaced(values)
+
+
+def refuse_not_raw(channel: Channel, source: Uniform, settings: Preparation) -> None:
+    """Raise InputError where raw EMG is an envelope, or too slow for the high-pass filter."""
+    lowest, highest = float(channel.values.min()), float(channel.values.max())
+    if lowest >= 0.0 and highest > lowest:
+        # On a constant offset, which the filter takes away, raw EMG has no negative sample either.
+        sentence = contradiction(channel.role, look_of(channel.time, channel.values), "raw")
+        if sentence:
+            trial = source.where.removesuffix(f": {channel.role}")
+            raise InputError(f"{trial}: {sentence}, or use --prepared if all signals are")
+    cutoff = settings.emg_highpass_hz
+    if cutoff is not None and source.axis.rate_hz < RATE_FACTOR * cutoff:
+        raise InputError(
+            f"{source.where}: raw EMG at {source.axis.rate_hz:g} Hz is too slow for the high-pass "
+            f"at {cutoff:g} Hz, which needs {RATE_FACTOR * cutoff:g} Hz; if it is an envelope "
+            f"say so (# emg: envelope), else lower emg_highpass_hz in the [prepare] settings"
+        )
+
+
+def refuse_negative(channel: Channel, where: str, declared: str) -> None:
+    """Raise InputError where an envelope is negative by more than a tenth of its maximum.
+
+    `declared` is what the recording says that its EMG is.
+    """
+    at = int(np.argmin(channel.values))
+    lowest, highest = float(channel.values[at]), float(channel.values.max())
+    if lowest < -NEGATIVE_FRACTION * max(highest, 0.0):
+        sentence = contradiction(channel.role, look_of(channel.time, channel.values), declared)
+        if sentence:
+            raise InputError(f"{where.removesuffix(f': {channel.role}')}: {sentence}")
+        raise InputError(
+            f"{where}: an EMG envelope cannot be negative, but it is {lowest:.3g} at "
+            f"{channel.time[at]:.6g} s (maximum {highest:.3g}); fit raw EMG without --prepared"
+        )
+
+
+def envelope_step(sources: list[Uniform], settings: Preparation) -> str:
+    """What was done to raw EMG."""
+    rates = sorted({source.axis.rate_hz for source in sources})
+    parts = ["mean removed"]
+    for kind, words in _EMG_FILTERS.items():
+        cutoff, order = (getattr(settings, f"emg_{kind}_{what}") for what in ("hz", "order"))
+        parts += ["rectified"] if kind == "lowpass" else []
+        if cutoff is not None:
+            parts.append(
+                f"zero-phase Butterworth {words} of order {order} (-3 dB at {cutoff:g} Hz after "
+                "both passes)"
+            )
+    return f"EMG ({', '.join(f'{rate:.6g}' for rate in rates)} Hz): {', '.join(parts)}."

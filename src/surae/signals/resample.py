@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -182,33 +181,29 @@ def derivatives(
         )
     # Both stencils sum to zero, but only to rounding: without its offset the angle loses no digits.
     centred = angle - angle[0]
-    first, second = _stencils()
     velocity, acceleration = np.empty(n), np.empty(n)
-    for out, stencil, sign in ((velocity, first, -1.0), (acceleration, second, 1.0)):
-        out[HALF_WIDTH : n - HALF_WIDTH] = np.convolve(centred, stencil.centre[::-1], "valid")
-        out[:HALF_WIDTH] = stencil.start @ centred[: 2 * HALF_WIDTH]
+    outs = zip((velocity, acceleration), _stencils(), (-1.0, 1.0), strict=True)
+    for out, (centre, start), sign in outs:
+        out[HALF_WIDTH : n - HALF_WIDTH] = np.convolve(centred, centre[::-1], "valid")
+        out[:HALF_WIDTH] = start @ centred[: 2 * HALF_WIDTH]
         # The end is the start of the reversed signal; reversing time turns odd derivatives around.
         reverse = centred[: -2 * HALF_WIDTH - 1 : -1]
-        out[n - HALF_WIDTH :] = sign * (stencil.start @ reverse)[::-1]
+        out[n - HALF_WIDTH :] = sign * (start @ reverse)[::-1]
     return velocity * rate_hz, acceleration * rate_hz**2
 
 
-class _Stencil(NamedTuple):
-    """Weights of one derivative per sample: inside, (15,), and at the first 7 samples, (7, 14)."""
-
-    centre: FloatArray
-    start: FloatArray
-
-
 @cache
-def _stencils() -> tuple[_Stencil, _Stencil]:
-    """Weights of the first and second derivative for samples one apart."""
+def _stencils() -> tuple[tuple[FloatArray, FloatArray], ...]:
+    """Weights of the first and second derivative for samples one apart.
+
+    Each inside, shape (15,), and at the first 7 samples, shape (7, 14).
+    """
     centre = _weights(np.arange(-HALF_WIDTH, HALF_WIDTH + 1, dtype=np.float64))
     start = np.zeros((3, HALF_WIDTH, 2 * HALF_WIDTH))
     for i in range(HALF_WIDTH):
         width = max(_END_WIDTH, 2 * i + 1)
         start[:, i, :width] = _weights(np.arange(-i, width - i, dtype=np.float64))
-    return _Stencil(centre[1], start[1]), _Stencil(centre[2], start[2])
+    return (centre[1], start[1]), (centre[2], start[2])
 
 
 def _weights(nodes: FloatArray) -> FloatArray:

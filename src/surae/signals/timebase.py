@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.recording import Channel
-from surae.recording.samples import check_samples, rounding
+from surae.recording.table import check_samples, rounding
 from surae.units import FloatArray
 
 #: A step longer than this many median steps is a gap: at least one sample is missing.
@@ -75,16 +75,10 @@ def timing(channel: Channel, recording: str) -> Timing:
         return Timing(Axis(start, rate, n), jitter, uniform=True)
 
     resolution = rounding(time, _COARSEST_STAMPS * step)
-    if resolution is not None:
-        rounded = _axis_of_rounded(time, resolution)
-        if rounded is not None:
-            spread = float(np.max(np.abs(time - rounded.time)))
-            return Timing(rounded, spread, uniform=True)
-
-    written = _axis_of_written(time, step)
-    if written is not None:
-        spread = float(np.max(np.abs(time - written.time)))
-        return Timing(written, spread, uniform=True)
+    axis = None if resolution is None else _axis_of_rounded(time, resolution)
+    axis = axis or _axis_of_written(time, step)
+    if axis is not None:
+        return Timing(axis, float(np.max(np.abs(time - axis.time))), uniform=True)
 
     median = float(np.median(steps))
     longest = int(np.argmax(steps))

@@ -71,18 +71,11 @@ class Weighting(Request):
 def weighted(
     inputs: Sequence[ModelInputs], weighting: Weighting | Sequence[Weighting]
 ) -> tuple[ModelInputs, ...]:
-    """Recordings with weights; those they have already are multiplied.
+    """Recordings with weights, for all or one for each; those they have already are multiplied.
 
     The weight of activity is (1 + peaks·a)/mean, where a goes from 0 at rest to 1 at a peak: the
     activity, averaged over 0.25 s, over its own 95th percentile, at most 1. With mean 1 a
     recording keeps its share among others.
-
-    Parameters
-    ----------
-    inputs : sequence of ModelInputs
-        Prepared recordings.
-    weighting : Weighting, or sequence of Weighting
-        For all recordings, or one for each.
 
     Raises
     ------
@@ -93,31 +86,27 @@ def weighted(
     each = [weighting] * len(inputs) if isinstance(weighting, Weighting) else list(weighting)
     if len(each) != len(inputs):
         raise InputError(f"{len(each)} weightings for {len(inputs)} recordings; give one for each")
-    used: set[int] = set()
-    all_weighted = []
     for recording, how in zip(inputs, each, strict=True):
-        counted, touched = _weighted(recording, how)
-        used |= touched
-        missed = set() if shared else set(range(len(how.windows))) - touched
-        for number in sorted(missed):
-            raise InputError(_outside(how.windows[number], [recording]))
-        all_weighted.append(counted)
-    if isinstance(weighting, Weighting):
-        for number, window in enumerate(weighting.windows):
-            if number not in used:
-                raise InputError(_outside(window, inputs))
-    return tuple(all_weighted)
+        among = inputs if shared else [recording]
+        for start, end, _ in how.windows:
+            if not any(_within(one, start, end).any() for one in among):
+                spans = ", ".join(f"{r.where}: {r.time[0]:g} … {r.time[-1]:g} s" for r in among)
+                raise InputError(f"window {_span(start, end)} holds no sample ({spans})")
+    return tuple(_weighted(recording, how) for recording, how in zip(inputs, each, strict=True))
 
 
-def _weighted(recording: ModelInputs, how: Weighting) -> tuple[ModelInputs, set[int]]:
-    """One recording with weights, and the windows that hold a sample of it."""
+def _within(recording: ModelInputs, start: float, end: float) -> npt.NDArray[np.bool_]:
+    return (recording.time >= start) & (recording.time <= end)
+
+
+def _weighted(recording: ModelInputs, how: Weighting) -> ModelInputs:
+    """One recording with weights."""
     weight = np.ones(recording.n) if recording.weight is None else recording.weight.copy()
-    touched, steps = set(), []
-    for number, (start, end, factor) in enumerate(how.windows):
-        within = (recording.time >= start) & (recording.time <= end)
+    steps = []
+    for start, end, factor in how.windows:
+        within = _within(recording, start, end)
         if not within.any():
             continue
-        touched.add(number)
         weight[within] *= factor
         effect = "left out of the fit" if factor == 0 else f"counts {factor:g} times"
         steps.append(f"Weights: {_span(start, end)} {effect}.")
@@ -131,16 +120,14 @@ def _weighted(recording: ModelInputs, how: Weighting) -> tuple[ModelInputs, set[
             f"{1 + how.peaks:g} times as much as rest."
         )
     if not steps:
-        return recording, touched
+        return recording
     counted = weight[weight > 0]
-    alike = bool(np.all(counted == counted[0]))
-    emphasised = replace(
+    return replace(
         recording,
         weight=read_only(weight),
-        emphasised=recording.emphasised or not alike,
+        emphasised=recording.emphasised or not bool(np.all(counted == counted[0])),
         steps=(*recording.steps, *steps),
     )
-    return emphasised, touched
 
 
 def activity(
@@ -172,14 +159,6 @@ def _scaled(level: FloatArray, rate_hz: float, mask: npt.NDArray[np.bool_]) -> F
     if not peak > 0:
         return np.zeros(len(level))
     return np.asarray(np.minimum(smooth / peak, 1.0), dtype=np.float64)
-
-
-def _outside(window: tuple[float, float, float], inputs: Sequence[ModelInputs]) -> str:
-    spans = ", ".join(
-        f"{recording.where}: {recording.time[0]:g} … {recording.time[-1]:g} s"
-        for recording in inputs
-    )
-    return f"window {_span(window[0], window[1])} holds no sample ({spans})"
 
 
 def _span(start: float, end: float) -> str:

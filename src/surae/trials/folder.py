@@ -8,15 +8,14 @@ import itertools
 import json
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from surae.errors import InputError
 from surae.files import PathLike, natural_order, paths_of, read_bytes, shown
 from surae.recording.formats import data_files
-from surae.recording.mapping import Description
-from surae.recording.mapping_reader import TRIAL
+from surae.recording.mapping import TRIAL, Description
 from surae.recording.reading import is_mapping
 from surae.recording.source import Source, open_source
 from surae.trials.sorting import Trial
@@ -105,7 +104,12 @@ def fit_in(folder: PathLike) -> Path:
         raise InputError(f"{shown(folder)}: this is no session: it has no {INDEX}; give a FIT.json")
     if index.get("joint"):
         return root / JOINT
-    alone = [fit_name(each["name"]) for each in _dicts(index.get("trials")) if each.get("fit")]
+    trials = index.get("trials")
+    alone = [
+        fit_name(each["name"])
+        for each in (trials if isinstance(trials, list) else [])
+        if isinstance(each, dict) and isinstance(each.get("name"), str) and each.get("fit")
+    ]
     if len(alone) == 1:
         return root / alone[0]
     failed = index.get("failed")
@@ -115,11 +119,6 @@ def fit_in(folder: PathLike) -> Path:
         f"{shown(folder)}: {len(alone)} fits and no joint one ({why}); give the FIT.json to "
         "compare, or run `surae session` again"
     )
-
-
-def _dicts(value: object) -> list[Mapping[str, Any]]:
-    every = value if isinstance(value, list) else []
-    return [each for each in every if isinstance(each, dict) and isinstance(each.get("name"), str)]
 
 
 def _distinct(trials: Iterable[str]) -> tuple[str, ...]:
@@ -181,7 +180,9 @@ def trial_files(
                 "or rename it"
             )
         trials[name] = path
-    return {name: trials[name] for name in sorted(trials, key=_order)}
+    # Those that begin with a number come first.
+    order = sorted(trials, key=lambda name: (not name[:1].isdigit(), natural_order(name)))
+    return {name: trials[name] for name in order}
 
 
 def _in_folder(folder: Path, description: Description | None) -> list[Path]:
@@ -192,7 +193,7 @@ def _in_folder(folder: Path, description: Description | None) -> list[Path]:
     named: set[Path] = set()
     if description is None:
         for path in sorted(folder.glob("*.toml")):
-            if (source := _mapping(path)) is not None:
+            if is_mapping(source := open_source(path)):
                 described.append(path)
                 named |= set(_named_files(source))
     data = [path for path in data_files(folder) if path.resolve() not in named]
@@ -200,11 +201,6 @@ def _in_folder(folder: Path, description: Description | None) -> list[Path]:
     converted = {p.stem for p in data if p.suffix.lower() in (".h5", ".hdf5")}
     data = [p for p in data if p.suffix.lower() != ".xdf" or p.stem not in converted]
     return [*described, *data]
-
-
-def _mapping(path: Path) -> Source | None:
-    source = open_source(path)
-    return source if is_mapping(source) else None
 
 
 def _named_files(source: Source) -> Iterable[Path]:
@@ -219,8 +215,3 @@ def _named_files(source: Source) -> Iterable[Path]:
                 f"{source.shown}: this mapping is of many files; give it with --mapping (mapping=…)"
             )
     return [(Path(source.path).parent / file).resolve() for file in files]
-
-
-def _order(name: str) -> tuple[bool, list[tuple[int, str]]]:
-    """What trials are sorted by: those that begin with a number come first."""
-    return not name[:1].isdigit(), natural_order(name)

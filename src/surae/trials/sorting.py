@@ -46,9 +46,8 @@ class Reading:
     path: str | None  #: Its file, None for a recording that came from no file.
     recording: Recording | None  #: None where it could not be read, and `problem` says why.
     problem: str = ""  #: Empty where there is none.
-    description: TrialDescription = field(
-        default_factory=TrialDescription
-    )  #: What its mapping says of it.
+    #: What its mapping says of it.
+    description: TrialDescription = field(default_factory=TrialDescription)
 
 
 @filed(angle="angle_rad", torque="torque_Nm", sd="sd_Nm")
@@ -102,19 +101,22 @@ def sorted_trials(
             raise InputError(f"effort of {name!r}: there is no such trial; trials: {names}")
         if effort not in EFFORTS:
             raise InputError(f"effort of {name} is {effort!r}; use one of: {', '.join(EFFORTS)}")
-    seen: dict[str, Signals] = {}
+    levels: dict[str, dict[str, _Level]] = {}
     trials = []
     for reading in readings:
         trial = _unsorted(reading)
         if not trial.problem and reading.recording is not None:
-            seen[trial.name] = signals_of(reading.recording)
-            trial = _moved(trial, seen[trial.name])
+            signals = signals_of(reading.recording)
+            trial = _moved(trial, signals)
+            levels[trial.name] = {}
+            for muscle, envelope in signals.fast.items():
+                level = smooth(envelope, round(_AVERAGED * signals.rate_hz))
+                levels[trial.name][muscle] = _Level(quantile(level, 0.05), float(level.max()))
         trials.append(trial)
-    levels = {name: _levels(signals) for name, signals in seen.items()}
     moving = [trial.name for trial in trials if trial.moves]
     sorted_: list[Trial] = []
     for trial, reading in zip(trials, readings, strict=True):
-        if trial.name not in seen:
+        if trial.name not in levels:
             sorted_.append(trial)
             continue
         stated = given.get(trial.name) or reading.description.effort
@@ -127,15 +129,11 @@ def sorted_trials(
 
 def _unsorted(reading: Reading) -> Trial:
     """A trial of which nothing is decided yet."""
-    problem = reading.problem
-    if not problem and reading.recording is not None:
-        recording = reading.recording
-        if not reading.description.use:
-            problem = LEFT_OUT
-        elif "torque" not in recording.channels:
-            problem = "there is no torque"
-        else:
-            problem = unfit(recording) or ""
+    problem, recording = reading.problem, reading.recording
+    if not problem and recording is not None:
+        no_torque = "" if "torque" in recording.channels else "there is no torque"
+        problem = no_torque or unfit(recording) or ""
+        problem = problem if reading.description.use else LEFT_OUT
     return Trial(
         reading.name, reading.path, reading.recording, problem, "unknown", False, "", "none",
         condition=reading.description.condition, notes=reading.description.notes,
@@ -153,14 +151,6 @@ def _moved(trial: Trial, signals: Signals) -> Trial:
     )
     moves = f", it moves {degrees}" if high - low > np.radians(0.1) else ""
     return replace(trial, hold=hold, why=f"a static hold{moves}")
-
-
-def _levels(signals: Signals) -> dict[str, _Level]:
-    levels = {}
-    for muscle, envelope in signals.fast.items():
-        level = smooth(envelope, round(_AVERAGED * signals.rate_hz))
-        levels[muscle] = _Level(quantile(level, 0.05), float(level.max()))
-    return levels
 
 
 def _effort(
@@ -189,9 +179,6 @@ def _effort(
         return "unknown", "no EMG changes in any trial: whether muscles were active it does not say"
     muscle = max(shares, key=lambda m: shares[m])
     percent = 100 * shares[muscle]
-    text = (
-        f"the {MUSCLE_NAMES[muscle]} reaches {percent:.0f} % of its largest activity in the session"
-        if percent >= 1.0
-        else f"the {MUSCLE_NAMES[muscle]} stays below 1 % of its largest activity in the session"
-    )
+    part = f"reaches {percent:.0f} %" if percent >= 1.0 else "stays below 1 %"
+    text = f"the {MUSCLE_NAMES[muscle]} {part} of its largest activity in the session"
     return ("active" if shares[muscle] > _RELAXED else "passive"), text

@@ -42,10 +42,10 @@ class TrialSet:
         raise KeyError(name)
 
     def __repr__(self) -> str:
-        lines = [f"Session {self.name!r}: {_count(len(self.trials), 'trial')}"]
+        count = f"{len(self.trials)} trial{'' if len(self.trials) == 1 else 's'}"
         about = [f"{key} {value}" for key in ("side", "date", "condition")
                  if (value := getattr(self, key))]  # fmt: skip
-        lines[0] += f" ({', '.join(about)})" if about else ""
+        lines = [f"Session {self.name!r}: {count}" + (f" ({', '.join(about)})" if about else "")]
         for trial in self.trials:
             described = trial.problem or f"{trial.effort}, {trial.why}"
             lines.append(f"  {trial.name}: {trial.use}: {described}")
@@ -64,21 +64,9 @@ class TrialSet:
     def emg_reference(self, settings: FitSettings | None = None) -> EmgReference | None:
         """What EMG is divided by: one number for each muscle, of all trials of the session.
 
-        Parameters
-        ----------
-        settings : FitSettings, optional
-            The settings of a fit; its ``normalise`` says of what, ``"mvc"`` being the trials of
-            maximal effort. By default these where there are any, else all trials.
-
-        Returns
-        -------
-        EmgReference or None
-            None where the settings ask for no normalisation, or EMG is not in volts.
-
-        Raises
-        ------
-        InputError
-            There is no trial of maximal effort, or a muscle is silent throughout.
+        The ``normalise`` of a fit's settings says of what, ``"mvc"`` being the trials of maximal
+        effort; by default these where there are any, else all trials. None where the settings ask
+        for no normalisation, or EMG is not in volts.
         """
         maximal = [trial for trial in self.read if trial.effort == "maximal"]
         settings = settings or FitSettings(normalise="mvc" if maximal else "session")
@@ -92,34 +80,22 @@ class TrialSet:
         plain = replace(settings, normalise=None, weights=None)
         kind = "mvc" if settings.normalise == "mvc" else "session"
         recordings = [t.recording for t in (maximal if kind == "mvc" else self.read)]
-        inputs = [plain.prepare(r) for r in recordings if r is not None and _in_volts(r)]
+        inputs = [
+            plain.prepare(recording)
+            for recording in recordings
+            if recording is not None
+            and "V" in (c.unit for role, c in recording.channels.items() if role[:4] == "emg_")
+        ]
         return emg_reference(inputs, kind) if inputs else None  # type: ignore[arg-type]
 
     def to_fit(self, name: str) -> Recording:
-        """The recording of a trial that can be fitted.
-
-        Parameters
-        ----------
-        name : str
-            The trial's.
-
-        Returns
-        -------
-        Recording
-            As it was read.
-
-        Raises
-        ------
-        InputError
-            There is no such trial, or it cannot be fitted; why.
-        """
-        try:
-            trial = self[name]
-        except KeyError:
+        """The recording of a trial that can be fitted, as it was read."""
+        trial = next((trial for trial in self.trials if trial.name == name), None)
+        if trial is None:
             known = ", ".join(self.fitted) or "none"
             raise InputError(
                 f"{self.name}: there is no trial {name!r}; those that can be fitted: {known}"
-            ) from None
+            )
         if trial.use != "fit" or trial.recording is None:
             why = trial.problem or f"{trial.why}: it has no parameters of its own to tell"
             raise InputError(f"{self.name}: {name} cannot be fitted: {why}")
@@ -140,28 +116,18 @@ def reading_of(recording: Recording) -> Reading:
     return Reading(recording.name, path, recording)
 
 
-def _in_volts(recording: Recording) -> bool:
-    emg = [c for role, c in recording.channels.items() if role.startswith("emg_")]
-    return bool(emg) and emg[0].unit == "V"
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"
-
-
 def common_errors(quality: Iterable[Quality]) -> tuple[str, ...]:
     """Errors that more than half of the trials have, at least two, with what to do."""
     every = list(quality)
-    advice: dict[str, tuple[str, int]] = {}
+    advice: dict[str, list[str]] = {}
     for checked in every:
         errors = {f.code: f.advice for f in checked.findings if f.severity == "error"}
         for code, text in errors.items():
-            first, count = advice.get(code, (text, 0))
-            advice[code] = first, count + 1
+            advice.setdefault(code, []).append(text)
     return tuple(
-        f"{code} in {count} of {len(every)} trials alike, so it is the mapping's: {text}"
-        for code, (text, count) in advice.items()
-        if count > 1 and 2 * count > len(every)
+        f"{code} in {len(texts)} of {len(every)} trials alike, so it is the mapping's: {texts[0]}"
+        for code, texts in advice.items()
+        if len(texts) > 1 and 2 * len(texts) > len(every)
     )
 
 
