@@ -118,13 +118,18 @@ class ConditionalPosterior:
     """Modes of a family's posterior with one of its parameters held; as `Conditional`."""
 
     def __init__(
-        self, posterior: LogPosterior, mode: Point, name: str, stopped: Callable[[], bool]
+        self,
+        result: FitResult,
+        posterior: LogPosterior,
+        mode: Point,
+        name: str,
+        stopped: Callable[[], bool],
     ) -> None:
         self._posterior, self._stopped = posterior.apart(), stopped
         self._j, self._name = posterior.names.index(name), name
         self.evaluations = 0
         self.limits = self._value(posterior.lower), self._value(posterior.upper)
-        self.fit = self._minimum(mode)
+        self.fit = replace(self._minimum(mode), value=result.values[name])
 
     def at(self, value: float, near: ConditionalMinimum) -> ConditionalMinimum | None:
         """The mode with the parameter at `value`, from a point of the posterior nearby."""
@@ -172,7 +177,7 @@ def surface_of(result: FitResult) -> Surface:
     """What profiles of a fit go over: its sum of squares, or the posterior of its family."""
     if result.family is not None:
         posterior, mode = resumed(result)
-        return lambda name, stopped: ConditionalPosterior(posterior, mode, name, stopped)
+        return lambda name, stopped: ConditionalPosterior(result, posterior, mode, name, stopped)
     problem, noise = result.problem, 0.0
     if problem.priors:  # they are weighed against what a fit without them leaves
         plain = fit_problem(replace(problem, priors={}), starts=1)
