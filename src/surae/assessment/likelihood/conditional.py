@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +30,7 @@ class ConditionalMinimum:
     sse: float  #: Sum of squared residuals, weighted and with priors [Nm²], or −2 ln p.
     #: What predicts the others: triangular factor of the Jacobian by all, (p, p); a posterior's
     #: point.
-    local: "FloatArray | Point"
+    local: Any
     converged: bool = True  #: False where the iteration limit came first.
 
 
