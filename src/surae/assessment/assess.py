@@ -209,6 +209,11 @@ def _is_nuisance(result: FitResult, name: str) -> bool:
     return result.family is not None and name in result.family.beliefs
 
 
+def _noise_share(half: float, shift: float) -> float:
+    """What noise has of a variance that a model's bias shares, whatever size both have."""
+    return (half / (half + shift)) ** 2
+
+
 def _parameters(
     result: FitResult,
     estimated: Covariance,
@@ -248,8 +253,7 @@ def _parameters(
             repeatable = half <= IDENTIFIED * abs(value) and not withheld
             shift = against.shift.get(name, 0.0) if against is not None else 0.0
             if against is not None and shift > 0.0:
-                # what noise has of a variance that a model's bias shares, whatever size both have
-                budget = {"noise": (half / (half + shift)) ** 2}
+                budget = {"noise": _noise_share(half, shift)}
                 budget["model"] = 1.0 - budget["noise"]
                 half += shift
             ci95 = (value - half, value + half)
