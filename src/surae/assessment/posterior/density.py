@@ -79,7 +79,8 @@ def _of_nuisance(prior: Gaussian) -> SamplingPrior:
 #: Logarithm of a density, and its gradient; minus infinity where the model has no finite torque.
 Density = Callable[[FloatArray], tuple[float, FloatArray]]
 
-#: The mode is looked for from within `_NEAR` spreads of every prior to `_FAR` of them.
+#: Nothing lies further than `_FAR` spreads from its prior, where the model may overflow; the mode
+#: is looked for from within `_NEAR` of them.
 _FAR, _NEAR = 12.0, 3.0
 
 
@@ -144,6 +145,8 @@ class Target:
         def log_posterior(u: FloatArray) -> tuple[float, FloatArray]:
             z = self._mode + self._root @ u
             away = (z - self._centre) / self._spread
+            if not np.abs(away).max() <= _FAR:
+                return -np.inf, np.zeros_like(u)
             rows = self._rows(residuals, z)
             sse = sum_of_squares(rows[-1])
             with np.errstate(all="ignore"):  # what is not finite is refused below
