@@ -10,7 +10,7 @@ from surae.model.registry import PARAMETERS
 
 
 def test_every_parameter_has_advice_and_trade_offs_are_of_parameters():
-    names = {name for spec in MODELS.values() for name in spec.names}
+    names = {"f", "b_tri", "F0", "e1", "e2", "e3", "e4", *PARAMETERS}
     assert all(p.advice for p in PARAMETERS.values())
     assert all(p.advice for spec in MODELS.values() for p in spec.parameters)
     for known in TRADE_OFFS:

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.stats import norm, truncnorm
+from scipy.stats import norm
 
-from surae.assessment.posterior.density import Target
 from surae.assessment.posterior.importance import ENOUGH, weighted_draws
 
 MEAN = np.array([1.0, -0.5, 0.0])
@@ -92,53 +91,6 @@ def test_without_a_density_anywhere_nothing_is_believed():
     found = draw(lambda u: (-np.inf, 0.0 * u))
     assert found.k_hat == np.inf
     assert found.effective == 0.0
-
-
-def test_what_is_cut_off_is_never_drawn_and_the_rest_is_as_by_quadrature():
-    """A Gaussian truncated near its mode, correlated with one that is not."""
-    covariance = np.array([[1.0, 0.7], [0.7, 1.0]])
-
-    def density(z):
-        away = np.linalg.solve(covariance, z)
-        return float(-0.5 * z @ away), -away
-
-    target = Target(
-        {}, np.zeros(2), covariance, np.array([-0.5, -40.0]), np.array([30.0, 40.0]),
-        lambda: density, lambda z: z,
-    )  # fmt: skip
-    found = weighted_draws([target.density()], 2, rounds=4, size=1500, seed=3)
-    assert found.k_hat < 0.5
-    z = target.parameters(found.resampled(4000, np.random.default_rng(0)))
-    assert z[:, 0].min() >= -0.5
-    expected = truncnorm(-0.5, 30.0)
-    error = 4.0 / found.effective**0.5
-    assert z[:, 0].mean() == pytest.approx(expected.mean(), abs=error)
-    assert z[:, 1].mean() == pytest.approx(0.7 * expected.mean(), abs=error)
-    ends = np.quantile(z[:, 0], [0.025, 0.5, 0.975])
-    assert ends == pytest.approx(expected.ppf([0.025, 0.5, 0.975]), abs=0.12)
-
-
-def test_a_valley_is_bent_with_its_volume():
-    """k·(1 − x0) is a Gaussian's, and so is ln k: in u exactly a Gaussian but for that product."""
-    mode = np.array([0.0, 0.2])
-
-    def density(z):
-        phi, k = (np.exp(z[0]) * (1.0 - z[1]) - 0.8) / 0.05, z[0] / 0.3
-        dphi = np.array([np.exp(z[0]) * (1.0 - z[1]), -np.exp(z[0])]) / 0.05
-        return -0.5 * (phi**2 + k**2) + z[0], -phi * dphi + np.array([1.0 - k / 0.3, 0.0])
-
-    J = np.array([[1.0 / 0.3, 0.0], [0.8 / 0.05, -1.0 / 0.05]])
-    wide = np.full(2, 50.0)
-    target = Target(
-        {}, mode, np.linalg.inv(J.T @ J), -wide, wide, lambda: density, lambda z: z,
-        ((0, 1, 1.0),),
-    )  # fmt: skip
-    log_posterior = target.density()
-    top = log_posterior(np.zeros(2))[0]
-    for u in np.random.default_rng(4).standard_normal((20, 2)):
-        height, slope = log_posterior(u)
-        assert height - top == pytest.approx(-0.5 * u @ u, abs=1e-6)
-        assert slope == pytest.approx(-u, abs=1e-6)
 
 
 def test_ctrl_c_keeps_what_is_drawn_and_progress_counts():

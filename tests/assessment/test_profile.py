@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from scipy.stats import t as student
 from toys import linear, toy_fit, toy_problem
 
-from surae.assessment.likelihood.conditional import Conditional
+from surae.assessment.likelihood.conditional import Conditional, ConditionalMinimum
 from surae.assessment.likelihood.profile import profile
 from surae.errors import InputError
 from surae.estimation import Prior, fit_problem, make_problem
@@ -185,9 +185,10 @@ def test_one_without_influence_at_its_bound_does_not_lead_astray():
     a, c = np.polyfit(TIME, data, 1)
     near = np.array([a, 600.0, c])
     R = compress(Residuals(problem).rows(near).copy())[0]
-    minima = Conditional(problem, 0.0, "a")
+    fit = replace(fit_problem(problem, starts=1), values={"a": a, "b": 600.0, "c": c})
+    minima = Conditional(fit, 0.0, "a", bool)
     for step in (1e-6, 1e-3, 0.1, -1e-6, -1e-3, -0.1):
-        found = minima.at(a + step, near, R)
+        found = minima.at(a + step, ConditionalMinimum(a, near, minima.fit.sse, R))
         assert found.x == pytest.approx([a + step, 600.0, np.mean(data - (a + step) * TIME)])
         assert found.converged
     assert minima.evaluations <= 30

@@ -28,7 +28,7 @@ READ_ONLY = {
     "surae live": "runs in real time until it is stopped; tests/live runs it",
     "surae serve": "serves until it is stopped; tests/web runs it",
     "surae reproduce": "takes minutes; tests/thesis runs it",
-    "surae posterior": "takes minutes of a fit of auto; tests/cli/test_posterior.py runs it",
+    "surae posterior": "takes a while; tests/cli/test_posterior.py runs it",
     "surae demo": "fits for seconds; tests/cli/test_demo.py runs it",
     "surae project": "needs a project; tests/web/test_web_upkeep.py runs it",
     "--dask": "needs a cluster; tests/studies runs one",

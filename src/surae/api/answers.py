@@ -296,10 +296,11 @@ def profile(
 
 @takes(PosteriorSettings)
 def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any) -> Posterior:
-    """Draws from the posterior: what recordings and prior knowledge say together.
+    """Draws from the posterior of a named model: what recordings and priors say together.
 
-    Draws of the Laplace approximation, weighted by the posterior itself. Where the weights show
-    that this does not do, `status` is ``"not reliable"`` and there are no intervals: see `profile`.
+    A fit of ``auto`` is a posterior already. Draws of the Laplace approximation are weighted by the
+    posterior itself. Where the weights show that this does not do, `status` is ``"not reliable"``
+    and there are no intervals: see `profile`.
     The same seed gives the same draws on any number of cores.
 
     Parameters
@@ -318,7 +319,7 @@ def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any)
     Raises
     ------
     InputError
-        A setting or prior is impossible, or the fit has no residual to draw from.
+        A setting or prior is impossible, or the fit is of ``auto`` or has no residual.
     """
     request, reason = PosteriorSettings(**settings), "given"
     if request.variance_inflation is None:

@@ -23,7 +23,7 @@ from enum import StrEnum
 import numpy as np
 
 from surae.assessment.fascicles import fascicles_of
-from surae.assessment.residual import centred_r2
+from surae.assessment.residual import centred_r2, counted
 from surae.assessment.uncertainty.covariance import covariance
 from surae.estimation import FitResult
 from surae.model.laboratory import group_of
@@ -62,51 +62,41 @@ class Grade(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Adequacy:
-    """Whether a fit is good enough for its numbers to mean something.
+    """Whether a fit is good enough for its numbers to mean something."""
 
-    Attributes
-    ----------
-    grade : Grade
-        ``inadequate`` withholds every claim; ``doubtful`` asks for caution.
-    reasons : tuple of str
-        Sentences, the gravest first; empty for an adequate fit.
-    r2 : float
-        Centred R² over all recordings, 100·(1 − Σe²/Σ(T − T̄)²) [%]; NaN without a finite torque.
-    """
-
-    grade: Grade
-    reasons: tuple[str, ...]
+    grade: Grade  #: ``inadequate`` withholds every claim; ``doubtful`` asks for caution.
+    reasons: tuple[str, ...]  #: Sentences, the gravest first; empty for an adequate fit.
+    #: Centred R² over all recordings, 100·(1 − Σe²/Σ(T − T̄)²) [%]; NaN without a finite torque.
     r2: float
 
 
 def judge_adequacy(result: FitResult) -> Adequacy:
     """Judge a whole fit."""
     inputs, residuals = result.problem.inputs, result.residuals
-    r2 = centred_r2(
-        [_counted(recording, e) for recording, e in zip(inputs, residuals, strict=True)]
-    )
+    r2 = centred_r2(list(map(counted, inputs, residuals)))
     if result.status == "failed" or not np.isfinite(r2):
         return Adequacy(Grade.INADEQUATE, ("the fit failed",), r2)
-    grave: list[str] = []
-    doubts: list[str] = []
-    for reasons in (
-        _goodness(r2),
-        _movement(inputs),
-        _effort(result),
-        _structure(inputs, residuals, r2),
-        _bounds(result),
-        _laboratory(result),
-        _agreement(inputs, residuals, r2),
-        _films(result),
-    ):
-        for serious, reason in reasons:
-            (grave if serious else doubts).append(reason)
-    grade = Grade.INADEQUATE if grave else Grade.DOUBTFUL if doubts else Grade.ADEQUATE
-    return Adequacy(grade, (*grave, *doubts), r2)
+    reasons = [
+        *_goodness(r2),
+        *_movement(inputs),
+        *_effort(result),
+        *_structure(inputs, residuals, r2),
+        *_bounds(result),
+        *_laboratory(result),
+        *_agreement(inputs, residuals, r2),
+        *_films(result),
+    ]
+    return _graded(sorted(reasons, key=lambda reason: not reason[0]), r2)
 
 
 #: Whether it is grave, and the sentence.
 _Reason = tuple[bool, str]
+
+
+def _graded(reasons: Sequence[_Reason], r2: float) -> Adequacy:
+    grades = [Grade.INADEQUATE if grave else Grade.DOUBTFUL for grave, _ in reasons]
+    worst = Grade.INADEQUATE if Grade.INADEQUATE in grades else Grade.DOUBTFUL
+    return Adequacy(worst if grades else Grade.ADEQUATE, tuple(text for _, text in reasons), r2)
 
 
 def _goodness(r2: float) -> list[_Reason]:
@@ -192,7 +182,7 @@ def _agreement(
         return []
     reasons = []
     for recording, e in zip(inputs, residuals, strict=True):
-        own = centred_r2([_counted(recording, e)])
+        own = centred_r2([counted(recording, e)])
         if own < r2 - _CONTRADICTS:
             reasons.append(
                 (own < _NOT_FOLLOWED, f"{recording.name} is not followed (R² {own:.1f} %)")
@@ -226,7 +216,7 @@ def judge_prediction(result: FitResult, recording: ModelInputs, torque: FloatArr
     changes.
     """
     predicted = np.zeros(recording.n) if recording.torque is None else recording.torque - torque
-    measured, e = _counted(recording, predicted)
+    measured, e = counted(recording, predicted)
     bias = float(e.mean())
     changes = e - bias
     r2 = centred_r2([(measured, changes)])
@@ -244,26 +234,18 @@ def judge_prediction(result: FitResult, recording: ModelInputs, torque: FloatArr
             (False, f"it errs by {error:.2g} Nm where the fit promises {promised:.2g} Nm")
         )
     if not abs(bias) <= _BEYOND * promised:
-        reasons.append(
-            (
-                False,
-                f"its mean is off by {bias:+.2g} Nm: another zero of the sensor, or another leg",
-            )
-        )
-    grades = [Grade.INADEQUATE if grave else Grade.DOUBTFUL for grave, _ in reasons]
-    worst = Grade.INADEQUATE if Grade.INADEQUATE in grades else Grade.DOUBTFUL
-    return Adequacy(worst if grades else Grade.ADEQUATE, tuple(text for _, text in reasons), r2)
+        off = f"its mean is off by {bias:+.2g} Nm: another zero of the sensor, or another leg"
+        reasons.append((False, off))
+    return _graded(reasons, r2)
 
 
 def _promised(result: FitResult, recording: ModelInputs) -> float:
     """Standard deviation [Nm] of the error that a fit promises of another recording's changes."""
     problem = result.problem
-    pairs = [
-        _counted(fitted, e) for fitted, e in zip(problem.inputs, result.residuals, strict=True)
-    ]
+    pairs = list(map(counted, problem.inputs, result.residuals))
     own = np.concatenate([e - e.mean() for _, e in pairs])
     changes = np.concatenate([torque - torque.mean() for torque, _ in pairs])
-    measured, _ = _counted(recording, np.zeros(recording.n))
+    measured, _ = counted(recording, np.zeros(recording.n))
     grown = max(1.0, float(np.std(measured)) / max(float(np.std(changes)), 1e-12))
     known = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
     columns = [problem.spec.names.index(name) for name in known.names]
@@ -324,9 +306,3 @@ def _features(recording: ModelInputs) -> FloatArray:
     for channel in active.T:
         columns += [channel, channel * angle]
     return np.stack(columns, axis=1)
-
-
-def _counted(recording: ModelInputs, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Measured torque and residual where samples count."""
-    torque = np.full(recording.n, np.nan) if recording.torque is None else recording.torque
-    return torque[recording.counts], residual[recording.counts]

@@ -17,7 +17,15 @@ from surae.assessment.parameter import (
     judge_singular,
     percent,
 )
-from surae.assessment.residual import LEVEL, Whiteness, centred_r2, rmse, vaf, weighted_vaf
+from surae.assessment.residual import (
+    LEVEL,
+    Whiteness,
+    centred_r2,
+    counted,
+    rmse,
+    vaf,
+    weighted_vaf,
+)
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
 from surae.assessment.uncertainty.robust import RobustCovariance, robust_covariance
 from surae.estimation import FitResult
@@ -25,11 +33,14 @@ from surae.estimation.contradiction import Contradiction, contradiction
 from surae.filed import filed
 from surae.frozen import Comparable
 from surae.model import adapted
-from surae.signals import ModelInputs
 from surae.threads import one_blas_thread
-from surae.units import FloatArray
 
 _NO_VARIANCE = "no estimate has a variance"
+_NOT_FINITE = "no interval: the model gives no finite torque here"
+_AT_BOUND = (
+    "at its {side} bound: no interval; the optimum is outside the bounds, or the data do not "
+    "constrain it"
+)
 _MARGINAL = (
     "they contain the correlated noise, the measurement errors, and the models that "
     "the data do not reject"
@@ -100,7 +111,11 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
     interval, why = _believed(result, white) if robust else (Interval.THESIS, _NO_VARIANCE)
     if result.family is not None:
         interval, why = Interval.MARGINAL, _MARGINAL
-    pairs = [_counted(*pair) for pair in zip(problem.inputs, result.residuals, strict=True)]
+    pairs = [
+        (*counted(trial, residual), np.ones(trial.n) if trial.weight is None else
+         trial.weight[trial.counts])
+        for trial, residual in zip(problem.inputs, result.residuals, strict=True)
+    ]  # fmt: skip
     filmed = fascicles_of(result)
     recordings = tuple(
         RecordingQuality(
@@ -194,17 +209,6 @@ def _is_nuisance(result: FitResult, name: str) -> bool:
     return result.family is not None and name in result.family.beliefs
 
 
-def _counted(
-    recording: ModelInputs, residual: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Measured torque, residual and weight where samples count."""
-    torque = recording.torque if recording.torque is not None else np.full(recording.n, np.nan)
-    if recording.weight is None:
-        return torque, residual, np.ones(recording.n)
-    counted = recording.weight > 0
-    return torque[counted], residual[counted], recording.weight[counted]
-
-
 def _noise_share(half: float, shift: float) -> float:
     """What noise has of a variance that a model's bias shares, whatever size both have."""
     return (half / (half + shift)) ** 2
@@ -236,13 +240,7 @@ def _parameters(
             verdict, note = Verdict.FIXED, "fixed, not estimated"
         elif name in at_bound:
             side = "lower" if value - lower < upper - value else "upper"
-            verdict, note = (
-                Verdict.AT_BOUND,
-                (
-                    f"at its {side} bound: no interval; the optimum is outside the bounds, or "
-                    "the data do not constrain it"
-                ),
-            )
+            verdict, note = Verdict.AT_BOUND, _AT_BOUND.format(side=side)
         elif name in variances:
             sem = float(np.sqrt(variances[name]))
             half = half_width(sem, estimated.dof)
@@ -267,10 +265,7 @@ def _parameters(
                     "though another trial of this leg would give the same with this model"
                 )
         elif not np.isfinite(estimated.sigma2):
-            verdict, note = (
-                Verdict.UNDETERMINED,
-                "no interval: the model gives no finite torque here",
-            )
+            verdict, note = Verdict.UNDETERMINED, _NOT_FINITE
         else:
             verdict, note = Verdict.UNDETERMINED, judge_singular(name, estimated.directions)
         parameters[name] = ParameterEstimate(

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from surae.filed import filed
 from surae.frozen import Comparable
 from surae.normal import NORMAL
+from surae.signals import ModelInputs
 from surae.units import FloatArray
 
 #: Probability with which the test calls white noise coloured.
@@ -141,6 +142,12 @@ def _exceeded(statistic: float, lags: int) -> float:
     from scipy.special import chdtrc
 
     return float(chdtrc(lags, statistic)) if lags else 1.0
+
+
+def counted(recording: ModelInputs, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Measured torque, NaN where there is none, and residual where samples count [Nm]."""
+    torque = np.full(recording.n, np.nan) if recording.torque is None else recording.torque
+    return torque[recording.counts], residual[recording.counts]
 
 
 def vaf(measured: FloatArray, residual: FloatArray) -> float:

@@ -21,39 +21,22 @@ from surae.units import FloatArray
 class Prediction(Comparable):
     """How well parameters predict a recording they were not fitted to.
 
-    Attributes
-    ----------
-    name : str
-        Name of the recording.
-    path : str or None
-        The file it was read from.
-    vaf : float
-        Variance accounted for, equation (31) [%], as the next two over the samples that count.
-    rmse, bias : float
-        Root mean square and mean of measured minus predicted torque [Nm].
-    torque : ndarray, shape (n,)
-        Predicted torque [Nm].
-    time, measured : ndarray, shape (n,)
-        Time [s] and measured torque [Nm].
-    weight : ndarray, shape (n,), or None
-        Of the samples; those of weight 0 are in no figure. None: all count.
-    adequacy : Adequacy or None
-        Whether it is as good as the fit promises; None where the parameters are of no fit.
-    fascicles : tuple of Fascicles
-        Filmed lengths, measured and predicted.
+    Figures are over the samples that count.
     """
 
-    name: str
-    path: str | None
-    vaf: float
-    rmse: float
-    bias: float
-    torque: FloatArray
-    time: FloatArray
-    measured: FloatArray
+    name: str  #: Name of the recording.
+    path: str | None  #: The file it was read from.
+    vaf: float  #: Variance accounted for, equation (31) [%].
+    rmse: float  #: Root mean square of measured minus predicted torque [Nm].
+    bias: float  #: Its mean [Nm].
+    torque: FloatArray  #: Predicted [Nm], shape (n,).
+    time: FloatArray  #: [s], shape (n,).
+    measured: FloatArray  #: Torque [Nm], shape (n,).
+    #: Of the samples, shape (n,); those of weight 0 are in no figure. None: all count.
     weight: FloatArray | None = None
+    #: Whether it is as good as the fit promises; None where the parameters are of no fit.
     adequacy: Adequacy | None = None
-    fascicles: tuple[Fascicles, ...] = ()
+    fascicles: tuple[Fascicles, ...] = ()  #: Filmed lengths, measured and predicted.
 
     @property
     def errors(self) -> tuple[FloatArray, FloatArray]:

@@ -22,10 +22,10 @@ _AGREE = 0.25
 @settings_options(PosteriorSettings)
 @click.option("--output", metavar="POSTERIOR.json", help="Write the posterior with its draws.")
 def command(fitted: str, output: str | None, options: dict[str, Any]) -> None:
-    """Draw from the posterior of a fit: its recordings and prior knowledge together.
+    """Draw from the posterior of a named model's fit: recordings and prior knowledge.
 
-    Priors take the place of a named model's bounds; POSTERIOR.json says which. Ctrl-C keeps what is
-    drawn.
+    A fit of auto is a posterior already. Priors take the place of bounds; POSTERIOR.json says
+    which. Ctrl-C keeps what is drawn.
     """
     check_outputs({"--output": output}, [fitted])
 

@@ -5,8 +5,6 @@ it. And a slow filter delays as a delay does, by beta/(π·f0) at low frequencie
 sum of squares has a valley where the filter makes the delay and one where emd does.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from surae.estimation.problem import FitProblem
@@ -36,23 +34,14 @@ def drives_off(problem: FitProblem) -> FitProblem:
     """
     own = own_columns(problem)
     values = problem.values(held_off(problem, problem.start[own]))
-    values_by_name = dict(zip(problem.spec.names, values.tolist(), strict=True))
-    optional = [
+    by_name = dict(zip(problem.spec.names, values.tolist(), strict=True))
+    on = [
         name
         for name in problem.spec.optional
-        if any(name in group and _is_on(group, values_by_name) for group in OPTIONAL.values())
+        if any(name in group and _is_on(group, by_name) for group in OPTIONAL.values())
     ]
-    spec = with_optional(get_model(problem.spec.name), optional)
-    free = tuple(problem.free[j] for j in own)
-    return replace(
-        problem,
-        spec=spec,
-        free=free,
-        base=np.array([values_by_name[name] for name in spec.names]),
-        lower=problem.lower[own],
-        upper=problem.upper[own],
-        priors={name: prior for name, prior in problem.priors.items() if name in free},
-    )
+    spec = with_optional(get_model(problem.spec.name), on)
+    return problem.narrowed(spec, [problem.free[j] for j in own], values)
 
 
 def held_off(problem: FitProblem, own: FloatArray) -> FloatArray:

@@ -10,7 +10,6 @@ parameters; few of them may be much greater (Gelman 2006).
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from surae.estimation.result import OfRecording
 from surae.units import FloatArray
@@ -31,7 +30,7 @@ def trial_spread(recordings: Sequence[OfRecording]) -> dict[str, tuple[float, fl
     values = np.array([[each.values[name] for name in names] for each in recordings])
     sems = np.array([[each.sem[name] for name in names] for each in recordings])
     size = np.maximum(np.abs(values.mean(axis=0)), 1e-12)
-    below = np.cumsum(_weighed(values / size, sems / size, np.ones(len(names), bool)), axis=1)
+    below = np.cumsum(_weighed(values / size, sems / size), axis=1)
     middle, most = (
         size * _SPREADS[np.minimum((below < part).sum(axis=1), len(_SPREADS) - 1)]
         for part in (0.5, 0.95)
@@ -39,8 +38,8 @@ def trial_spread(recordings: Sequence[OfRecording]) -> dict[str, tuple[float, fl
     return {n: (float(a), float(b)) for n, a, b in zip(names, middle, most, strict=True)}
 
 
-def _weighed(estimates: FloatArray, errors: FloatArray, leg: npt.NDArray[np.bool_]) -> FloatArray:
-    """Probability of each τ of each parameter, shape (p, τ), their scale sought among the leg's."""
+def _weighed(estimates: FloatArray, errors: FloatArray) -> FloatArray:
+    """Probability of each τ of each parameter, shape (p, τ), their scale sought among them all."""
     precision = 1.0 / (errors[:, :, None] ** 2 + _SPREADS**2)
     total = precision.sum(axis=0)
     away = estimates[:, :, None] - (precision * estimates[:, :, None]).sum(axis=0) / total
@@ -50,7 +49,7 @@ def _weighed(estimates: FloatArray, errors: FloatArray, leg: npt.NDArray[np.bool
     prior = (_SCALES[:, None] + _SPREADS) ** -falls * np.gradient(_SPREADS)
     prior /= prior.sum(axis=1, keepdims=True)
     met = likely @ prior.T
-    ln_p = np.log(np.maximum(met[leg], 1e-300)).sum(axis=0)
+    ln_p = np.log(np.maximum(met, 1e-300)).sum(axis=0)
     scale = np.exp(ln_p - ln_p.max())
     weights = likely * ((scale / np.maximum(met, 1e-300)) @ prior)
     return np.asarray(weights / weights.sum(axis=1, keepdims=True))

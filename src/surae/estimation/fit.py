@@ -12,7 +12,7 @@ from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Minimum, Outcome, minimise
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import Residuals
-from surae.estimation.result import FitResult, Start, is_at_bound
+from surae.estimation.result import FitResult, Start, at_bounds
 from surae.estimation.starts import Follow, from_start
 from surae.frozen import read_only
 from surae.progress import SearchProgress
@@ -188,13 +188,8 @@ def _status(
             Outcome.NOT_FINITE: "the model overflows at the start; give another start or bounds",
         }[best.outcome]
         return "failed", f"no minimum reached ({best.outcome}): {advice}{suffix}"
-    bound = [
-        name
-        for name, x, low, high in zip(
-            problem.free, best.x, problem.lower, problem.upper, strict=True
-        )
-        if is_at_bound(x, low, high)
-    ]
+    values = dict(zip(problem.free, best.x.tolist(), strict=True))
+    bound = at_bounds(problem, values, of_family=False)
     text = f"{agreeing} of {len(minima)} starts reach the best minimum"
     if len(minima) > 1 and agreeing == 1:
         text += ": it may not be the global one, give more starts"

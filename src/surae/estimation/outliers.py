@@ -190,8 +190,8 @@ class _Round:
 
     x: FloatArray
     sse: float
-    errors: list[FloatArray]
-    weights: list[FloatArray]
+    errors: FloatArray  #: Of all samples, those of a precise one the greater, shape (n,).
+    weights: FloatArray  #: What the loss lets them count, shape (n,).
     scale: float
     number: int
 
@@ -200,71 +200,59 @@ def _settled(
     problem: FitProblem, x: FloatArray, loss: Loss
 ) -> tuple[FloatArray, float, Outliers] | None:
     """Parameters, weighted sum and weights at which the weights rest; None where interrupted."""
-    residuals = Residuals(problem, 1.0)
     with one_blas_thread(), postponed_interrupt():
         try:
             if loss.name == "tukey":
-                before = _iterated(problem, residuals, x, named_loss("huber"))
-                last = _iterated(problem, residuals, before.x, loss, before.scale)
+                before = _iterated(problem, x, named_loss("huber"))
+                last = _iterated(problem, before.x, loss, before.scale)
             else:
-                last = _iterated(problem, residuals, x, loss)
+                last = _iterated(problem, x, loss)
         except KeyboardInterrupt:
             return None
-    return last.x, last.sse, _outliers(problem, last, loss)
+    counts = np.concatenate([recording.counts for recording in problem.inputs])
+    slopes = loss.slope(last.errors[counts] / (last.scale * loss.tuning))
+    ends = np.cumsum([recording.n for recording in problem.inputs])[:-1]
+    outliers = Outliers(
+        loss=loss.name,
+        tuning=loss.tuning,
+        scale=last.scale,
+        weights=tuple(map(read_only, np.split(last.weights, ends))),
+        widening=float(last.weights[counts].mean()) / max(float(slopes.mean()), _SLOPE),
+        rounds=last.number,
+    )
+    return last.x, last.sse, outliers
 
 
-def _iterated(
-    problem: FitProblem,
-    residuals: Residuals,
-    x: FloatArray,
-    loss: Loss,
-    held: float | None = None,
-) -> _Round:
+def _iterated(problem: FitProblem, x: FloatArray, loss: Loss, held: float | None = None) -> _Round:
     """Rounds of least squares until the weights rest, or there have been too many.
 
     `held` is the scale, where it is known. The weights are those that the parameters were found
     with.
     """
-    last = _Round(x, np.inf, [], [], 0.0, 0)
+    residuals, inputs = Residuals(problem, 1.0), problem.inputs
+    counts = np.concatenate([recording.counts for recording in inputs])
+    precise = np.concatenate(
+        [np.ones(r.n) if r.weight is None or r.emphasised else np.sqrt(r.weight) for r in inputs]
+    )
+    torque = np.concatenate([r.torque for r in inputs if r.torque is not None])
+    least = _SMALLEST * float(np.sqrt(np.mean(torque**2)))
+    last = _Round(x, np.inf, np.zeros(0), np.zeros(0), 0.0, 0)
     for number in range(1, _ROUNDS + 1):
-        errors = [
-            _standardised(recording, e)
-            for recording, e in zip(problem.inputs, residuals.of(x), strict=True)
-        ]
-        scale = held or _scale(problem, errors)
-        weights = [np.maximum(loss.weight(e / (scale * loss.tuning)), _LEAST) for e in errors]
-        if last.weights and _largest_change(last.weights, weights) <= _RESTS:
+        errors = np.concatenate(residuals.of(x)) * precise
+        scale = held or max(spread(errors[counts]), least)
+        weights = np.maximum(loss.weight(errors / (scale * loss.tuning)), _LEAST)
+        if last.number and np.abs(weights - last.weights).max() <= _RESTS:
             return replace(last, errors=errors)
         x, sse = _step(problem, residuals, x, weights, scale)
         last = _Round(x, sse, errors, weights, scale, number)
     return last
 
 
-def _outliers(problem: FitProblem, last: _Round, loss: Loss) -> Outliers:
-    masks = [recording.counts for recording in problem.inputs]
-    errors = np.concatenate([e[mask] for e, mask in zip(last.errors, masks, strict=True)])
-    weights = np.concatenate([w[mask] for w, mask in zip(last.weights, masks, strict=True)])
-    slope = float(loss.slope(errors / (last.scale * loss.tuning)).mean())
-    return Outliers(
-        loss=loss.name,
-        tuning=loss.tuning,
-        scale=last.scale,
-        weights=tuple(read_only(w) for w in last.weights),
-        widening=float(weights.mean()) / max(slope, _SLOPE),
-        rounds=last.number,
-    )
-
-
 def _step(
-    problem: FitProblem,
-    residuals: Residuals,
-    x: FloatArray,
-    weights: Sequence[FloatArray],
-    scale: float,
+    problem: FitProblem, residuals: Residuals, x: FloatArray, weights: FloatArray, scale: float
 ) -> tuple[FloatArray, float]:
     """The least squares with these weights: parameters, and the weighted sum of the data."""
-    root = np.sqrt(np.concatenate(weights))
-    n = len(root)
+    root, n = np.sqrt(weights), len(weights)
 
     def rows(at: FloatArray) -> FloatArray:
         weighted = residuals.rows(at)
@@ -286,25 +274,3 @@ def _with(inputs: Sequence[ModelInputs], weights: Sequence[FloatArray]) -> tuple
         )
         for recording, w in zip(inputs, weights, strict=True)
     )
-
-
-def _standardised(recording: ModelInputs, residual: FloatArray) -> FloatArray:
-    """The residual, where a weight says how precise a sample is times its root."""
-    return (
-        residual
-        if recording.weight is None or recording.emphasised
-        else residual * np.sqrt(recording.weight)
-    )
-
-
-def _scale(problem: FitProblem, errors: Sequence[FloatArray]) -> float:
-    counted = [e[recording.counts] for recording, e in zip(problem.inputs, errors, strict=True)]
-    torque = np.concatenate(
-        [recording.torque for recording in problem.inputs if recording.torque is not None]
-    )
-    least = _SMALLEST * float(np.sqrt(np.mean(torque**2)))
-    return max(spread(np.concatenate(counted)), least)
-
-
-def _largest_change(before: Sequence[FloatArray], after: Sequence[FloatArray]) -> float:
-    return max(float(np.abs(b - a).max()) for b, a in zip(before, after, strict=True))

@@ -1,7 +1,7 @@
 """The question a fit answers: which model and recordings, what is free, within which bounds."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -86,6 +86,22 @@ class FitProblem(Comparable):
         values = self.base.copy()
         values[self.columns] = x
         return values
+
+    def narrowed(self, spec: ModelSpec, free: Sequence[str], values: FloatArray) -> "FitProblem":
+        """The problem with a model that has fewer parameters, and with fewer of them free.
+
+        `values` are all parameters of the model so far, shape (P,).
+        """
+        kept = [self.free.index(name) for name in free]
+        return replace(
+            self,
+            spec=spec,
+            free=tuple(free),
+            base=values[[self.spec.names.index(name) for name in spec.names]],
+            lower=self.lower[kept],
+            upper=self.upper[kept],
+            priors={name: prior for name, prior in self.priors.items() if name in free},
+        )
 
 
 def make_problem(

@@ -1,13 +1,13 @@
 """From one start to its minimum: what each model solves before all parameters move together."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
 from surae.estimation.drive_starts import delay_valleys, drives_off, held_off, own_columns
-from surae.estimation.least_squares import Better, Minimum, Outcome, Rows, minimise
+from surae.estimation.least_squares import Minimum, Outcome, minimise
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import Residuals, curved_move
 from surae.estimation.separable import scan_lengths, solve_linear
@@ -60,47 +60,52 @@ def _direct(problem: FitProblem, residuals: Residuals, follow: Follow | None) ->
 
     Of several starts, those that thinned data lead to the minimum of another one end there.
     """
-    descend = _descent(problem, residuals, better=_better(problem, follow))
+    descend = _descent(problem, residuals, follow)
+    ends: list[tuple[Minimum, Minimum]] = []
     if problem.spec.parent is not None and (look := _first_look(problem, follow)) is not None:
-        return _by_looks(problem, residuals, look, Valleys(), descend)
+        return _by_looks(problem, residuals, look, ends, descend)
     straight = _solved_first(problem, residuals, descend)
     thin = _thinned(problem, _THIN_RATE_RIGID if problem.spec.parent is None else _THIN_RATE)
     if thin.n == problem.n:
         return straight
     # What is known beforehand weighs as much beside fewer samples as beside all of them.
     few = Residuals(thin, residuals.noise * np.sqrt(thin.n / problem.n))
-    valleys = Valleys()
-    again = _descent(thin, few, glance=True)
-    look = _solved_first(thin, few, again)
-    others = _by_looks(problem, residuals, look, valleys, descend)
+    again = _descent(thin, few, stall=_STALL_THINNED, ftol=_LOOK / thin.n)
+    others = _by_looks(problem, residuals, _solved_first(thin, few, again), ends, descend)
     first: list[Minimum] = []
 
     def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
         if not first:
             first.append(straight(initial, scan=scan))
             return first[0]
-        if valleys.empty:
-            valleys.add(again(first[0].x), first[0])
+        if not ends:
+            ends.append((again(first[0].x), first[0]))
         return others(initial, scan=scan)
 
     return minimum
 
 
 def _by_looks(
-    problem: FitProblem, residuals: Residuals, look: FromStart, valleys: "Valleys", descend: Descent
+    problem: FitProblem,
+    residuals: Residuals,
+    look: FromStart,
+    ends: list[tuple[Minimum, Minimum]],
+    descend: Descent,
 ) -> FromStart:
-    """Looks at thinned data, and descends on all of them where no other start did."""
+    """Looks at thinned data, and descends on all of them where no other start did.
+
+    `ends` are minima on thinned data, each with the one that it leads to on all of them.
+    """
 
     def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
         before = look(initial, scan=scan)
         if before.outcome is Outcome.INTERRUPTED:
-            return _stopped(problem, residuals.rows, before.x)
-        known = valleys.minimum(before)
-        if known is not None:
-            return replace(known, iterations=before.iterations)
-        best = descend(before.x)
-        valleys.add(before, best)
-        return best
+            return _stopped(problem, residuals, before.x)
+        for thinned_end, end in ends:
+            if _leads_to(before.x, before.sse, thinned_end):
+                return replace(end, iterations=before.iterations)
+        ends.append((before, descend(before.x)))
+        return ends[-1][1]
 
     return minimum
 
@@ -108,19 +113,23 @@ def _by_looks(
 def _descent(
     problem: FitProblem,
     residuals: Residuals,
+    follow: Follow | None = None,
     *,
-    better: Better | None = None,
-    glance: bool = False,
+    stall: float = _STALL,
+    ftol: float = 1e-8,
 ) -> Descent:
-    """How a point descends to its minimum; on thinned data, near it."""
+    """How a point descends to its minimum, so that one can `follow` it."""
     move = curved_move(problem)
-    stall = (_STALL_THINNED if glance else _STALL) / problem.n
-    ftol = _LOOK / problem.n if glance else 1e-8
+    better = None
+    if follow is not None:
+
+        def better(x: FloatArray, sse: float) -> None:
+            follow(problem.spec, problem.values(x), sse)
 
     def descend(x: FloatArray) -> Minimum:
         return minimise(
             residuals.rows, x, problem.lower, problem.upper,
-            move=move, ftol=ftol, stall=stall, better=better,
+            move=move, ftol=ftol, stall=stall / problem.n, better=better,
         )  # fmt: skip
 
     return descend
@@ -147,8 +156,8 @@ def _with_drives(
     """
     own, off = own_columns(problem), drives_off(problem)
     without = from_start(off, Residuals(off, residuals.noise), follow) if own else None
-    rows, move, stall = residuals.rows, curved_move(problem), _STALL / problem.n
-    better, rigid = _better(problem, follow), problem.spec.parent is None
+    descend, rigid = _descent(problem, residuals), problem.spec.parent is None
+    followed = _descent(problem, residuals, follow)
 
     def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
         x = held_off(problem, initial[own])
@@ -156,47 +165,35 @@ def _with_drives(
             before = without(initial[own], scan=scan)
             x = held_off(problem, before.x)
             if before.outcome is Outcome.INTERRUPTED:
-                return _stopped(problem, rows, x)
+                return _stopped(problem, residuals, x)
         points = delay_valleys(problem, residuals.data_rows, x) if rigid else [x]
-        best = minimise(
-            rows, points[0], problem.lower, problem.upper, move=move, stall=stall, better=better
-        )
-        for point in points[1:]:
-            if best.outcome is not Outcome.INTERRUPTED:
-                other = minimise(rows, point, problem.lower, problem.upper, move=move, stall=stall)
-                best = _better_of(best, other)
-        if len(points) == 1 and best.outcome is not Outcome.INTERRUPTED:
-            best = _better_of(best, direct(initial, scan=scan))
-        if better is not None:
-            better(best.x, best.sse)
+        best = _lowest(followed(points[0]), descend, points[1:])
+        if len(points) == 1:
+            best = _lowest(best, lambda start: direct(start, scan=scan), [initial])
+        if follow is not None:
+            follow(problem.spec, problem.values(best.x), best.sse)
         return best
 
     return minimum
 
 
-def _stopped(problem: FitProblem, rows: Rows, x: FloatArray) -> Minimum:
+def _stopped(problem: FitProblem, residuals: Residuals, x: FloatArray) -> Minimum:
     """The minimum where the user stopped before the problem's own iteration began."""
-    here = minimise(rows, x, problem.lower, problem.upper, max_iterations=1)
+    here = minimise(residuals.rows, x, problem.lower, problem.upper, max_iterations=1)
     return replace(here, outcome=Outcome.INTERRUPTED)
 
 
-def _better_of(best: Minimum, other: Minimum) -> Minimum:
-    """The lower of two minima; an interruption of the second is told in any case."""
-    lower = other.sse < best.sse or not np.isfinite(best.sse)
-    if other.outcome is Outcome.INTERRUPTED:
-        return replace(other if lower else best, outcome=other.outcome)
-    return other if lower else best
-
-
-def _better(problem: FitProblem, follow: Follow | None) -> Better | None:
-    """What an iteration tells of its points, so that one can follow it; None: nobody does."""
-    if follow is None:
-        return None
-
-    def better(x: FloatArray, sse: float) -> None:
-        follow(problem.spec, problem.values(x), sse)
-
-    return better
+def _lowest(best: Minimum, descend: Descent, points: Iterable[FloatArray]) -> Minimum:
+    """The lowest of minima, until the user stops: that is told in any case."""
+    for point in points:
+        if best.outcome is Outcome.INTERRUPTED:
+            break
+        other = descend(point)
+        if other.sse < best.sse or not np.isfinite(best.sse):
+            best = other
+        elif other.outcome is Outcome.INTERRUPTED:
+            best = replace(best, outcome=other.outcome)
+    return best
 
 
 def _first_look(problem: FitProblem, follow: Follow | None = None) -> FromStart | None:
@@ -207,23 +204,18 @@ def _first_look(problem: FitProblem, follow: Follow | None = None) -> FromStart 
         return None
     shared = [problem.free.index(name) for name in parent.free]
     from_parent = from_start(parent, Residuals(parent), follow)
-    rows = Residuals(thin).rows
-    move, stall = curved_move(thin), _STALL_THINNED / thin.n
-    better = _better(thin, follow)
+    residuals = Residuals(thin)
+    descend = _descent(thin, residuals, stall=_STALL_THINNED)
+    followed = _descent(thin, residuals, follow, stall=_STALL_THINNED)
 
     def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
         before = from_parent(initial[shared], scan=scan)
         x = initial.copy()
         x[shared] = before.x
         if before.outcome is Outcome.INTERRUPTED:
-            return _stopped(thin, rows, x)
-        best = minimise(rows, x, thin.lower, thin.upper, move=move, stall=stall, better=better)
-        for relaxed in _other_relaxations(thin, best.x):
-            if best.outcome is Outcome.INTERRUPTED:
-                break
-            other = minimise(rows, relaxed, thin.lower, thin.upper, move=move, stall=stall)
-            best = _better_of(best, other)
-        return best
+            return _stopped(thin, residuals, x)
+        best = followed(x)
+        return _lowest(best, descend, _other_relaxations(thin, best.x))
 
     return minimum
 
@@ -261,44 +253,13 @@ def _parent(problem: FitProblem) -> FitProblem | None:
     if problem.spec.parent is None:
         return None
     spec = with_optional(get_model(problem.spec.parent), problem.spec.optional)
-    shared = [name in spec.names for name in problem.free]
-    if not any(shared):
-        return None
-    return replace(
-        problem,
-        spec=spec,
-        free=tuple(name for name in problem.free if name in spec.names),
-        base=problem.base[[problem.spec.names.index(name) for name in spec.names]],
-        lower=problem.lower[np.array(shared)],
-        upper=problem.upper[np.array(shared)],
-        priors={},
-    )
+    shared = [name for name in problem.free if name in spec.names]
+    return replace(problem.narrowed(spec, shared, problem.base), priors={}) if shared else None
 
 
 #: A point is at a minimum when its sum differs by less than so many noise variances, and its
 #: parameters by less than so many as the minimum's Jacobian measures it.
 _SAME_SUM, _SAME = 2.0, 9.0
-
-
-class Valleys:
-    """Minima on thinned data, each with the one that it leads to on all of them."""
-
-    def __init__(self) -> None:
-        self._ends: list[tuple[Minimum, Minimum]] = []
-
-    @property
-    def empty(self) -> bool:
-        """Whether no minimum is known yet."""
-        return not self._ends
-
-    def add(self, thinned: Minimum, end: Minimum) -> None:
-        """Remember that the minimum on thinned data leads to `end`."""
-        self._ends.append((thinned, end))
-
-    def minimum(self, thinned: Minimum) -> Minimum | None:
-        """The minimum on all data that a point on thinned data leads to; None if it is new."""
-        ends = (end for thin_end, end in self._ends if _leads_to(thinned.x, thinned.sse, thin_end))
-        return next(ends, None)
 
 
 def _leads_to(x: FloatArray, sse: float, end: Minimum) -> bool:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from surae.assessment import Assessment, Prediction, Verdict, pooled
 from surae.assessment.assess import described, variance_inflation
-from surae.assessment.identifiability.directions import COLLINEAR, Direction
+from surae.assessment.identifiability.directions import Direction
 from surae.assessment.identifiability.identified import Identified, identifiability
 from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
@@ -139,8 +139,8 @@ def predictions_section(
     return (SectionBlock("Predicting other recordings", blocks, "predictions", "page"),)
 
 
-#: Directions and collinear sets that are shown at most.
-_DIRECTIONS, _SETS = 6, 6
+#: Directions that are shown at most.
+_DIRECTIONS = 6
 #: Relative standard error from which a direction makes its parameters weak: about 1.96 of them are
 #: the half-width of an interval.
 _WEAK = IDENTIFIED / NORMAL
@@ -150,7 +150,7 @@ _NOTE = (
     "the torque, as a part of the torque’s own, if the parameter changed by its own value and "
     "followed a straight line. SEM alone: relative standard error if all other parameters were "
     "known. Widened: by how much the others, estimated too, widen it. All take the residual for "
-    "white noise. Collinearity index: Brun, Reichert and Künsch (2001)."
+    "white noise."
 )
 
 
@@ -167,22 +167,10 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> Sectio
         if direction.uncertainty is None or direction.uncertainty > _WEAK
     ]
     shown = weak[:_DIRECTIONS] or list(identified.directions[:1])
-    sets = [
-        f"{', '.join(names)} ({significant(gamma, 3) if gamma < float('inf') else '∞'})"
-        for names, gamma in identified.collinear[:_SETS]
-    ]
-    if len(identified.collinear) > _SETS:
-        sets.append(f"and {len(identified.collinear) - _SETS} more")
     condition = "infinite" if identified.condition is None else significant(identified.condition, 2)
-    gamma = "infinite" if identified.gamma is None else significant(identified.gamma, 3)
     own = [p for p in identified.parameters.values() if p.name in assessment.parameters]
-    text = (
-        f"Condition number of the scaled information matrix: {condition}. Collinearity index "
-        f"of all parameters that are not at a bound: {gamma}; sets from {COLLINEAR:g} on are "
-        "nearly collinear."
-    )
+    text = f"Condition number of the scaled information matrix: {condition}."
     text += _noise(inflation.common, inflation.reason)
-    text += f" Smallest such sets: {'; '.join(sets)}." if sets else ""
     directions = TableBlock(
         "Combinations of parameters that are known least",
         columns("Together", "Known to ±", "A change that this torque cannot show", numbers=(1,),
@@ -196,7 +184,7 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> Sectio
         "identified",
         columns("Parameter", "Influence δ", "SEM alone", "Widened ×", "Verdict", "What to do",
                 numbers=(1, 2, 3), wide=(5,), looks={5: "why"}),
-        rows_of(_row(p, assessment) for p in sorted(own, key=lambda p: p.rank)),
+        rows_of(_row(p, assessment) for p in sorted(own, key=lambda p: -p.sensitivity)),
         "sensitivity",
         titled=True,
     )  # fmt: skip

@@ -2,74 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
 from surae.units import FloatArray
 
-#: Index from which a set counts as collinear.
-COLLINEAR = 10.0
 #: Squared length below which what is left of a column of length 1 is rounding.
 _ROUNDING = 1e-10
-#: Largest set that is looked for.
-_LARGEST = 4
-
-
-def unit_columns(R: FloatArray) -> FloatArray:
-    """The columns at length 1; one that is all zero stays so."""
-    norms = np.linalg.norm(R, axis=0)
-    return np.asarray(R / np.where(norms > 0, norms, 1.0))
-
-
-def unexplained(R: FloatArray, j: int, others: Sequence[int]) -> float:
-    """Squared length of what no combination of other columns gives of column `j`, 0 for rounding.
-
-    It is the information on parameter j when the others are estimated too: its inverse, times σ²,
-    is the variance.
-    """
-    column, rest = R[:, j], unit_columns(R[:, list(others)])
-    left = column - rest @ np.linalg.lstsq(rest, column, rcond=None)[0]
-    length = float(left @ left)
-    return length if length > _ROUNDING * float(column @ column) else 0.0
-
-
-def index(unit: FloatArray) -> float:
-    """γ_K of a set of columns of length 1, shape (·, k); infinite where one is a sum of others."""
-    least = float(np.linalg.eigvalsh(unit.T @ unit)[0])
-    return least**-0.5 if least > _ROUNDING else np.inf
-
-
-def collinear_sets(
-    names: Sequence[str], R: FloatArray
-) -> tuple[tuple[tuple[str, ...], float], ...]:
-    """Smallest sets of two to four parameters with γ_K from `COLLINEAR` on, strongest first.
-
-    A set that holds a smaller one says nothing new and is left out, and so is what has no effect.
-    """
-    felt = np.flatnonzero(np.any(R != 0, axis=0)).tolist()
-    names, unit = [names[j] for j in felt], unit_columns(R[:, felt])
-    gram = unit.T @ unit
-    collinear: list[tuple[tuple[int, ...], float]] = []
-    for size in range(2, min(_LARGEST, len(names)) + 1):
-        sets = [
-            members
-            for members in combinations(range(len(names)), size)
-            if not any(set(smaller) <= set(members) for smaller, _ in collinear)
-        ]
-        if not sets:
-            break
-        rows = np.array(sets)
-        least = np.linalg.eigvalsh(gram[rows[:, :, None], rows[:, None, :]])[:, 0]
-        collinear += [
-            (members, float(low) ** -0.5 if low > _ROUNDING else np.inf)
-            for members, low in zip(sets, least, strict=True)
-            if low <= COLLINEAR**-2
-        ]
-    collinear.sort(key=lambda pair: -pair[1])
-    return tuple((tuple(names[j] for j in members), gamma) for members, gamma in collinear)
-
-
 #: A parameter takes part in a direction when its relative change is this part of the largest, or
 #: when its effect on the torque is this part of the largest and its change not a trifle.
 _CHANGED, _EFFECT, _TRIFLE = 0.3, 0.25, 0.03
@@ -78,7 +17,21 @@ _MOST = 5
 #: Part of its largest contribution up to which a direction's torque counts as cancelled.
 _CANCELLED = 0.5
 #: Singular value, as a part of the largest, below which there is only rounding.
-SINGULAR = 1e-10
+_SINGULAR = 1e-10
+
+
+def unexplained(R: FloatArray, j: int, others: Sequence[int]) -> float:
+    """Squared length of what no combination of other columns gives of column `j`, 0 for rounding.
+
+    It is the information on parameter j when the others are estimated too: its inverse, times σ²,
+    is the variance.
+    """
+    column, rest = R[:, j], R[:, list(others)]
+    norms = np.linalg.norm(rest, axis=0)
+    rest = rest / np.where(norms > 0, norms, 1.0)
+    left = column - rest @ np.linalg.lstsq(rest, column, rcond=None)[0]
+    length = float(left @ left)
+    return length if length > _ROUNDING * float(column @ column) else 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +47,8 @@ class Direction:
     #: all parameters.
     changes: Mapping[str, float]
     words: str  #: The same as a sentence.
+    #: What it adds to the variance of each parameter, over σ², shape (k,).
+    variances: FloatArray
 
 
 def directions(
@@ -109,17 +64,18 @@ def directions(
     rows = []
     for value, v in zip(s[::-1], Vt[::-1], strict=True):
         effect = np.abs(v) * length
-        greatest = float(effect.max())
-        singular = value <= SINGULAR * s[0]
-        opposed = bool(value <= _CANCELLED * greatest)
+        singular = value <= _SINGULAR * s[0]
+        opposed = bool(value <= _CANCELLED * float(effect.max()))
         parts = _parts(np.abs(v), effect)
         signed = v if v[parts[0]] >= 0 else -v
+        changes = {names[i]: float(signed[i]) for i in parts}
         rows.append(
             Direction(
                 eigenvalue=0.0 if singular else float(value / sigma) ** 2 if sigma else np.inf,
                 uncertainty=None if singular else sigma / float(value),
-                changes={names[i]: float(signed[i]) for i in parts},
-                words=_words([(names[i], float(signed[i])) for i in parts], opposed, singular),
+                changes=changes,
+                words=_words(changes, opposed, singular),
+                variances=(v / max(value, _SINGULAR * s[0], 1e-300)) ** 2,
             )
         )
     return tuple(rows)
@@ -133,8 +89,8 @@ def _parts(change: FloatArray, effect: FloatArray) -> list[int]:
     return [i for i in order if changed[i] or (felt[i] and effect[i] > 0)][:_MOST]
 
 
-def _words(parts: list[tuple[str, float]], opposed: bool, singular: bool) -> str:
-    moved = [f"{name} {'up' if change >= 0 else 'down'}" for name, change in parts]
+def _words(changes: Mapping[str, float], opposed: bool, singular: bool) -> str:
+    moved = [f"{name} {'up' if change >= 0 else 'down'}" for name, change in changes.items()]
     names = moved[0] if len(moved) == 1 else f"{moved[0]} with {listed(moved[1:])}"
     if singular:
         return f"{names}: the same torque"

@@ -8,18 +8,16 @@ set no limit.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 
-from surae.assessment.likelihood.conditional import Conditional, ConditionalPosterior
-from surae.assessment.likelihood.search import ProfileSearch
-from surae.errors import InputError
-from surae.estimation import FitResult, fit_problem
-from surae.estimation.family import resumed
-from surae.estimation.least_squares import Outcome
+from surae.assessment.identifiability.directions import unexplained
+from surae.assessment.likelihood.conditional import ConditionalMinimum, Surface, surface_of
+from surae.errors import ComputationError, InputError
+from surae.estimation import FitResult
 from surae.filed import filed
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
@@ -27,9 +25,23 @@ from surae.records import Listed
 from surae.units import FloatArray
 
 Status = Literal["closed", "open", "lower-minimum"]
-Stopped = Callable[[], bool] | None
-#: Makes what finds the minima with one parameter held, of its name.
-Surface = Callable[[str, Stopped], Conditional | ConditionalPosterior]
+#: Points between the minimum and the threshold, in steps of equal √Δχ², and how far beyond the
+#: threshold the last one lies.
+_STEPS, _BEYOND = 4, 1.2
+#: Factor by which a step may grow or shrink, and the rise, in steps, from which one is repeated.
+_GROWTH, _TOO_FAR = 3.0, 2.0
+#: Repetitions of one step, and points of one side, at most.
+_RETRIES, _MOST = 8, 40
+#: Part of the first step below which the search for the last finite torque ends.
+_LEAST = 1e-2
+#: First step as a part of the distance between the bounds where the covariance gives none.
+_FIRST = 0.01
+#: Accuracy of Δχ² at an end of the interval, as a part of the threshold.
+_ACCURATE = 2e-3
+#: Part of the threshold up to which a whole side is called flat.
+_FLAT = 0.1
+#: Noise variances by which another minimum must be lower to be told from the fit's by the data.
+_LOWER = 1.0
 
 
 @filed(
@@ -90,7 +102,7 @@ def profile(
     *,
     variance_inflation: float = 1.0,
     over: Surface | None = None,
-    stopped: Stopped = None,
+    stopped: Callable[[], bool] = bool,
 ) -> ParameterProfile:
     """Profile one parameter of a fit, from the minimum outwards to both sides.
 
@@ -112,11 +124,10 @@ def profile(
     check_profiled(result, name, variance_inflation)
     problem = result.problem
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
-    minima = (surface_of(result) if over is None else over)(name, stopped)
-    search = ProfileSearch(result, name, minima, variance_inflation)
+    search = _Search(result, name, over or surface_of(result), stopped, variance_inflation)
+    (low, why_low), (high, why_high) = ends = search.end(-1), search.end(+1)
     sse = np.array([point.sse for point in search.points])
     others = [i for i, free in enumerate(problem.free) if free != name]
-    (low, why_low), (high, why_high) = search.ends
     status: Status = "open" if low is None or high is None else "closed"
     lower = None
     if search.lower is not None:
@@ -137,9 +148,9 @@ def profile(
         interval=(low, high),
         reasons=(why_low, why_high),
         status=status,
-        message=_message(name, search),
+        message=_message(name, search, [why for _, why in ends]),
         lower=lower,
-        evaluations=search.evaluations,
+        evaluations=search.minima.evaluations,
     )
 
 
@@ -178,33 +189,16 @@ def profiled(result: FitResult) -> tuple[str, ...]:
     return tuple(n for n in result.problem.free if not (several and n == "torque_zero"))
 
 
-def surface_of(result: FitResult) -> Surface:
-    """What profiles of a fit go over: its sum of squares, or the posterior of its family."""
-    if result.family is not None:
-        return partial(ConditionalPosterior, *resumed(result))
-    return partial(Conditional, result.problem, _prior_noise(result))
-
-
-def _prior_noise(result: FitResult) -> float:
-    """Standard deviation of the residual [Nm] that priors are weighed against, as in the fit."""
-    problem = result.problem
-    if not problem.priors:
-        return 0.0
-    plain = fit_problem(replace(problem, priors={}), starts=1)
-    if plain.starts[-1].outcome == Outcome.INTERRUPTED:
-        raise KeyboardInterrupt
-    return float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
-
-
-def _message(name: str, search: ProfileSearch) -> str:
+def _message(name: str, search: "_Search", open_ends: list[str]) -> str:
     """What a reader has to know of a profile."""
     sentences = []
     if search.lower is not None:
+        by = (search.minima.fit.sse - search.lower.sse) / search.unit
         sentences.append(
             f"met a lower minimum than the fit's, at {name} = {search.lower.value:g} (Δχ² lower by "
-            f"{search.lower_by:.2g}): fit again from there, or with more starts"
+            f"{by:.2g}): fit again from there, or with more starts"
         )
-    for side, (_, why) in zip(("downwards", "upwards"), search.ends, strict=True):
+    for side, why in zip(("downwards", "upwards"), open_ends, strict=True):
         if why:
             sentences.append(f"open {side}: {why}")
     inside = search.inside
@@ -217,3 +211,153 @@ def _message(name: str, search: ProfileSearch) -> str:
             "too high"
         )
     return "; ".join(sentences) or "both ends found"
+
+
+class _Search:
+    """The work on one profile: out from the minimum, back again, and to the ends."""
+
+    #: A minimum that is lower than the fit's by more than the data's noise.
+    lower: ConditionalMinimum | None = None
+
+    def __init__(
+        self,
+        result: FitResult,
+        name: str,
+        over: Surface,
+        stopped: Callable[[], bool],
+        variance_inflation: float,
+    ) -> None:
+        from scipy.special import stdtrit
+
+        self.minima = over(name, stopped)
+        self._low, self._high = self.minima.limits
+        self._width = self._high - self._low
+        free, at_bound = result.problem.free, result.at_bound
+        rest = [i for i, other in enumerate(free) if other not in (*at_bound, name)]
+        dof = result.problem.n - len(rest) - (name not in at_bound)
+        variance = result.sse / dof
+        sigma2 = variance if result.family is None else 1.0
+        #: Variance of the noise that makes Δχ² of sums of squares [Nm²]; of −2 ln p, its inflation.
+        self.unit = sigma2 * variance_inflation
+        self.threshold = float(stdtrit(dof, 0.975)) ** 2
+        self._aim = float(np.sqrt(self.threshold))
+        known = 0.0 if name in at_bound else unexplained(result.R, free.index(name), rest)
+        #: Those at a bound taken as known.
+        self.sem = float(np.sqrt(variance * variance_inflation / known)) if known > 0 else None
+        fit = self.minima.fit
+        centre = self.minima.at(fit.value, fit)
+        if centre is None:
+            raise ComputationError("the model gives no finite torque at the fit: fit again")
+        self._lowest = centre.sse
+        below, above = self._walk(centre, -1), self._walk(centre, +1)
+        self._spent = {-1: len(below) == _MOST, 1: len(above) == _MOST}
+        self.points = [*below[::-1], centre, *above]
+        self._come_back(len(below))
+        best = min(self.points, key=lambda point: point.sse)
+        if best.sse < fit.sse - _LOWER * sigma2:
+            minimum = self.minima.free(best)
+            if minimum is not None and minimum.sse < best.sse:
+                self._insert(minimum)
+                best = minimum
+            self.lower = best
+
+    @property
+    def inside(self) -> list[int]:
+        """Numbers of the points within the interval."""
+        return [i for i, point in enumerate(self.points) if self._z(point) <= self._aim]
+
+    def _z(self, point: ConditionalMinimum) -> float:
+        """√Δχ², which grows in proportion to the distance where the model is linear."""
+        return float(np.sqrt(max(point.sse - self._lowest, 0.0) / self.unit))
+
+    def _at(self, value: float, near: ConditionalMinimum) -> ConditionalMinimum | None:
+        minimum = self.minima.at(value, near)
+        if minimum is not None:
+            self._lowest = min(self._lowest, minimum.sse)
+        return minimum
+
+    def _walk(self, centre: ConditionalMinimum, sign: int) -> list[ConditionalMinimum]:
+        """Points from the centre outwards, until beyond the threshold or at the bound."""
+        bound = self._high if sign > 0 else self._low
+        rise = self._aim / _STEPS
+        step = _FIRST * self._width
+        if self.sem is not None:
+            step = min(rise * self.sem, self._width / 8)
+        least = _LEAST * step
+        points: list[ConditionalMinimum] = []
+        here, retries = centre, 0
+        while (room := abs(bound - here.value)) > 1e-9 * self._width and len(points) < _MOST:
+            step = min(step, room)
+            value = bound if step > 0.999 * room else here.value + sign * step
+            there = self._at(value, here)
+            if there is None and step <= least:
+                break
+            risen = np.inf if there is None else self._z(there) - self._z(here)
+            if risen > _TOO_FAR * rise and retries < _RETRIES:
+                step *= float(np.clip(rise / risen, 1 / _GROWTH**2, 1 / _TOO_FAR))
+                retries += 1
+                continue
+            if there is None:
+                break
+            points.append(there)
+            here, retries = there, 0
+            if self._z(here) >= _BEYOND * self._aim:
+                break
+            step *= float(np.clip(rise / max(risen, 1e-3 * rise), 1 / _GROWTH, _GROWTH))
+        return points
+
+    def _come_back(self, centre: int) -> None:
+        """Try every point from its outer neighbour too, and go on past the centre if that helps."""
+        last = len(self.points) - 1
+        for order in (range(last + 1), range(last, -1, -1)):
+            improved = False
+            for before, i in pairwise(order):
+                inwards = abs(i - centre) < abs(before - centre)
+                if not (inwards or improved):
+                    break
+                minimum = self._at(self.points[i].value, self.points[before])
+                improved = minimum is not None and minimum.sse < self.points[i].sse
+                if minimum is not None and improved:
+                    self.points[i] = minimum
+
+    def _insert(self, point: ConditionalMinimum) -> None:
+        self._lowest = min(self._lowest, point.sse)
+        self.points = sorted([*self.points, point], key=lambda placed: placed.value)
+
+    def end(self, sign: int) -> tuple[float | None, str]:
+        """One end of the interval, refined until Δχ² is the threshold, or why there is none."""
+        outermost = -1 if sign > 0 else 0
+        last = self.points[outermost]
+        if self._z(last) <= self._aim:
+            return None, self._why_open(last, sign)
+        value = last.value
+        for _ in range(_RETRIES):
+            i = self.inside[outermost]
+            near, far = self.points[i], self.points[i + sign]
+            part = (self._aim - self._z(near)) / (self._z(far) - self._z(near))
+            value = near.value + part * (far.value - near.value)
+            start = near if part < 0.5 else far
+            if abs(value - start.value) <= 1e-9 * self._width:
+                break
+            minimum = self._at(value, start)
+            if minimum is None:
+                break
+            self._insert(minimum)
+            if abs(self._z(minimum) ** 2 - self.threshold) <= _ACCURATE * self.threshold:
+                break
+        return value, ""
+
+    def _why_open(self, last: ConditionalMinimum, sign: int) -> str:
+        side, bound = ("lower", self._low) if sign < 0 else ("upper", self._high)
+        rise = self._z(last) ** 2
+        if abs(last.value - bound) > 1e-6 * self._width:
+            why = f"{_MOST} points" if self._spent[sign] else "no finite torque beyond"
+            return f"Δχ² is {rise:.2g} at {last.value:g}, where the search ended: {why}"
+        if abs(self.minima.fit.value - bound) <= 1e-6 * self._width:
+            return f"the estimate lies at its {side} bound {bound:g}"
+        if rise <= _FLAT * self.threshold:
+            return f"flat: Δχ² is only {rise:.2g} up to the {side} bound {bound:g}"
+        return (
+            f"Δχ² is {rise:.2g} at the {side} bound {bound:g}, below the threshold "
+            f"{self.threshold:.2f}"
+        )

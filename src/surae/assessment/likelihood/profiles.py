@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from surae.assessment.assess import described
+from surae.assessment.likelihood.conditional import surface_of
 from surae.assessment.likelihood.profile import (
     ParameterProfile,
     check_profiled,
     profile,
     profiled,
-    surface_of,
 )
 from surae.errors import InputError
 from surae.estimation import FitResult
@@ -28,30 +28,15 @@ from surae.versions import versions
 @filed(inflation_reason="variance_inflation_reason")
 @dataclass(frozen=True, slots=True)
 class Profiles(Saved):
-    """Profiles of one fit.
+    """Profiles of one fit."""
 
-    Attributes
-    ----------
-    model : str
-        Name of the model.
-    profiles : mapping of str to Profile
-        By parameter, in the order asked for.
-    missing : tuple of str
-        Parameters whose profile the user stopped.
-    inflation_reason : str
-        Why the variance of the noise was multiplied by each profile's `variance_inflation`.
-    seconds : float
-        Wall time.
-    versions : mapping of str to str
-        Versions of surae and of what its numbers depend on.
-    """
-
-    model: str
-    profiles: Mapping[str, ParameterProfile]
-    missing: tuple[str, ...]
+    model: str  #: Name of the model.
+    profiles: Mapping[str, ParameterProfile]  #: By parameter, in the order asked for.
+    missing: tuple[str, ...]  #: Parameters whose profile the user stopped.
+    #: Why the variance of the noise was multiplied by each profile's `variance_inflation`.
     inflation_reason: str
-    seconds: float
-    versions: Mapping[str, str]
+    seconds: float  #: Wall time.
+    versions: Mapping[str, str]  #: Versions of surae and of what its numbers depend on.
 
     def __getitem__(self, name: str) -> ParameterProfile:
         return self.profiles[name]
@@ -78,9 +63,8 @@ def profiles(
     for all; `inflation_reason` says why, for the reader. All else is as of `surae.profile`.
     """
     wanted = profiled(result) if names is None else tuple(names)
-    inflation = dict.fromkeys(wanted, 1.0)
     if isinstance(variance_inflation, Mapping):
-        inflation |= variance_inflation
+        inflation = {**dict.fromkeys(wanted, 1.0), **variance_inflation}
     else:
         inflation = dict.fromkeys(wanted, variance_inflation)
     for name, factor in inflation.items():

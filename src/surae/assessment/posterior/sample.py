@@ -5,7 +5,6 @@ weighs the whole of it. It explores the valley of the fit's minimum: another one
 the starts of the fit to find.
 """
 
-import json
 import os
 import time
 from collections.abc import Mapping
@@ -15,18 +14,16 @@ from typing import Any, Literal
 import numpy as np
 
 from surae.assessment.assess import described
-from surae.assessment.posterior.density import SamplingPrior, make_target
+from surae.assessment.posterior.density import SamplingPrior, Target
 from surae.assessment.posterior.importance import ENOUGH, Weighted, weighted_draws
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.filed import filed
-from surae.files import PathLike, write_atomic
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
 from surae.progress import Progress
-from surae.recording.frames import library
-from surae.records import to_plain
+from surae.records import Saved, to_plain
 from surae.units import FloatArray
 from surae.versions import versions
 
@@ -81,62 +78,28 @@ class Marginal:
     inflation_reason="variance_inflation_reason",
 )
 @dataclass(frozen=True, slots=True, eq=False)
-class Posterior(Comparable):
-    """Draws from a posterior and what they say.
+class Posterior(Saved, Comparable):
+    """Draws from a posterior and what they say."""
 
-    Attributes
-    ----------
-    model : str
-        Name of the model.
-    names : tuple of str
-        The free parameters.
-    draws : ndarray, shape (draws, p)
-        Their values, of equal weight; some are there more than once.
-    marginals : mapping of str to Marginal
-        By parameter.
-    covariance : Covariance
-        Of the fit, for comparison, widened by the variance inflation.
-    status : {"reliable", "not reliable"}
-        Whether the draws can be believed.
-    message : str
-        Why, with advice where they cannot.
-    k_hat : float or None
-        Shape of the distribution of the largest importance weights: above 0.7 no number of draws
-        would do. None where no weight is finite.
-    effective : float
-        Independent draws that the weighted ones are worth.
-    evaluations : int
-        Of the density.
-    variance_inflation : float
-        By how much the variance of the noise counts more than that of white noise would.
-    inflation_reason : str
-        Why.
-    seed : int
-        Of the draws.
-    seconds : float
-        Wall time.
-    whole : bool
-        False when the user stopped it before its end.
-    versions : mapping of str to str
-        Versions of surae and of what the numbers depend on.
-    """
-
-    model: str
-    names: tuple[str, ...]
+    model: str  #: Name of the model.
+    names: tuple[str, ...]  #: The free parameters.
+    #: Their values, of equal weight; some are there more than once. Shape (draws, p).
     draws: FloatArray
-    marginals: Mapping[str, Marginal]
-    covariance: Covariance
-    status: Status
-    message: str
+    marginals: Mapping[str, Marginal]  #: By parameter.
+    covariance: Covariance  #: Of the fit, for comparison, widened by the variance inflation.
+    status: Status  #: Whether the draws can be believed.
+    message: str  #: Why, with advice where they cannot.
+    #: Shape of the distribution of the largest importance weights: above 0.7 no number of draws
+    #: would do. None where no weight is finite.
     k_hat: float | None
-    effective: float
-    evaluations: int
-    variance_inflation: float
-    inflation_reason: str
-    seed: int
-    seconds: float
-    whole: bool
-    versions: Mapping[str, str]
+    effective: float  #: Independent draws that the weighted ones are worth.
+    evaluations: int  #: Of the density.
+    variance_inflation: float  #: How much more than of white noise the noise's variance counts.
+    inflation_reason: str  #: Why.
+    seed: int  #: Of the draws.
+    seconds: float  #: Wall time.
+    whole: bool  #: False when the user stopped it before its end.
+    versions: Mapping[str, str]  #: Versions of surae and of what the numbers depend on.
 
     def __getitem__(self, name: str) -> Marginal:
         return self.marginals[name]
@@ -155,62 +118,15 @@ class Posterior(Comparable):
         """All draws of one parameter."""
         return self.draws[:, self.names.index(name)]
 
-    def to_inference_data(self) -> Any:
-        """The draws for ArviZ, as one chain, units and the status as attributes.
-
-        Returns
-        -------
-        xarray.DataTree
-            InferenceData as ArviZ 1.0 has it, its group ``posterior`` by (chain, draw); older ones
-            take it as ``arviz.InferenceData.from_datatree(...)``.
-
-        Raises
-        ------
-        InputError
-            The package xarray is not installed.
-        """
-        return inference_data(self)
-
     def as_dict(self) -> dict[str, Any]:
         """The posterior as plain data, as it is saved."""
         return {
-            "surae": self.versions["surae"],
-            **to_plain(self),
+            **Saved.as_dict(self),
             "parameters": {name: to_plain(marginal) for name, marginal in self.marginals.items()},
             "correlation": {"names": list(self.names), "matrix": self.correlation.tolist()},
             "draws": len(self.draws),
             "samples": {name: self.of(name).tolist() for name in self.names},
         }
-
-    def save(self, path: PathLike) -> None:
-        """Write the posterior as JSON with all its draws, all of it or nothing.
-
-        Raises
-        ------
-        InputError
-            The file cannot be written.
-        """
-        text = json.dumps(self.as_dict(), allow_nan=False, ensure_ascii=False)
-        write_atomic(path, text + "\n")
-
-
-def inference_data(posterior: Posterior) -> Any:
-    """See `Posterior.to_inference_data`."""
-    xarray = library("xarray", "InferenceData")
-    variables = {
-        name: (("chain", "draw"), posterior.of(name)[None], {"units": marginal.unit})
-        for name, marginal in posterior.marginals.items()
-    }
-    about = {
-        "inference_library": "surae",
-        "inference_library_version": posterior.versions["surae"],
-        "status": posterior.status,
-        "message": posterior.message,
-    }
-    along = {"chain": [0], "draw": np.arange(len(posterior.draws))}
-    return xarray.DataTree.from_dict(
-        {"/": xarray.Dataset(attrs=about), "/posterior": xarray.Dataset(variables, along, about)}
-    )
 
 
 def sample(
@@ -227,14 +143,18 @@ def sample(
 ) -> Posterior:
     """Draw from the posterior of a fit's free parameters.
 
-    Fixed parameters stay fixed and weights hold. Of a fit with `model="auto"` it is the posterior
-    that was fitted, films and bounds included. Else priors take the place of bounds: those of
-    `priors`, else the fit's own, else the wide defaults of `beliefs`; and the likelihood takes the
+    Fixed parameters stay fixed and weights hold. Priors take the place of bounds: those of
+    `priors`, else the fit's own, else the wide defaults of `beliefs`. The likelihood takes the
     noise for white: a residual that is correlated over time holds fewer independent samples than it
     has, so the variance of the noise counts `variance_inflation` times: n/n_effective is a rough
     value, the ratio of the squared standard errors with and without the correlation one for a
     parameter. All else is as of `surae.posterior`.
     """
+    if result.family is not None:
+        raise InputError(
+            "a fit of auto is a posterior already, of which `ci95` is the interval: profile the "
+            "parameters to see more of it, or fit with a named model (model='muscle-tendon')"
+        )
     if not 0 < variance_inflation < np.inf:
         raise InputError(f"variance inflation is {variance_inflation!r}; give a number above zero")
     if not (np.isfinite(result.sse) and np.isfinite(result.R).all()):
@@ -243,10 +163,10 @@ def sample(
         raise InputError("the fit leaves no residual: without noise there is no posterior")
     begin = time.perf_counter()
     problem = result.problem
-    target = make_target(result, priors, variance_inflation)
+    target = Target(result, priors, variance_inflation)
     weighted = weighted_draws(
         [target.density() for _ in range(cores or os.cpu_count() or 1)],
-        len(target.mode),
+        len(problem.free),
         rounds=_ROUNDS,
         size=evaluations // _ROUNDS,
         seed=seed,

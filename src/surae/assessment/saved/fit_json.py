@@ -6,7 +6,7 @@ saw of each recording.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -208,19 +208,12 @@ def _check(result: FitResult) -> None:
     shapes: list[tuple[str, FloatArray | None, tuple[int, ...]]] = [("R", result.R, (p, p))]
     for i, (recording, residual) in enumerate(zip(inputs, result.residuals, strict=True)):
         n = recording.n
-        shapes += [(f"traces[{i}].emg", recording.emg, (n, 4))]
+        arrays = [(f.name, getattr(recording, f.name)) for f in fields(recording)]
+        arrays += [("residual", residual), *(("second", array) for array in recording.second)]
         shapes += [
-            (f"traces[{i}].{name}", array, (n,))
-            for name, array in (
-                ("time", recording.time),
-                ("angle", recording.angle),
-                ("velocity", recording.velocity),
-                ("acceleration", recording.acceleration),
-                ("torque", recording.torque),
-                ("weight", recording.weight),
-                *(("second", array) for array in recording.second),
-                ("residual", residual),
-            )
+            (f"traces[{i}].{name}", array, (n, 4) if name == "emg" else (n,))
+            for name, array in arrays
+            if isinstance(array, np.ndarray)
         ]
         if recording.torque is None:
             raise InputError(f"traces[{i}].torque: it is missing")
