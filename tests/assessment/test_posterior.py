@@ -83,6 +83,12 @@ def test_a_whole_fit_is_the_same_on_any_number_of_cores(fitted, tmp_path):
     assert saved["parameters"]["f0"]["prior"]["origin"] == "population"
     assert saved["k_hat"] == first.k_hat < 0.7
 
+    tree = first.to_inference_data()
+    assert dict(tree["posterior"].sizes) == {"chain": 1, "draw": 250}
+    assert tree["posterior"]["f0"].attrs["units"] == "Hz"
+    assert tree.attrs["status"] == "reliable"
+    assert np.array_equal(tree["posterior"]["f0"].values[0], first.of("f0"))
+
 
 def test_too_few_effective_draws_have_no_intervals(fitted):
     found = sample(fitted, draws=100, evaluations=60)

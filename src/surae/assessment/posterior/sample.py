@@ -23,6 +23,7 @@ from surae.filed import filed
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
 from surae.progress import Progress
+from surae.recording.frames import library
 from surae.records import Saved, to_plain
 from surae.units import FloatArray
 from surae.versions import versions
@@ -118,6 +119,23 @@ class Posterior(Saved, Comparable):
         """All draws of one parameter."""
         return self.draws[:, self.names.index(name)]
 
+    def to_inference_data(self) -> Any:
+        """The draws for ArviZ, as one chain, units and the status as attributes.
+
+        Returns
+        -------
+        xarray.DataTree
+            InferenceData as ArviZ 1.0 has it, its group ``posterior`` by (chain, draw); older ones
+            take it as ``arviz.InferenceData.from_datatree(...)``.
+
+        Raises
+        ------
+        InputError
+            The package xarray is not installed.
+        """
+        units = {name: self.marginals[name].unit for name in self.names}
+        return inference_data(self.draws, units, self.versions["surae"], self.status, self.message)
+
     def as_dict(self) -> dict[str, Any]:
         """The posterior as plain data, as it is saved."""
         return {
@@ -127,6 +145,27 @@ class Posterior(Saved, Comparable):
             "draws": len(self.draws),
             "samples": {name: self.of(name).tolist() for name in self.names},
         }
+
+
+def inference_data(
+    draws: FloatArray, units: Mapping[str, str], version: str, status: str, message: str
+) -> Any:
+    """Draws of shape (n, p) for ArviZ, of parameters in the order of their `units`."""
+    xarray = library("xarray", "InferenceData")
+    variables = {
+        name: (("chain", "draw"), own[None], {"units": units[name]})
+        for name, own in zip(units, draws.T, strict=True)
+    }
+    about = {
+        "inference_library": "surae",
+        "inference_library_version": version,
+        "status": status,
+        "message": message,
+    }
+    along = {"chain": [0], "draw": np.arange(len(draws))}
+    return xarray.DataTree.from_dict(
+        {"/": xarray.Dataset(attrs=about), "/posterior": xarray.Dataset(variables, along, about)}
+    )
 
 
 def sample(
