@@ -22,8 +22,8 @@ from surae.model.activation import IntArray
 from surae.model.contraction import (
     FECC,
     MVSH,
-    shaped_force_length_partials,
-    shaped_force_velocity_partials,
+    force_length,
+    force_velocity,
 )
 from surae.model.equilibrium import solve
 from surae.model.jit import jit
@@ -236,8 +236,8 @@ def compliant_states(
             direct[i_tau], direct[i_rel] = taut * relaxed[i_tau], taut * relaxed[i_rel]
             direct[i_l0] = alpha * (fl_x * fv * x + fl * fv_v * speed) / l0
             if shapes:
-                by_width = alpha * fv * shaped_force_length_partials(x, l0, short, long)[3]
-                _, _, by_bend, by_gain = shaped_force_velocity_partials(speed, vmax, bend, gain)
+                by_width = alpha * fv * force_length(x, l0, short, long)[3]
+                _, _, by_bend, by_gain = force_velocity(speed, vmax, bend, gain)
                 direct[i_short], direct[i_long] = 0.0, 0.0
                 direct[i_short if x < l0 else i_long] = -by_width
                 direct[i_fast] = alpha * fl * fv_v * speed
