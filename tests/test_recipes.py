@@ -32,12 +32,12 @@ SPRING = '''"""Springs and motors: forces that the muscles' lengths hardly chang
 import numpy as np
 
 from surae.model.parameters import SPRING_PARAMETERS
-from surae.model.tied import TiedModel
+from surae.model.tied import Simulator
 
 _NAMES = tuple(p.name for p in SPRING_PARAMETERS)
 
 
-class SpringSimulator(TiedModel):
+class SpringSimulator(Simulator):
     """Linear springs on one recording."""
 
     def __init__(self, inputs, options, optional=()):

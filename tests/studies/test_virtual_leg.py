@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surae.model import ModelOptions, get_model
-from surae.model.geometry import arm_tri, paths
+from surae.model.geometry import moment_arm, paths
 from surae.protocol import Protocol, generate
 from surae.studies import Imperfections, virtual_subject, virtual_trial
 from surae.studies.leg import (
@@ -99,10 +99,10 @@ def test_knee_flexion_acts_on_the_gastrocnemius_as_its_model_says(trajectory, id
     values = spec.vector(SUBJECT.parameters, OPTIONS)
     flexion = np.full(ideal.n, 0.1)
     torque = knee_torque(ideal, "muscle", OPTIONS, values, flexion)
-    arm = arm_tri(ideal.angle)
+    arm = moment_arm(ideal.angle, 0)
     shift = -0.1 * KNEE_ARM / arm
     p = dict(zip(spec.names, values, strict=True))
-    x, moved = 0.118 - 1.67 * arm, 0.118 - 1.67 * arm_tri(ideal.angle + shift)
+    x, moved = 0.118 - 1.67 * arm, 0.118 - 1.67 * moment_arm(ideal.angle + shift, 0)
     passive = np.exp(p["k_tri"] * (moved - p["x0_tri"])) - np.exp(p["k_tri"] * (x - p["x0_tri"]))
     start = ideal.time < 0.9  # at rest: the tissue has relaxed, the muscles are passive
     steady = KNEE_TISSUE * passive / (1.0 + p["k_rel"]) * arm

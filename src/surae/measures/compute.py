@@ -54,7 +54,7 @@ class MeasurePoint:
     def value(self, leg: Leg) -> float:
         """Compute the measure of a leg; NaN where it is not finite or has no solution."""
         try:
-            value = self.definition.compute(leg, self.at)
+            value = self.definition.value(leg, self.at)
         except (ComputationError, OverflowError, ZeroDivisionError):
             return math.nan
         return value if math.isfinite(value) else math.nan

@@ -9,7 +9,7 @@ from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
 from surae.model.parameters import MUSCLE_PARAMETERS
 from surae.model.rigid import exponentials, rigid_forces, rigid_torque
-from surae.model.tied import Sums, TiedModel
+from surae.model.tied import Simulator, Sums
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
@@ -21,7 +21,7 @@ GROUP_COLUMNS = tuple(
 )
 
 
-class MuscleSimulator(TiedModel):
+class MuscleSimulator(Simulator):
     """Model 1.0 on one recording."""
 
     def __init__(

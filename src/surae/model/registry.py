@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from numbers import Real
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,11 +20,13 @@ from surae.model.parameters import (
     Parameter,
     adapted,
 )
-from surae.model.simulator import Simulator
 from surae.names import ELSEWHERE
 from surae.plugins import Extended, plugins
 from surae.signals import ModelInputs
 from surae.units import FloatArray
+
+if TYPE_CHECKING:
+    from surae.model import Simulator
 
 _WEIGHTS = ("g1", "g2", "g3", "g4")
 #: Optional parameters in which the torque is linear.
@@ -81,7 +84,7 @@ class ModelSpec(Comparable):
 
     def simulator(
         self, inputs: ModelInputs, options: ModelOptions, *, beyond: bool = False
-    ) -> Simulator:
+    ) -> "Simulator":
         """The model tied to a recording, with its optional parameters.
 
         A movement `beyond` the angles of a geometry's table is refused unless it is wanted.

@@ -6,7 +6,7 @@ import numpy as np
 
 from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
-from surae.model.geometry import JointAxis, arm_tri, paths
+from surae.model.geometry import JointAxis, moment_arm, paths
 from surae.protocol import Trajectory
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, inputs_as_given
@@ -182,7 +182,7 @@ def knee_torque(
     emg = np.array(inputs.emg)
     emg[:, _NOT_GASTROCNEMIUS] = 0.0
     alone = replace(inputs, emg=read_only(emg))
-    arm = arm_tri(inputs.angle)
+    arm = moment_arm(inputs.angle, 0)
     slack = -flexion * KNEE_ARM / arm
     shifted = replace(
         alone,
@@ -192,7 +192,7 @@ def knee_torque(
 
     def force(of: ModelInputs) -> FloatArray:
         parts = get_model(model).simulator(of, options).parts(values)
-        pulled: FloatArray = (parts.neural_tri + KNEE_TISSUE * parts.tissue_tri) / arm_tri(of.angle)
-        return pulled
+        pulled: FloatArray = parts.neural_tri + KNEE_TISSUE * parts.tissue_tri
+        return pulled / moment_arm(of.angle, 0)
 
     return arm * (force(shifted) - force(alone))

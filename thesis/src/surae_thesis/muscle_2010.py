@@ -33,7 +33,7 @@ from surae.model.geometry import paths
 from surae.model.jit import jit
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
-from surae.model.tied import Sums, TiedModel
+from surae.model.tied import Simulator, Sums
 from surae.signals import ModelInputs
 from surae.signals.filters import HIGHEST_CUTOFF, butterworth
 from surae.units import FloatArray
@@ -74,7 +74,7 @@ def contraction(length: FloatArray, speed: FloatArray, l0: float, factor: float)
     return out
 
 
-class Muscle2010Simulator(TiedModel):
+class Muscle2010Simulator(Simulator):
     """The model of 2010 on one recording; its EMG, the envelopes of model 1.0, is integrated once.
 
     Raises
