@@ -127,7 +127,7 @@ def slack_span(leg: Leg, _: float) -> float:
 
     slack_angle_tri − slack_angle_tib.
     """
-    return slack_angle_tri(leg, 0.0) - slack_angle_tib(leg, 0.0)
+    return slack_angle(leg, 0.0, "tri") - slack_angle(leg, 0.0, "tib")
 
 
 '''),

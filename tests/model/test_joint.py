@@ -187,7 +187,7 @@ def test_words_keep_their_capitals() -> None:
         ("m = {", "mm = {", "parameters: m missing"),
         ("start = 0.6,", "start = 9.0,", "m must be above zero and within its bounds"),
         ('limb = "hand"', "", "limb: it is missing|missing"),
-        ('limb = "hand"', "limb = ", "no TOML"),
+        ('limb = "hand"', "limb = ", "not a TOML file"),
     ],
 )
 def test_what_is_no_joint_is_refused(tmp_path, line, by, message) -> None:

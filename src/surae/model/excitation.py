@@ -35,7 +35,7 @@ D. G. Lloyd, T. F. Besier (2003). An EMG-driven musculoskeletal model to estimat
 knee joint moments in vivo. Journal of Biomechanics 36(6):765-776.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -168,10 +168,11 @@ class Excitation:
     ) -> Drive:
         channels, at = GROUPS[group], self._at
         columns = self._weights[channels]
-        weights = values[columns]
-        grown = None if self.log_gain is None else np.exp(self.log_gain[channels])
-        weighted = envelopes.weighted[channels]
-        weighted = weighted if grown is None else weighted * grown
+        weights, n = values[columns], envelopes.weighted.shape[1]
+        grown = np.ones((len(columns), n))
+        if self.log_gain is not None:
+            grown = np.exp(self.log_gain[channels])
+        weighted = envelopes.weighted[channels] * grown
         # einsum, not BLAS: its threads cost more than they save on so few rows
         signal = np.einsum("c,cn->n", weights, weighted)
         slopes = [
@@ -185,36 +186,33 @@ class Excitation:
             ("release", self._by_release),
         ):
             if by is not None and at.get(name, -1) in wanted:
-                own = by[channels] if grown is None else by[channels] * grown
-                slopes.append((at[name], np.einsum("c,cn->n", weights, own)))
+                slopes.append((at[name], np.einsum("c,cn->n", weights, by[channels] * grown)))
         if self._corrections.intersection(wanted):
             # ∂E/∂e of each electrode but for its gain: what takes from it takes so much of E
-            steep = np.ones((4, 1)) if envelopes.steep is None else envelopes.steep
-            if grown is not None:
-                times = steep.shape[1] // grown.shape[1]
-                steep = steep[channels] * (np.tile(grown, times) if times > 1 else grown)
-            else:
-                steep = steep[channels]
+            steep = np.ones((4, n)) if envelopes.steep is None else envelopes.steep
+            steep = steep[channels] * np.tile(grown, steep.shape[1] // n)
             unmixing = weights[:, None] * envelopes.unmixing[channels]
-            heard = np.einsum(
-                "ci,cn->in", unmixing, np.broadcast_to(steep, (len(weights), steep.shape[1]))
-            )
+            heard = np.einsum("ci,cn->in", unmixing, steep)
             heard *= -self._present[:, None]
-            for i, name in enumerate(_RESTS):
-                if at.get(name, -1) in wanted and heard[i].any():
-                    slopes.append((at[name], _folded(heard[i] * envelopes.gain[i], len(signal))))
-            for i, name in enumerate(_DRIFTS):
-                if at.get(name, -1) in wanted and heard[i].any():
-                    faded = heard[i] * self._elapsed * envelopes.active[i]
-                    slopes.append((at[name], _folded(faded, len(signal))))
-            for (hears, of), name in CROSSTALK.items():
-                if at.get(name, -1) in wanted and heard[hears].any():
-                    mixed = heard[hears] * envelopes.own[of]
-                    slopes.append((at[name], _folded(mixed, len(signal))))
+            for name, electrode, factors in self._takings(envelopes):
+                if at.get(name, -1) in wanted and heard[electrode].any():
+                    taken = heard[electrode]
+                    for factor in factors:
+                        taken = taken * factor
+                    # by way of the envelopes and, behind them, of the smooth ones
+                    slopes.append((at[name], taken.reshape(-1, n).sum(axis=0)))
         if "emd" not in at:
             return Drive(signal, slopes)
         column = at["emd"]
         return Drive(signal, slopes, float(values[column]), column if column in wanted else -1)
+
+    def _takings(self, envelopes: _Envelopes) -> Iterator[tuple[str, int, tuple[FloatArray, ...]]]:
+        """What corrects the envelopes: its name, whose electrode, and the product that it takes."""
+        for i, (rest, drift) in enumerate(zip(_RESTS, _DRIFTS, strict=True)):
+            yield rest, i, (envelopes.gain[i],)
+            yield drift, i, (self._elapsed, envelopes.active[i])
+        for (hears, of), name in CROSSTALK.items():
+            yield name, hears, (envelopes.own[of],)
 
     def _of_stretch(
         self, group: int, values: FloatArray, leg: LegMovement, wanted: frozenset[int]
@@ -228,13 +226,6 @@ class Excitation:
             for column, by in zip(leg.columns, muscle.speed_slopes, strict=True)
         ]
         return Drive(gain * stretch, slopes, float(values[delay]), delay if delay in wanted else -1)
-
-
-def _folded(taken: FloatArray, n: int) -> FloatArray:
-    """What is taken of a drive by way of the envelopes and, behind them, of the smooth ones."""
-    if len(taken) == 2 * n:
-        return np.asarray(taken[:n] + taken[n:])
-    return taken if len(taken) == n else np.full(n, taken[0])
 
 
 def _reference(inputs: ModelInputs, options: ModelOptions, present: FloatArray) -> FloatArray:

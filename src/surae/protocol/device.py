@@ -1,16 +1,15 @@
 """What a robot can follow (thesis 4.1.5 and 4.4): limits that are data, a TOML file each."""
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from surae.errors import InputError
 from surae.filed import filed
-from surae.files import PathLike, read_bytes, shown
+from surae.files import PathLike, shown
 from surae.plugins import Extended, plugins
-from surae.records import from_plain
+from surae.records import from_file, read_toml
 
 
 @filed(
@@ -84,20 +83,14 @@ def read_device(path: PathLike) -> Device:
     InputError
         The file cannot be read, or something in it is unknown, no number, or missing.
     """
-    where = shown(path)
-    try:
-        toml = tomllib.loads(read_bytes(path).decode("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{where}: not a TOML file ({error})") from None
+    where, toml = shown(path), read_toml(path)
     if not toml.get("name"):
         raise InputError(f'{where}: give the device a name, e.g. name = "my robot"')
     amplitudes = toml.get("chirp_amplitudes_rad", {})
     if not isinstance(amplitudes, dict):
         raise InputError(f"{where}: chirp_amplitudes_rad must be a table of profile = rad")
-    try:
-        device = from_plain(Device, {**toml, "chirp_amplitudes_rad": list(amplitudes.items())})
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from None
+    plain = {**toml, "chirp_amplitudes_rad": list(amplitudes.items())}
+    device = from_file(Device, path, plain)
     span = device.range_of_motion
     if span is not None and not span[0] < span[1]:
         raise InputError(f"{where}: range_rad: low must be below high")
