@@ -1,8 +1,9 @@
 """The documented switches of the models, with their allowed values."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from importlib import import_module
 from numbers import Real
 from os import PathLike
 from pathlib import Path
@@ -86,11 +87,7 @@ class ModelOptions:
                 raise InputError(f"option {name} is {value!r}; give a finite number")
             if record.above is not None and value <= record.above:
                 raise InputError(f"option {name} is {value}; it must be positive")
-        self._check_levels()
         self._check_joint()
-
-    def _check_levels(self) -> None:
-        """Make a list of levels, as files hold it, a tuple."""
         if self.emg_ref is None:
             return
         given: object = self.emg_ref
@@ -164,16 +161,7 @@ def with_files(given: Mapping[str, Any]) -> dict[str, Any]:
         elif not isinstance(value, str | PathLike) or value in CHOICES[name]:
             continue
         elif Path(value).suffix or Path(value).is_file():
-            read[name] = _reader(name)(value)
+            # readers need NumPy, and options do not
+            home = import_module("surae.model")
+            read[name] = getattr(home, f"read_{name}")(value)
     return read
-
-
-def _reader(name: str) -> Callable[[PathLike[str] | str], Any]:
-    """What reads the file of an option; when one is named, as readers need NumPy."""
-    if name == "joint":
-        from surae.model.joint import read_joint
-
-        return read_joint
-    from surae.model.geometry_file import read_geometry
-
-    return read_geometry
