@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from surae.errors import InputError
 from surae.model.joint import ANKLE, Joint
-from surae.model.sources import NUISANCES, Nuisance
-from surae.model.sources import Gaussian as Gaussian
+from surae.model.sources import NUISANCES, Gaussian, Nuisance
 
 #: The name under which the family of models is asked for, and its rigid and compliant member.
 AUTO, RIGID, COMPLIANT = "auto", "muscle", "muscle-tendon-strain"
