@@ -169,7 +169,7 @@ def test_its_constants_reach_the_model(fit) -> None:
     assert laboratory({"zero": (0.0, 3.0)}, joint=wrist)["torque_zero"].sd == 3.0
     inputs = fit.result.problem.inputs[0]
     parts = get_model("muscle").simulator(inputs, options).parts(np.array([*TRUTH.values()]))
-    expected = gravity_torque(angle=inputs.angle, theta_foot=0.0, distance=0.07)
+    expected = gravity_torque(angle=inputs.angle, theta_foot=0.0, distance=0.07)[0]
     np.testing.assert_allclose(parts.gravitational, TRUTH["m"] * expected)
 
 

@@ -286,7 +286,7 @@ def test_levels_of_a_session(inputs) -> None:
 
 @pytest.mark.parametrize("levels", [(1.0, 2.0), (1.0, 2.0, 3.0, -1.0), "1234", (1, 2, 3, True)])
 def test_levels_are_four_numbers(levels) -> None:
-    with pytest.raises(InputError, match=r"^option emg_ref is .*; give four levels in V, of TA, "):
+    with pytest.raises(InputError, match=r"^emg_ref is .*; give four levels in V, of TA, "):
         ModelOptions(emg_ref=levels)
 
 

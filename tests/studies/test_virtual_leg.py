@@ -13,8 +13,7 @@ from surae.studies.leg import (
     KNEE_ARM,
     KNEE_TISSUE,
     UNMEASURED_VARIATION,
-    drive,
-    effort,
+    VirtualTrial,
     knee_torque,
     misaligned,
     reflex,
@@ -22,6 +21,10 @@ from surae.studies.leg import (
 
 SUBJECT = virtual_subject(2)
 OPTIONS = ModelOptions()
+
+
+def trial_of(seed, trajectory, settings, trial) -> VirtualTrial:
+    return VirtualTrial(virtual_subject(seed), trajectory, settings, trial)
 
 
 @pytest.fixture(scope="module")
@@ -140,8 +143,7 @@ def test_effort_varies_about_its_target_by_as_much_as_asked(trajectory):
     active = trajectory.effort > 0.05
     gains = np.concatenate(
         [
-            effort(virtual_subject(seed), trajectory, settings, trial)[active]
-            / trajectory.effort[active]
+            trial_of(seed, trajectory, settings, trial).effort()[active] / trajectory.effort[active]
             for seed in range(30)
             for trial in range(3)
         ]
@@ -149,7 +151,7 @@ def test_effort_varies_about_its_target_by_as_much_as_asked(trajectory):
     assert gains.mean() == pytest.approx(1.0, abs=0.02)
     assert gains.std() == pytest.approx(0.25, abs=0.02)
     assert gains.min() > 0.0
-    relaxed = effort(SUBJECT, trajectory, settings, 0)[trajectory.effort == 0.0]
+    relaxed = VirtualTrial(SUBJECT, trajectory, settings, 0).effort()[trajectory.effort == 0.0]
     assert (relaxed == 0.0).all()
 
 
@@ -172,7 +174,7 @@ def test_muscles_without_electrodes_add_their_share_on_average(trajectory):
     envelopes = 6e-4 * trajectory.effort + 1e-6
     shares = np.stack(
         [
-            drive(virtual_subject(seed), trajectory, envelopes, settings, trial) / envelopes - 1.0
+            trial_of(seed, trajectory, settings, trial).drive(envelopes) / envelopes - 1.0
             for seed in range(30)
             for trial in range(3)
         ]
@@ -184,4 +186,4 @@ def test_muscles_without_electrodes_add_their_share_on_average(trajectory):
     # The three heads have the same helpers, the tibialis others.
     np.testing.assert_allclose(shares[:, :, 1], shares[:, :, 3])
     assert abs(np.corrcoef(shares[:, :, 0].ravel(), shares[:, :, 1].ravel())[0, 1]) < 0.1
-    assert drive(SUBJECT, trajectory, envelopes, Imperfections(), 0) is envelopes
+    assert VirtualTrial(SUBJECT, trajectory, Imperfections(), 0).drive(envelopes) is envelopes

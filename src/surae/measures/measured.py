@@ -159,8 +159,13 @@ def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
     evaluated = evaluate(result, spread, [MeasurePoint(torque, float(at)) for at in angle])
     values = np.array([np.nan if t.value is None else t.value for t in evaluated])
     options = result.problem.options
-    values += result.values.get("m", 0.0) * gravity_torque(
-        angle=np.radians(angle), theta_foot=options.theta_foot, distance=options.anatomy.distance
+    values += (
+        result.values.get("m", 0.0)
+        * gravity_torque(
+            angle=np.radians(angle),
+            theta_foot=options.theta_foot,
+            distance=options.anatomy.distance,
+        )[0]
     )
     half = NORMAL * np.array([_deviation(t, spread) for t in evaluated])
     return TorqueCurve(*map(read_only, (angle, values, values - half, values + half)))

@@ -25,6 +25,7 @@ from surae.model.contraction import (
     force_velocity,
 )
 from surae.model.jit import jit
+from surae.model.passive import elastic_force
 from surae.model.tendon import TendonCurve, tendon_force
 
 #: A Newton step is the last one below this fraction of the length over which forces bend; what it
@@ -65,7 +66,7 @@ def balance(e: float, muscle: Muscle, curve: TendonCurve, step: Step) -> Balance
     rigid, start, per_h, w, held, alpha = step
     x = rigid - e
     force, slope = tendon_force(e, curve)
-    elastic = math.exp(k * (x - x0))
+    elastic = elastic_force(x, k, x0)
     fl, fl_x, _, _ = force_length(x, l0, short, long)
     fv, fv_v, _, _ = force_velocity((x - start) * per_h, vmax, bend, gain)
     G = force - alpha * fl * fv
