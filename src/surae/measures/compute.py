@@ -146,22 +146,16 @@ def measures(
     InputError
         An angle is out of reach of an ankle.
     """
-    judged = judged_measures(result, assessment, spread_of(result, assessment), angles)
+    judged = judged_measures(result, assessment, spread_of(result, assessment), points(angles))
     by_name = FrozenDict((measure.name, measure) for _, measure in judged)
     return Measures(result.problem.spec.name, assessment.adequacy, by_name)
 
 
-def judged_measures(
-    result: FitResult, assessment: Assessment, spread: Spread, angles: Sequence[float]
-) -> tuple[tuple[Evaluated, Measure], ...]:
-    """All measures of a fit, each with its derivatives."""
-    return _judged(result, assessment, spread, points(angles))
-
-
 @lru_cache(maxsize=4)  # pages, comparisons and answers are often of the same fit
-def _judged(
+def judged_measures(
     result: FitResult, assessment: Assessment, spread: Spread, wanted: tuple[MeasurePoint, ...]
 ) -> tuple[tuple[Evaluated, Measure], ...]:
+    """All these measures of a fit, each with its derivatives."""
     drawn = _drawn(result, spread, wanted)
     return tuple(
         (each, _measure(each, drawn.get(each.point.name), result, assessment, spread))
