@@ -21,7 +21,7 @@ from scipy.optimize import brentq
 import surae
 from surae.frozen import read_only
 from surae.measures import measures_of_values
-from surae.model.geometry import AnkleAxis
+from surae.model.geometry import JointAxis
 from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES
 from surae.studies import virtual_subject
@@ -93,7 +93,7 @@ def write(session: Session, path: Path) -> None:
     envelopes = 1e-6 + 6e-4 * motion.effort * rng.uniform(0.7, 1.0, 4)
     late = np.stack([np.interp(time - delay, time, column) for column in envelopes.T], axis=1)
     forward, up = np.clip(0.004 * rng.standard_normal(2), -0.01, 0.01) * (not session.plain)
-    joint = AnkleAxis(angle=motion.angle, forward=forward, up=up).joint
+    joint = JointAxis(angle=motion.angle, forward=forward, up=up).joint
     inputs = surae.ModelInputs(
         name=session.name,
         rate_hz=RATE * FINER,

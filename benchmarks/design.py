@@ -153,7 +153,7 @@ def curve(model: str, marks: list[float], *, nowhere: bool = False) -> Iterator[
 def limits() -> Iterator[dict[str, object]]:
     """What each limit costs: the search with it, and without."""
     legs = population_legs("muscle", None, LEGS)
-    free = replace(ACHILLES, max_torque=None, max_acceleration=ACHILLES.acceleration_limit)
+    free = replace(ACHILLES, max_torque=float("inf"), max_acceleration=ACHILLES.acceleration_limit)
     budget = genes_module.effort_budget
     whole, held = against(of_all(legs)), against(of_all(legs), held=True)
     cases = {

@@ -32,32 +32,16 @@ Whiten = Callable[[FloatArray], FloatArray]
 
 @dataclass(frozen=True, slots=True)
 class CoverageRow:
-    """One parameter over all realisations; errors are parts of the truth.
-
-    Attributes
-    ----------
-    name : str
-        The parameter.
-    n : int
-        Realisations in which it has an interval; the shares of covered ones are of these.
-    bias, rmse : float
-        Mean and root mean square of the error over all realisations.
-    bound : float
-        Least possible standard deviation of an unbiased estimate (Cramér–Rao).
-    thesis, default : float
-        Share of the intervals that hold the truth: those of equation (34), and `ci95`.
-    identified : float
-        Share of the realisations in which it is judged identified.
-    """
+    """One parameter over all realisations; errors are parts of the truth."""
 
     name: str
-    n: int
-    bias: float
+    n: int  #: Realisations in which it has an interval; the shares of covered ones are of these.
+    bias: float  #: Mean of the error over all realisations, and its root mean square.
     rmse: float
-    bound: float
-    thesis: float
-    default: float
-    identified: float
+    bound: float  #: Least possible standard deviation of an unbiased estimate (Cramér–Rao).
+    thesis: float  #: Share of the intervals of equation (34) that hold the truth.
+    default: float  #: The same of `ci95`.
+    identified: float  #: Share of the realisations in which it is judged identified.
 
     @property
     def is_identified(self) -> bool:
@@ -84,23 +68,7 @@ def coverage(
     seed: int = 0,
     starts: int = 1,
 ) -> Coverage:
-    """Fit model 1.0 to one trial under many realisations of its torque's noise.
-
-    Parameters
-    ----------
-    clean : ModelInputs
-        A trial without noise.
-    truth : mapping of str to float
-        The parameters it was simulated with.
-    noise, whiten : callable
-        The noise, and what makes it white.
-    realisations : int
-        How many; each has its own stream of random numbers.
-    seed : int
-        Seed of all of them.
-    starts : int
-        Starts of each fit, the first from the default.
-    """
+    """Fit model 1.0 to one trial without noise under many realisations of its torque's noise."""
     assert clean.torque is not None
     names = tuple(truth)
     values = np.array([truth[name] for name in names])
@@ -121,21 +89,15 @@ def coverage(
             if p.ci95 is not None and p.sem is not None:
                 thesis = abs(errors[number, j]) <= half_width(p.sem, fit.covariance.dof)
                 held[j].append((thesis, p.ci95[0] <= truth[name] <= p.ci95[1]))
-    rows = []
-    for j, name in enumerate(names):
-        shares = np.mean(held[j], axis=0) if held[j] else np.full(2, np.nan)
-        rows.append(
-            CoverageRow(
-                name=name,
-                n=len(held[j]),
-                bias=float(errors[:, j].mean() / values[j]),
-                rmse=float(np.sqrt(np.mean(errors[:, j] ** 2)) / values[j]),
-                bound=float(bound[j] / values[j]),
-                thesis=float(shares[0]),
-                default=float(shares[1]),
-                identified=float(identified[j] / realisations),
-            )
+    bias, rmse = errors.mean(axis=0) / values, np.sqrt(np.mean(errors**2, axis=0)) / values
+    rows = [
+        CoverageRow(
+            name, len(held[j]), *map(float, (bias[j], rmse[j], bound[j] / values[j])),
+            *map(float, np.mean(held[j], axis=0) if held[j] else (np.nan, np.nan)),
+            float(identified[j] / realisations),
         )
+        for j, name in enumerate(names)
+    ]  # fmt: skip
     return Coverage(realisations, robust / realisations, tuple(rows))
 
 
@@ -183,24 +145,12 @@ ASKED: dict[str, dict[str, str]] = {
 def of_legs(
     protocol: Protocol, legs: int, part: float, noise: Callable[..., FloatArray], whiten: Whiten
 ) -> str:
-    """Fit many legs of model 1.0 once with each of `ASKED`; count.
+    """Fit many legs of model 1.0 once with each of `ASKED`; count, as a Markdown table.
 
-    Parameters
-    ----------
-    protocol : Protocol
-        How each is measured.
-    legs : int
-        How many.
-    part : float
-        The noise's standard deviation as part of the mean torque.
-    noise, whiten : callable
-        The noise of standard deviation 1 [-], and what makes it white of variance 1.
-
-    Returns
-    -------
-    str
-        A Markdown table: intervals that are true, of all and of the identified; errors over the
-        bound of Cramér and Rao and widths over those of model 1.0, of what that identifies.
+    `part` is the noise's standard deviation as part of the mean torque; `noise` and `whiten` are of
+    standard deviation 1. The table has intervals that are true, of all and of the identified;
+    errors over the bound of Cramér and Rao and widths over those of model 1.0, of what that
+    identifies.
     """
     motion = generate(protocol)
     true: dict[str, list[bool]] = {name: [] for name in ASKED}

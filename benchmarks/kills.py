@@ -177,7 +177,7 @@ def main() -> None:
     chance = random.Random(given.seed)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        trial = made(folder, 32.0)
+        trial = made(folder / "trial.csv", 32.0)
         bench, study = Workbench(folder, trial, chance), Study(folder, chance)
         lives = []
         for number in range(given.kills):

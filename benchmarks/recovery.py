@@ -50,30 +50,15 @@ class Recovery:
 
 @dataclass(frozen=True, slots=True)
 class RecoveryRow:
-    """One parameter over many subjects; errors and standard errors are parts of the truth.
-
-    Attributes
-    ----------
-    name : str
-        The parameter.
-    n : int
-        Estimates with a standard error; all but the two shares are over these.
-    bias, spread : float
-        Mean and standard deviation of the error.
-    sem : float
-        Root mean square of the standard errors.
-    covered : float
-        Share whose 95 % interval holds the truth.
-    identified, close : float
-        Share judged identified, and share within `CLOSE` of the truth, of all subjects.
-    """
+    """One parameter over many subjects; errors and standard errors are parts of the truth."""
 
     name: str
-    n: int
-    bias: float
+    n: int  #: Estimates with a standard error; all but the two shares are over these.
+    bias: float  #: Mean of the error, and its standard deviation.
     spread: float
-    sem: float
-    covered: float
+    sem: float  #: Root mean square of the standard errors.
+    covered: float  #: Share whose 95 % interval holds the truth.
+    #: Share judged identified, and share within `CLOSE` of the truth, of all subjects.
     identified: float
     close: float
 
@@ -87,19 +72,7 @@ def recover(
     noise: float = 0.05,
     starts: int = STARTS,
 ) -> Recovery:
-    """Simulate a trial of a virtual subject and fit it from the default settings.
-
-    Parameters
-    ----------
-    seed : int
-        Of the subject.
-    protocol : Protocol
-        The trial.
-    population, model, noise
-        As in `virtual_subject` and `virtual_trial`; the same model simulates and is fitted.
-    starts : int
-        Starts of the fit.
-    """
+    """Simulate a trial of a virtual subject and fit it from the default settings."""
     subject = virtual_subject(seed, population)
     trial = virtual_trial(subject, generate(protocol), model=model, noise=noise)
     fit = surae.fit(trial, model, starts=starts, quality=())
@@ -168,24 +141,12 @@ def main() -> None:
     given = parser.parse_args()
     for profile in given.profile:
         protocol = Protocol(
-            profile=profile,
-            task=given.task,
-            chirp_amplitude=0.2,
-            chirp_rate=0.5,
+            profile=profile, task=given.task, chirp_amplitude=0.2, chirp_rate=0.5,
             rate_hz=given.rate,
-        )
+        )  # fmt: skip
         begin = time.perf_counter()
-        recoveries = [
-            recover(
-                seed,
-                protocol,
-                population=given.population,
-                model=given.model,
-                noise=given.noise,
-                starts=given.starts,
-            )
-            for seed in range(given.subjects)
-        ]
+        asked = {name: getattr(given, name) for name in ("population", "model", "noise", "starts")}
+        recoveries = [recover(seed, protocol, **asked) for seed in range(given.subjects)]
         seconds = time.perf_counter() - begin
         status = [recovery.status for recovery in recoveries]
         vaf = np.array([recovery.vaf for recovery in recoveries])

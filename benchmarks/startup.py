@@ -8,26 +8,11 @@ import tempfile
 import time
 from pathlib import Path
 
-from surae.protocol import Protocol, generate
-from surae.recording import write_csv
-from surae.studies import virtual_subject, virtual_trial
+from web import made
 
 LIBRARIES = [sys.executable, "-c", "import numpy, scipy.optimize, numba"]
-MUSCLES = ("ta", "gl", "sol", "gm")
 #: A warm fit may take this many times what its libraries take to import.
 LIMIT = 2.5
-
-
-def write_trial(path: Path) -> None:
-    """A virtual subject's trial of 32 s at 128 Hz with noise on the torque."""
-    settings = Protocol(
-        profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=128.0, duration=32.0
-    )
-    trial = virtual_trial(virtual_subject(seed=1), generate(settings), noise=0.0)
-    assert trial.torque is not None
-    signals = {"time_s": trial.time, "angle_rad": trial.angle, "torque_Nm": trial.torque}
-    emg = {f"emg_{muscle}_V": trial.emg[:, i] for i, muscle in enumerate(MUSCLES)}
-    write_csv(path, signals | emg)
 
 
 def seconds(command: list[str]) -> float:
@@ -44,7 +29,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         recording = arguments.recording or f"{folder}/trial.csv"
         if arguments.recording is None:
-            write_trial(Path(recording))
+            made(
+                Path(recording), 128.0, 0.0, profile="multiple-holds", chirp_rate=0.5, duration=32.0
+            )
         fit = [sys.executable, "-m", "surae", "fit", recording, "--prepared"]
         seconds(fit), seconds(LIBRARIES)  # warm
         pairs = [(seconds(fit), seconds(LIBRARIES)) for _ in range(arguments.runs)]

@@ -32,12 +32,12 @@ SPRING = '''"""Springs and motors: forces that the muscles' lengths hardly chang
 import numpy as np
 
 from surae.model.parameters import SPRING_PARAMETERS
-from surae.model.tied import TiedModel
+from surae.model.tied import Simulator
 
 _NAMES = tuple(p.name for p in SPRING_PARAMETERS)
 
 
-class SpringSimulator(TiedModel):
+class SpringSimulator(Simulator):
     """Linear springs on one recording."""
 
     def __init__(self, inputs, options, optional=()):
@@ -127,7 +127,7 @@ def slack_span(leg: Leg, _: float) -> float:
 
     slack_angle_tri − slack_angle_tib.
     """
-    return slack_angle_tri(leg, 0.0) - slack_angle_tib(leg, 0.0)
+    return slack_angle(leg, 0.0, "tri") - slack_angle(leg, 0.0, "tib")
 
 
 '''),

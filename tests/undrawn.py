@@ -23,7 +23,7 @@ def few_legs() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr("surae.measures.compute._DRAWS", 64)
         yield
-    compute._judged.cache_clear()
+    compute.judged_measures.cache_clear()
 
 
 @contextmanager

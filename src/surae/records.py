@@ -9,6 +9,7 @@ line that names the field.
 import base64
 import json
 import math
+import tomllib
 import types
 import zlib
 from collections.abc import Callable, Mapping, Sequence
@@ -112,6 +113,22 @@ def read_json(path: PathLike) -> dict[str, Any]:
             f'{shown(path)}: expected a JSON object {{"…": …}}, found a {type(data).__name__}'
         )
     return data
+
+
+def read_toml(path: PathLike) -> dict[str, Any]:
+    """What a TOML file has."""
+    try:
+        return tomllib.loads(read_bytes(path).decode("utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{shown(path)}: not a TOML file ({error})") from None
+
+
+def from_file(kind: type[T], path: PathLike, plain: Mapping[str, Any]) -> T:
+    """The record that a file has as plain data; what is wrong is said of the file."""
+    try:
+        return from_plain(kind, plain)
+    except InputError as error:
+        raise InputError(f"{shown(path)}: {error}") from None
 
 
 def check_format(data: Mapping[str, Any], path: PathLike) -> None:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
 from inspect import Parameter, signature
 from numbers import Integral, Real
 from types import NoneType, UnionType
@@ -79,9 +79,10 @@ class Request:
             value = getattr(self, each.name)
             if isinstance(value, Mapping) or (value is None and NoneType in parts_of(each.type)):
                 continue
-            if record.choices and value not in record.choices:
-                rule = f"use one of: {', '.join(record.choices)}"
-                raise InputError(f"{each.name} is {value!r}; {rule}")
+            of_file = record.file and is_dataclass(value)
+            if record.choices and not of_file and value not in record.choices:
+                known = ", ".join(record.choices) + ", or a file's path" * record.file
+                raise InputError(f"{each.name} is {value!r}; use one of: {known}")
             if kind_of(each) in ("whole", "number"):
                 checked(each.name, value, record, whole=kind_of(each) == "whole")
 

@@ -412,5 +412,5 @@ def test_a_fit_names_no_file_to_be_read(text, tmp_path):
     data = json.loads(text)
     data["options"]["geometry"] = str(tmp_path / "arms.csv")
     (tmp_path / "fit.json").write_text(json.dumps(data))
-    with pytest.raises(InputError, match="option geometry is"):
+    with pytest.raises(InputError, match="geometry is"):
         load_saved(tmp_path / "fit.json")

@@ -7,7 +7,7 @@ from scipy import optimize, signal
 from surae.errors import InputError
 from surae.measures import DEFINITIONS, measures_of_values
 from surae.measures.leg import Leg, NotDefinedError
-from surae.measures.passive import tendon_secant_tib
+from surae.measures.passive import tendon_secant
 from surae.model import ModelOptions, get_model
 from surae.studies import virtual_subject
 
@@ -244,12 +244,12 @@ def test_a_tendons_secant_is_that_of_its_curve_over_the_recordings_force(clean) 
             optimize.brentq(lambda e, f=part * most: tendon(p, group, e) - f, 0, 0.1)  # noqa: B023
             for part in (0.2, 0.8)
         )
-        told = next(d for d in DEFINITIONS if d.name == f"tendon_secant_{group}").compute(leg, 0.0)
+        told = next(d for d in DEFINITIONS if d.name == f"tendon_secant_{group}").value(leg, 0.0)
         assert told == pytest.approx(1e-3 * 0.6 * most / (high - low), rel=1e-3)
 
 
 def test_a_filmed_fascicle_has_an_optimal_length_of_its_own_and_an_unfilmed_one_none() -> None:
-    optimal = next(d for d in DEFINITIONS if d.name == "optimal_fascicle_tib").compute
+    optimal = next(d for d in DEFINITIONS if d.name == "optimal_fascicle_tib").value
     spec = get_model("muscle")
     own = {name: value for name, value in random_leg(1).items() if name in spec.names}
     own["l0_tib"] = 0.07
@@ -258,4 +258,4 @@ def test_a_filmed_fascicle_has_an_optimal_length_of_its_own_and_an_unfilmed_one_
     with pytest.raises(NotDefinedError, match="not filmed"):
         optimal(Leg(spec, ModelOptions(), own), 0.0)
     with pytest.raises(NotDefinedError, match="rigid"):
-        tendon_secant_tib(Leg(spec, ModelOptions(), own), 0.0)
+        tendon_secant(Leg(spec, ModelOptions(), own), 0.0, "tib")

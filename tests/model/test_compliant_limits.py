@@ -47,8 +47,8 @@ def residual(simulator: MuscleTendonSimulator, p: np.ndarray, inputs: ModelInput
         for i in range(inputs.n):
             pull = tendon_force(state.elongation[group, i], curve)[0]
             x, speed = state.muscle_length[group, i], state.muscle_velocity[group, i]
-            fv = force_velocity(speed, options.vmax_factor * l0)
-            active = max(alpha[group, i], 0.0) * force_length(x, l0) * fv
+            fv = force_velocity(speed, options.vmax_factor * l0)[0]
+            active = max(alpha[group, i], 0.0) * force_length(x, l0)[0] * fv
             missing = pull - state.tissue_force[group, i] - active
             worst = max(worst, abs(missing) / (1.0 + pull + abs(active)))
     return worst

@@ -169,7 +169,7 @@ def test_its_constants_reach_the_model(fit) -> None:
     assert laboratory({"zero": (0.0, 3.0)}, joint=wrist)["torque_zero"].sd == 3.0
     inputs = fit.result.problem.inputs[0]
     parts = get_model("muscle").simulator(inputs, options).parts(np.array([*TRUTH.values()]))
-    expected = gravity_torque(angle=inputs.angle, theta_foot=0.0, distance=0.07)
+    expected = gravity_torque(angle=inputs.angle, theta_foot=0.0, distance=0.07)[0]
     np.testing.assert_allclose(parts.gravitational, TRUTH["m"] * expected)
 
 
@@ -187,7 +187,7 @@ def test_words_keep_their_capitals() -> None:
         ("m = {", "mm = {", "parameters: m missing"),
         ("start = 0.6,", "start = 9.0,", "m must be above zero and within its bounds"),
         ('limb = "hand"', "", "limb: it is missing|missing"),
-        ('limb = "hand"', "limb = ", "no TOML"),
+        ('limb = "hand"', "limb = ", "not a TOML file"),
     ],
 )
 def test_what_is_no_joint_is_refused(tmp_path, line, by, message) -> None:

@@ -19,7 +19,6 @@ GROUPS = [name for name in OPTIONAL if name not in ("emd", "reflex")]
 WITH_CURVES = ("muscle-tendon",)
 CROSSTALK_VALUES = dict(zip(CROSSTALK.values(), np.linspace(0.01, 0.08, 12), strict=True))
 RESTS = dict(zip(OPTIONAL["emg_rest"], (9e-6, -4e-6, 2e-6, 6e-6), strict=True))
-DRIFTS = dict(zip(OPTIONAL["emg_drift"], (0.2, -0.1, 0.05, 0.3), strict=True))
 VALUES = {
     "emd": 0.0312,
     "reflex_tri": 900.0,
@@ -32,7 +31,6 @@ VALUES = {
     "angle_zero": 0.04,
     "axis_forward": 0.011,
     "axis_up": -0.017,
-    **DRIFTS,
     "plate_inertia": 0.03,
     "plate_cos": 2.0,
     "plate_sin": -3.0,
@@ -263,18 +261,6 @@ def test_angle_of_an_ankle_beside_the_axis() -> None:
         np.testing.assert_allclose(here.slope("angle").factor, here.joint.bend, atol=1e-15)
 
 
-# Not that of 2010, whose low-pass comes between.
-@pytest.mark.parametrize("name", KINDS[:2])
-def test_drift_is_taken_out_to_first_order(name, inputs) -> None:
-    elapsed = np.linspace(-0.5, 0.5, inputs.n)
-    drift = np.array([1e-4, -2e-4, 3e-4, 1e-4])
-    drifted = replace(inputs, emg=inputs.emg * (1.0 + np.outer(elapsed, drift)))
-    values = dict(zip(OPTIONAL["emg_drift"], drift, strict=True))
-    plain, off = torque(name, inputs), torque(name, drifted)
-    left = np.abs(torque(name, drifted, **values) - plain).max()
-    assert left < 1e-3 * np.abs(off - plain).max()
-
-
 def test_levels_of_a_session(inputs) -> None:
     levels = emg_levels([inputs, replace(inputs, emg=2 * inputs.emg)])
     effort = smooth_effort(inputs.emg.T, inputs.rate_hz).T
@@ -286,7 +272,7 @@ def test_levels_of_a_session(inputs) -> None:
 
 @pytest.mark.parametrize("levels", [(1.0, 2.0), (1.0, 2.0, 3.0, -1.0), "1234", (1, 2, 3, True)])
 def test_levels_are_four_numbers(levels) -> None:
-    with pytest.raises(InputError, match=r"^option emg_ref is .*; give four levels in V, of TA, "):
+    with pytest.raises(InputError, match=r"^emg_ref is .*; give four levels in V, of TA, "):
         ModelOptions(emg_ref=levels)
 
 

@@ -39,7 +39,7 @@ def random_design(seed):
     )
     seconds = float(rng.uniform(12.0, 70.0))
     limits = limits_of(device, (low, high))
-    genes = Genes("random", seconds, limits, min(device.frequency_limit, 6.0), bool(seed % 4))
+    genes = Genes("random", seconds, limits, min(device.bandwidth, 6.0), bool(seed % 4))
     plan = genes.plan(genes.start() + rng.uniform(0.1, 4.0) * rng.standard_normal(genes.size))
     return device, (low, high), limits, plan, seconds, rng
 

@@ -199,7 +199,7 @@ def test_repeatable_stands_beside_identified_and_is_not_it(auto):
 def test_what_had_nothing_to_act_on_is_not_shown(auto):
     _, assessment = auto
     shown = {p.name for p in shown_parameters(assessment)}
-    assert not {n for n in shown if n.startswith(("emg_drift_", "xt_"))}
+    assert not {n for n in shown if n.startswith("xt_")}
     assert {"k_tri", "l0_tib"} <= shown
 
 

@@ -6,9 +6,13 @@ import pytest
 
 from surae.errors import InputError
 from surae.studies.study import FACTORS, parse_study, read_study
-from surae.studies.tasks import planned
+from surae.studies.tasks import FitTask, task_of
 
 MINIMAL = 'protocol = "sine"\n'
+
+
+def planned(study) -> list[FitTask]:
+    return [task_of(combination) for combination in study.combinations()]
 
 
 def test_a_scalar_stands_for_a_list_of_one() -> None:
@@ -31,7 +35,7 @@ def test_lists_are_crossed_the_last_factor_fastest() -> None:
 def test_the_order_of_the_file_does_not_matter() -> None:
     first = parse_study('protocol = "sine"\nnoise = [0.0, 0.05]\nseed = 3\n')
     second = parse_study('seed = 3\nnoise = [0, 0.05]\nprotocol = "sine"\n')
-    assert [t for _, t in planned(first)] == [t for _, t in planned(second)]
+    assert planned(first) == planned(second)
 
 
 def test_subjects_and_repeats_may_be_named() -> None:
@@ -45,7 +49,7 @@ def test_model_options_are_factors_where_they_are_given() -> None:
     assert "geometry" not in plain.factors
     study = parse_study(MINIMAL + 'geometry = ["thesis", "virtual-work"]\nvmax_factor = 8\n')
     assert study.size == 2
-    assert [dict(t.options)["geometry"] for _, t in planned(study)] == ["thesis", "virtual-work"]
+    assert [dict(t.options)["geometry"] for t in planned(study)] == ["thesis", "virtual-work"]
 
 
 def test_the_grid_of_the_thesis() -> None:
@@ -57,7 +61,7 @@ def test_the_grid_of_the_thesis() -> None:
         'task = ["part-passive", "active"]\n'
     )
     assert study.size == 1840
-    assert len({task.key for _, task in planned(study)}) == 1400
+    assert len({task.key for task in planned(study)}) == 1400
     assert list(study.factors)[:3] == ["protocol", "chirp_amplitude", "chirp_factor"]
 
 
@@ -65,8 +69,8 @@ def test_a_factor_of_the_thesis_is_its_rate(tmp_path) -> None:
     rates = parse_study(MINIMAL + f"chirp_amplitude = 0.1\nchirp_rate = {0.5 / math.pi}")
     factors = parse_study(MINIMAL + "chirp_amplitude = 0.1\nchirp_factor = 0.5")
     (by_rate,), (by_factor,) = planned(rates), planned(factors)
-    assert by_rate[1] == by_factor[1]
-    assert by_factor[0]["chirp_factor"] == 0.5
+    assert by_rate == by_factor
+    assert next(factors.combinations())["chirp_factor"] == 0.5
 
 
 @pytest.mark.parametrize(

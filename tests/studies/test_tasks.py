@@ -12,16 +12,17 @@ from surae.assessment import assess
 from surae.errors import ComputationError
 from surae.estimation import fit_problem, make_problem
 from surae.protocol import Protocol, generate
+from surae.records import from_plain
 from surae.studies import tasks as study_tasks
 from surae.studies import virtual, virtual_subject, virtual_trial
 from surae.studies.study import parse_study
-from surae.studies.tasks import BOOKKEEPING, TaskOutcome, outcome_of, planned, run_task
+from surae.studies.tasks import BOOKKEEPING, TaskOutcome, outcome_of, run_task, task_of
 
 TEXT = 'protocol = "ramp-and-hold"\nrate_hz = 50\nstarts = 1\nchirp_amplitude = 0.2\n'
 
 
 def tasks(text):
-    return [task for _, task in planned(parse_study(text))]
+    return [task_of(c) for c in parse_study(text).combinations()]
 
 
 def test_an_outcome_is_that_of_the_same_fit_by_hand() -> None:
@@ -102,7 +103,7 @@ def test_another_program_has_other_keys(monkeypatch) -> None:
 def test_a_worker_gives_the_same_and_refuses_another_program(monkeypatch) -> None:
     (task,) = tasks(TEXT + 'geometry = "virtual-work"\n')
     call = json.loads(json.dumps({"key": task.key, "settings": asdict(task)}))
-    outcome = TaskOutcome.of(outcome_of(**call))
+    outcome = from_plain(TaskOutcome, outcome_of(**call))
     assert replace(outcome, seconds=0) == replace(run_task(task), seconds=0)
     monkeypatch.setattr("surae.studies.tasks.fingerprint", lambda: "another")
     with pytest.raises(ComputationError, match="a worker has another surae"):

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 from surae.model import ModelOptions, get_model
-from surae.model.geometry import arm_tri, paths
+from surae.model.geometry import moment_arm, paths
 from surae.protocol import Protocol, generate
 from surae.studies import Imperfections, virtual_subject, virtual_trial
 from surae.studies.leg import (
     KNEE_ARM,
     KNEE_TISSUE,
     UNMEASURED_VARIATION,
-    drive,
-    effort,
+    VirtualTrial,
     knee_torque,
     misaligned,
     reflex,
@@ -22,6 +21,10 @@ from surae.studies.leg import (
 
 SUBJECT = virtual_subject(2)
 OPTIONS = ModelOptions()
+
+
+def trial_of(seed, trajectory, settings, trial) -> VirtualTrial:
+    return VirtualTrial(virtual_subject(seed), trajectory, settings, trial)
 
 
 @pytest.fixture(scope="module")
@@ -99,10 +102,10 @@ def test_knee_flexion_acts_on_the_gastrocnemius_as_its_model_says(trajectory, id
     values = spec.vector(SUBJECT.parameters, OPTIONS)
     flexion = np.full(ideal.n, 0.1)
     torque = knee_torque(ideal, "muscle", OPTIONS, values, flexion)
-    arm = arm_tri(ideal.angle)
+    arm = moment_arm(ideal.angle, 0)
     shift = -0.1 * KNEE_ARM / arm
     p = dict(zip(spec.names, values, strict=True))
-    x, moved = 0.118 - 1.67 * arm, 0.118 - 1.67 * arm_tri(ideal.angle + shift)
+    x, moved = 0.118 - 1.67 * arm, 0.118 - 1.67 * moment_arm(ideal.angle + shift, 0)
     passive = np.exp(p["k_tri"] * (moved - p["x0_tri"])) - np.exp(p["k_tri"] * (x - p["x0_tri"]))
     start = ideal.time < 0.9  # at rest: the tissue has relaxed, the muscles are passive
     steady = KNEE_TISSUE * passive / (1.0 + p["k_rel"]) * arm
@@ -140,8 +143,7 @@ def test_effort_varies_about_its_target_by_as_much_as_asked(trajectory):
     active = trajectory.effort > 0.05
     gains = np.concatenate(
         [
-            effort(virtual_subject(seed), trajectory, settings, trial)[active]
-            / trajectory.effort[active]
+            trial_of(seed, trajectory, settings, trial).effort()[active] / trajectory.effort[active]
             for seed in range(30)
             for trial in range(3)
         ]
@@ -149,7 +151,7 @@ def test_effort_varies_about_its_target_by_as_much_as_asked(trajectory):
     assert gains.mean() == pytest.approx(1.0, abs=0.02)
     assert gains.std() == pytest.approx(0.25, abs=0.02)
     assert gains.min() > 0.0
-    relaxed = effort(SUBJECT, trajectory, settings, 0)[trajectory.effort == 0.0]
+    relaxed = VirtualTrial(SUBJECT, trajectory, settings, 0).effort()[trajectory.effort == 0.0]
     assert (relaxed == 0.0).all()
 
 
@@ -172,7 +174,7 @@ def test_muscles_without_electrodes_add_their_share_on_average(trajectory):
     envelopes = 6e-4 * trajectory.effort + 1e-6
     shares = np.stack(
         [
-            drive(virtual_subject(seed), trajectory, envelopes, settings, trial) / envelopes - 1.0
+            trial_of(seed, trajectory, settings, trial).drive(envelopes) / envelopes - 1.0
             for seed in range(30)
             for trial in range(3)
         ]
@@ -184,4 +186,4 @@ def test_muscles_without_electrodes_add_their_share_on_average(trajectory):
     # The three heads have the same helpers, the tibialis others.
     np.testing.assert_allclose(shares[:, :, 1], shares[:, :, 3])
     assert abs(np.corrcoef(shares[:, :, 0].ravel(), shares[:, :, 1].ravel())[0, 1]) < 0.1
-    assert drive(SUBJECT, trajectory, envelopes, Imperfections(), 0) is envelopes
+    assert VirtualTrial(SUBJECT, trajectory, Imperfections(), 0).drive(envelopes) is envelopes

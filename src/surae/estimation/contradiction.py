@@ -20,7 +20,8 @@ from surae.estimation.problem import FitProblem
 from surae.estimation.result import FitResult, is_at_bound
 from surae.frozen import FrozenDict
 from surae.model import adapted, get_model, with_optional
-from surae.model.laboratory import COMPLIANT, RIGID, Gaussian, group_of, laboratory
+from surae.model.laboratory import COMPLIANT, RIGID, group_of, laboratory
+from surae.model.sources import Gaussian
 from surae.signals import ModelInputs
 from surae.signals.prepare import sharpened, smoothed
 from surae.units import FloatArray

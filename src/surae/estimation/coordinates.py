@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import stiffness_valleys
-from surae.model.laboratory import Gaussian
 from surae.model.registry import PARAMETERS
+from surae.model.sources import Gaussian
 from surae.units import FloatArray
 
 #: Least value of a parameter on a logarithm whose bound is zero, as a part of its prior's median.

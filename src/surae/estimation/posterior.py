@@ -23,7 +23,7 @@ from surae.estimation.least_squares import box_quadratic
 from surae.estimation.noise import NoiseModel
 from surae.estimation.observed import Observed, SensorRows
 from surae.estimation.problem import FitProblem
-from surae.model.laboratory import Gaussian
+from surae.model.sources import Gaussian
 from surae.units import FloatArray
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from surae.estimation.interrupt import checkpoint
 from surae.estimation.least_squares import Move
 from surae.estimation.problem import FitProblem
+from surae.model import Simulator
 from surae.model.geometry import paths
-from surae.model.simulator import Simulator
 from surae.units import FloatArray
 
 

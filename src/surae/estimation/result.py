@@ -9,7 +9,7 @@ from surae.estimation.noise import NoiseModel
 from surae.estimation.problem import FitProblem
 from surae.filed import filed
 from surae.frozen import Comparable, FrozenDict
-from surae.model.laboratory import Gaussian
+from surae.model.sources import Gaussian
 from surae.records import OrInfinite
 from surae.units import FloatArray
 

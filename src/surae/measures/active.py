@@ -2,6 +2,7 @@
 
 import cmath
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -12,52 +13,35 @@ from surae.model.contraction import MVSHL
 _STRONGEST = 1e5
 
 
-def active_torque_max_tri(leg: Leg, at: float) -> float:
-    """Torque that the calf muscles add at an angle, held still, at the session's largest activity.
+def active_torque_max(leg: Leg, at: float, group: str) -> float:
+    """Torque that the {short} {add} at an angle, held still, at the session's largest activity.
 
-    T(α) − T(0) of the triceps, α the 99th percentile of its active state; equations (15), (16).
+    T(α) − T(0) of the group, α the 99th percentile of its active state; equations (15), (16).
     """
-    return leg.active_torque("tri", at, max(leg.largest_activity["tri"], 0.0))
+    return leg.active_torque(group, at, max(leg.largest_activity[group], 0.0))
 
 
-def active_torque_max_tib(leg: Leg, at: float) -> float:
-    """Torque that the tibialis adds at an angle, held still, at the session's largest activity.
+def torque_per_emg(leg: Leg, at: float, group: str) -> float:
+    """Torque of the {short} at an angle for each unit of EMG{in_all}.
 
-    T(α) − T(0) of the tibialis, as of active_torque_max_tri.
+    r·f_l(x)·g, x the length at rest, g the weight {weights}; equations (12), (13) and (16).
     """
-    return leg.active_torque("tib", at, max(leg.largest_activity["tib"], 0.0))
+    hold = leg.hold(group, at)
+    weights = leg.spec.weights[1:] if group == "tri" else leg.spec.weights[:1]
+    per_volt = abs(hold.arm) * hold.lift * sum(leg.values[name] for name in weights)
+    return float(per_volt * (1e-3 if not leg.has_normalised_emg else 1.0))
 
 
-def torque_per_emg_tri(leg: Leg, at: float) -> float:
-    """Torque of the calf muscles at an angle for each unit of EMG in all three of them.
-
-    r·f_l(x)·(g2 + g3 + g4), x the length at rest; equations (13) and (16).
-    """
-    return _per_emg(leg, "tri", at, leg.spec.weights[1:])
-
-
-def torque_per_emg_tib(leg: Leg, at: float) -> float:
-    """Torque of the tibialis at an angle for each unit of EMG.
-
-    r·f_l(x)·g1, x the length at rest; equations (12) and (16).
-    """
-    return _per_emg(leg, "tib", at, leg.spec.weights[:1])
-
-
-def optimal_angle_tri(leg: Leg, _: float) -> float:
-    """Angle at which the relaxed calf muscles have their optimal length.
+def optimal_angle(leg: Leg, _: float, group: str) -> float:
+    """Angle at which the relaxed {muscles} {have} {their} optimal length.
 
     x(θ) = l0 + e, the tendon stretched by e at the passive force of l0; equations (9), (16).
     """
-    return _optimal_angle(leg, "tri")
-
-
-def optimal_angle_tib(leg: Leg, _: float) -> float:
-    """Angle at which the relaxed tibialis anterior has its optimal length.
-
-    x(θ) = l0 + e, as of optimal_angle_tri.
-    """
-    return _optimal_angle(leg, "tib")
+    length = leg.optimal_length(group)
+    if leg.is_compliant:
+        stretch = leg.values[f"k_{group}"] * (length - leg.values[f"x0_{group}"])
+        length += elongation(leg.tendon(group), leg.relaxed * float(np.exp(min(stretch, 50.0))))
+    return leg.angle_of(group, length)
 
 
 def active_stiffness(leg: Leg, at: float) -> float:
@@ -127,36 +111,20 @@ def reflex_gain(leg: Leg, at: float) -> float:
     return float(np.radians(hold.arm * hold.lift * leg.values["reflex_tri"] * hold.slope))
 
 
-def tissue_share(leg: Leg, _: float) -> float:
-    """Part of tissue in the torque of the recordings.
+def torque_share(leg: Leg, _: float, part: str) -> float:
+    """Part of {part} in the torque of the recordings.
 
-    Mean |torque of tissue| over the sum of the means of |tissue|, |neural|, |inertia|, |gravity|.
+    Mean |torque of {part}| over the sum of the means of |tissue|, |neural|, |inertia|, |gravity|.
     """
-    return _share(leg, "tissue")
+    return _share({name: torque for name, (torque, _) in leg.shares.items()}, part)
 
 
-def neural_share(leg: Leg, _: float) -> float:
-    """Part of active contraction in the torque of the recordings.
+def work_share(leg: Leg, _: float, part: str) -> float:
+    """Part of {part} in the work of the recordings.
 
-    As of tissue_share.
+    As of tissue_share, of |torque·velocity|.
     """
-    return _share(leg, "neural")
-
-
-def inertia_share(leg: Leg, _: float) -> float:
-    """Part of inertia in the torque of the recordings.
-
-    As of tissue_share.
-    """
-    return _share(leg, "inertial")
-
-
-def gravity_share(leg: Leg, _: float) -> float:
-    """Part of gravity in the torque of the recordings.
-
-    As of tissue_share.
-    """
-    return _share(leg, "gravitational")
+    return _share({name: work for name, (_, work) in leg.shares.items()}, part)
 
 
 def reflex_share(leg: Leg, _: float) -> float:
@@ -171,43 +139,11 @@ def reflex_share(leg: Leg, _: float) -> float:
     return 100.0 * float(np.abs(reflex).mean() / np.abs(neural).mean())
 
 
-def tissue_work_share(leg: Leg, _: float) -> float:
-    """Part of tissue in the work of the recordings.
-
-    As of tissue_share, of |torque·velocity|.
-    """
-    return _share(leg, "tissue", work=True)
-
-
-def neural_work_share(leg: Leg, _: float) -> float:
-    """Part of active contraction in the work of the recordings.
-
-    As of tissue_work_share.
-    """
-    return _share(leg, "neural", work=True)
-
-
-def _share(leg: Leg, name: str, *, work: bool = False) -> float:
-    sizes = {part: both[work] for part, both in leg.shares.items()}
+def _share(sizes: Mapping[str, float], part: str) -> float:
     total = sum(sizes.values())
     if not total > 0.0:
         raise NotDefinedError("there is no torque, or no movement, to share")
-    return 100.0 * sizes[name] / total
-
-
-def _per_emg(leg: Leg, group: str, at: float, weights: tuple[str, ...]) -> float:
-    hold = leg.hold(group, at)
-    gain = sum(leg.values[name] for name in weights)
-    per_volt = abs(hold.arm) * hold.lift * gain
-    return float(per_volt * (1e-3 if not leg.has_normalised_emg else 1.0))
-
-
-def _optimal_angle(leg: Leg, group: str) -> float:
-    length = leg.optimal_length(group)
-    if leg.is_compliant:
-        stretch = leg.values[f"k_{group}"] * (length - leg.values[f"x0_{group}"])
-        length += elongation(leg.tendon(group), leg.relaxed * float(np.exp(min(stretch, 50.0))))
-    return leg.angle_of(group, length)
+    return 100.0 * sizes[part] / total
 
 
 def _alpha(leg: Leg, torque: float) -> float:

@@ -34,6 +34,7 @@ from surae.filed import filed
 from surae.formatting import NO_NUMBER, of_interval, significant
 from surae.frozen import FrozenDict
 from surae.measures.quantity import Quantities, Quantity
+from surae.normal import Student
 from surae.records import Saved
 from surae.tables import Tabular, TextTable
 
@@ -254,8 +255,6 @@ def _difference(
     name: str, before: Quantities, after: Quantities, baselines: Sequence[Quantity], *, legs: bool
 ) -> tuple[Difference, float]:
     """A difference with its own p-value, not yet judged among the others; and its freedom."""
-    from scipy.special import stdtr, stdtrit
-
     a, b = before.by_name.get(name), after.by_name.get(name)
     known = a or b
     assert known is not None
@@ -272,14 +271,8 @@ def _difference(
     if not variance > 0.0:
         return replace(bare, note="not comparable: it rests on nothing that was estimated"), 1.0
     freedom = more * (variance / (2.0 * between)) ** 2 if between > 0.0 else _MANY
-    sd, difference = math.sqrt(variance), b.value - a.value
-    half = float(stdtrit(freedom, 0.975)) * sd
-    draft = replace(
-        bare,
-        difference=difference,
-        ci95=(difference - half, difference + half),
-        p=2.0 * float(stdtr(freedom, -abs(difference) / sd)),
-    )
+    change = Student(b.value - a.value, math.sqrt(variance), freedom)
+    draft = replace(bare, difference=change.value, ci95=change.ci95, p=change.p)
     return draft, freedom
 
 

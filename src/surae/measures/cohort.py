@@ -22,7 +22,7 @@ from surae.files import natural_order
 from surae.frozen import FrozenDict
 from surae.measures.change import compare_sessions, holm
 from surae.measures.quantity import Quantities, Quantity
-from surae.normal import NORMAL, standard_error_of
+from surae.normal import NORMAL, Student, standard_error_of
 from surae.records import Saved, to_plain
 from surae.units import FloatArray
 
@@ -49,10 +49,7 @@ class Effects:
     @property
     def ci95(self) -> tuple[float, float]:
         """95 % interval of the mean."""
-        from scipy.special import stdtrit
-
-        half = float(stdtrit(self.k - 1, 0.975)) * self.se
-        return self.mean - half, self.mean + half
+        return Student(self.mean, self.se, self.k - 1).ci95
 
     def shrunken(self, value: float, variance: float) -> tuple[float, float]:
         """A leg's value drawn to the mean, and its standard deviation."""
@@ -302,23 +299,16 @@ def _among(member: CohortMember, value: float, variance: float, effects: Effects
 
 def _contrast(a: Effects, b: Effects) -> Contrast:
     """Second minus first, with the degrees of freedom of Welch and Satterthwaite."""
-    from scipy.special import stdtr, stdtrit
-
     se2 = a.se**2 + b.se**2
     df = se2**2 / max(a.se**4 / (a.k - 1) + b.se**4 / (b.k - 1), 1e-300)
-    se, difference = math.sqrt(se2), b.mean - a.mean
-    half = float(stdtrit(df, 0.975)) * se
-    p = 2.0 * float(stdtr(df, -abs(difference) / se)) if se > 0.0 else 1.0
-    return Contrast(difference, (difference - half, difference + half), p, a.k + b.k)
+    difference = Student(b.mean - a.mean, math.sqrt(se2), df)
+    return Contrast(difference.value, difference.ci95, difference.p, a.k + b.k)
 
 
 def _change(pairs: Sequence[tuple[float, float]]) -> Contrast:
     effects = random_effects(*map(np.array, zip(*pairs, strict=True)))
-    from scipy.special import stdtr
-
-    t = abs(effects.mean) / effects.se if effects.se > 0.0 else 0.0
-    p = 2.0 * float(stdtr(effects.k - 1, -t))
-    return Contrast(effects.mean, effects.ci95, p, effects.k)
+    change = Student(effects.mean, effects.se, effects.k - 1)
+    return Contrast(change.value, change.ci95, change.p, effects.k)
 
 
 def _changes(

@@ -35,6 +35,8 @@ _STEP = 1e-3
 _ANGLE, _ANY_ANGLE = 2.0, 20.0
 #: Degrees beyond the measured range that still count as measured.
 _BEYOND = 0.5
+#: Why there is no value where equations overflow.
+_NO_NUMBER = "no finite number with these parameters"
 #: Part of the variance that comes through a parameter at its bound, from which that is reported.
 _BOUND = 0.25
 
@@ -51,13 +53,15 @@ class MeasurePoint:
         """Name of the measure, with the point."""
         return self.definition.named(self.at)
 
-    def value(self, leg: Leg) -> float:
-        """Compute the measure of a leg; NaN where it is not finite or has no solution."""
+    def value(self, leg: Leg) -> tuple[float, str]:
+        """The measure of a leg; where it has none, NaN and why."""
         try:
-            value = self.definition.compute(leg, self.at)
+            value = self.definition.value(leg, self.at)
+        except NotDefinedError as error:
+            return math.nan, str(error)
         except (ComputationError, OverflowError, ZeroDivisionError):
-            return math.nan
-        return value if math.isfinite(value) else math.nan
+            value = math.nan
+        return (value, "") if math.isfinite(value) else (math.nan, _NO_NUMBER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,17 +124,13 @@ def measures_of_values(
     spec = with_optional(get_model(model), values)
     vector = spec.vector(values, options)
     leg = Leg(spec, options, dict(zip(spec.names, vector.tolist(), strict=True)))
-    values_by_name = {}
-    for point in points(angles):
-        if point.definition.of_recordings or (only and point.name not in only):
-            continue
-        try:
-            value = point.value(leg)
-        except NotDefinedError:
-            continue
-        if math.isfinite(value):
-            values_by_name[point.name] = value
-    return values_by_name
+    wanted = [
+        point
+        for point in points(angles)
+        if not point.definition.of_recordings and (not only or point.name in only)
+    ]
+    values_by_name = {point.name: point.value(leg)[0] for point in wanted}
+    return {name: value for name, value in values_by_name.items() if math.isfinite(value)}
 
 
 def measures(
@@ -146,22 +146,16 @@ def measures(
     InputError
         An angle is out of reach of an ankle.
     """
-    judged = judged_measures(result, assessment, spread_of(result, assessment), angles)
+    judged = judged_measures(result, assessment, spread_of(result, assessment), points(angles))
     by_name = FrozenDict((measure.name, measure) for _, measure in judged)
     return Measures(result.problem.spec.name, assessment.adequacy, by_name)
 
 
-def judged_measures(
-    result: FitResult, assessment: Assessment, spread: Spread, angles: Sequence[float]
-) -> tuple[tuple[Evaluated, Measure], ...]:
-    """All measures of a fit, each with its derivatives."""
-    return _judged(result, assessment, spread, points(angles))
-
-
 @lru_cache(maxsize=4)  # pages, comparisons and answers are often of the same fit
-def _judged(
+def judged_measures(
     result: FitResult, assessment: Assessment, spread: Spread, wanted: tuple[MeasurePoint, ...]
 ) -> tuple[tuple[Evaluated, Measure], ...]:
+    """All these measures of a fit, each with its derivatives."""
     drawn = _drawn(result, spread, wanted)
     return tuple(
         (each, _measure(each, drawn.get(each.point.name), result, assessment, spread))
@@ -180,43 +174,25 @@ def evaluate(
 ) -> tuple[Evaluated, ...]:
     """Values of measures and their derivatives by everything that was estimated."""
     leg = leg_of(result)
-    values: dict[str, float] = {}
-    missing: dict[str, str] = {}
-    for point in wanted:
-        try:
-            value = point.value(leg)
-        except NotDefinedError as error:
-            missing[point.name] = str(error)
-            continue
-        if math.isfinite(value):
-            values[point.name] = value
-        else:
-            missing[point.name] = "no finite number with these parameters"
-    gradients = {name: np.zeros(len(spread.names)) for name in values}
+    values, missing = (list(of) for of in zip(*(point.value(leg) for point in wanted), strict=True))
+    gradients = np.zeros((len(wanted), len(spread.names)))
     for j, name in enumerate(spread.names):
-        inner = [
-            point
-            for point in wanted
-            if point.name in values
-            and (point.definition.of_recordings or group_of(name) not in OUTSIDE)
-        ]
         step = _step(spread, j)
         sides = [leg.with_values({name: float(spread.moved(j, by))}) for by in (-step, step)]
-        for point in inner:
-            try:
-                low, high = (point.value(side) for side in sides)
-            except NotDefinedError as error:
-                missing[point.name] = f"at the edge of what is defined: {error}"
+        for i, point in enumerate(wanted):
+            outside = not point.definition.of_recordings and group_of(name) in OUTSIDE
+            if math.isnan(values[i]) or outside:
                 continue
-            slope = (high - low) / (2.0 * step)
-            if not math.isfinite(slope):
-                missing[point.name] = f"at the edge of what can be computed, by {name}"
-                continue
-            gradients[point.name][j] = slope
-    zero = np.zeros(len(spread.names))
+            (low, below), (high, above) = (point.value(side) for side in sides)
+            gradients[i, j] = (high - low) / (2.0 * step)
+            if why := below or above:
+                gradients[i, j] = 0.0
+                edge = "at the edge of what "
+                edge += f"can be computed, by {name}" if why == _NO_NUMBER else f"is defined: {why}"
+                missing[i] = edge
     return tuple(
-        Evaluated(p, values.get(p.name), gradients.get(p.name, zero), missing.get(p.name, ""))
-        for p in wanted
+        Evaluated(point, None if math.isnan(value) else value, gradient, why)
+        for point, value, gradient, why in zip(wanted, values, gradients, missing, strict=True)
     )
 
 
@@ -234,15 +210,11 @@ def _drawn(
     inner = [point for point in wanted if not point.definition.of_recordings]
     if spread.lost == spread.names or not np.isfinite(spread.total).all():
         return {}
-    rows = np.full((_DRAWS, len(inner)), np.nan)
-    likeliest = leg_of(result)
-    for i, drawn in enumerate(spread.draws(_DRAWS, _SEED)):
+    likeliest, legs = leg_of(result), spread.draws(_DRAWS, _SEED)
+    rows = np.empty((len(legs), len(inner)))
+    for i, drawn in enumerate(legs):
         leg = likeliest.with_values(dict(zip(spread.names, drawn.tolist(), strict=True)))
-        for k, point in enumerate(inner):
-            try:
-                rows[i, k] = point.value(leg)
-            except NotDefinedError:
-                continue
+        rows[i] = [point.value(leg)[0] for point in inner]
     return {point.name: rows[:, k] for k, point in enumerate(inner)}
 
 

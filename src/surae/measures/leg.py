@@ -15,7 +15,7 @@ import numpy as np
 from surae.errors import ComputationError
 from surae.estimation import FitResult
 from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model, with_optional
-from surae.model.contraction import CF, FECC, MVSH
+from surae.model.contraction import FECC, MVSH, force_length
 from surae.model.equilibrium import solve
 from surae.model.geometry import paths
 from surae.model.movement import OWN_PATH
@@ -81,7 +81,7 @@ class Leg:
     _muscles: dict[str, "_Muscle"] = field(default_factory=dict, compare=False)
     # What all legs of these recordings and options share:
     _ties: dict[int, Simulator] = field(default_factory=dict, compare=False)
-    _geometry: dict[tuple[str, float, float | None], "_Assumed"] = field(
+    _geometry: dict[tuple[float, float | None], tuple["_Path", "_Path"]] = field(
         default_factory=dict, compare=False
     )
 
@@ -114,12 +114,36 @@ class Leg:
 
     def rigid_length(self, group: str, degrees: float) -> float:
         """Length of muscle and tendon together beyond the tendon's slack length [m]."""
-        return self._path(group).length(degrees * _DEGREE)
+        return self._path(group, degrees * _DEGREE).length
 
-    def _path(self, group: str) -> "_Path":
-        """Path of a group, with an arm and a length of its own where the leg has them."""
-        own = tuple(self.values.get(f"{name}_{group}", 0.0) for name in OWN_PATH)
-        return _Path(group, self.options, self._geometry, own, self._second)
+    def _path(self, group: str, angle: float) -> "_Path":
+        """Path of a group at an angle, as of `surae.model.movement` where the leg has its own."""
+        scale, bent, bend, longer, turn, zero = (
+            self.values.get(f"{name}_{group}", 0.0) for name in OWN_PATH
+        )
+        length, slope, arm, arm_slope = self._assumed(group, angle, self._second)
+        rest = self._assumed(group, 0.0, None).length
+        grown, stretch = math.exp(scale), math.exp(longer)
+        factor = 1.0 + (bent + bend * angle) * angle
+        turned = arm_slope * factor + arm * (bent + 2.0 * bend * angle)
+        return _Path(
+            rest + zero + stretch * (length - rest) + turn * angle**2,
+            stretch * slope + 2.0 * turn * angle, grown * arm * factor, grown * turned,
+        )  # fmt: skip
+
+    def _assumed(self, group: str, angle: float, second: float | None) -> "_Path":
+        """Path of a group as the geometry assumes it, with a second joint at an angle [rad]."""
+        key = angle, second
+        if key not in self._geometry:
+            at, still = np.array([angle]), _still(second, 1)
+            both = paths(angle=at, velocity=np.zeros(1), options=self.options, second=still)
+            tri, tib = (
+                _Path(*(float(np.broadcast_to(of, 1)[0])
+                        for of in (path.length, path.slope, path.arm, path.arm_slope)))
+                for path in both
+            )  # fmt: skip
+            self._geometry[key] = tri, tib
+        return self._geometry[key][GROUPS.index(group)]
 
     @cached_property
     def _second(self) -> float | None:
@@ -131,11 +155,12 @@ class Leg:
         """Angle [deg] at which muscle and tendon, but for its slack length, are so long."""
         from scipy.optimize import brentq
 
-        path = self._path(group)
-        ends = [path.length(end * _DEGREE) - length for end in _ENDS]
-        if not ends[0] * ends[1] < 0.0:
+        def missing(degrees: float) -> float:
+            return self.rigid_length(group, degrees) - length
+
+        if not missing(_ENDS[0]) * missing(_ENDS[1]) < 0.0:
             raise NotDefinedError("no angle of the ankle makes the muscle so long")
-        return float(brentq(lambda at: path.length(at * _DEGREE) - length, *_ENDS, xtol=1e-12))
+        return float(brentq(missing, *_ENDS, xtol=1e-12))
 
     def tendon(self, group: str) -> TendonCurve:
         """The tendon's curve, as `surae.model.tendon.tendon_force` takes it."""
@@ -154,7 +179,6 @@ class Leg:
                 )
                 curve = tendon_curve(eps0, v[f"pt_{group}"], v[f"kt_{group}"], v[f"fmax_{group}"])
             self._muscles[group] = _Muscle(
-                self._path(group),
                 v[f"k_{group}"] if pulls else 0.0,
                 v[f"x0_{group}"] if pulls else math.inf,
                 self.optimal_length(group),
@@ -185,10 +209,8 @@ class Leg:
         return self._holds[key]
 
     def _held(self, group: str, degrees: float, alpha: float) -> MuscleHold:
-        path, k, x0, l0, relaxed, shift, shape, curve = muscle = self._muscle(group)
-        angle = degrees * _DEGREE
-        x, slope = path.length(angle), path.lengthening(angle)
-        arm, arm_slope = path.arm_at(angle)
+        k, x0, l0, relaxed, shift, shape, curve = muscle = self._muscle(group)
+        x, slope, arm, arm_slope = self._path(group, degrees * _DEGREE)
         if curve is None:
             elastic, (lift, lift_slope) = muscle.elastic(x), muscle.lift(x)
             own, force = alpha * lift_slope, relaxed * elastic + shift + alpha * lift
@@ -306,63 +328,16 @@ def _turned(
     return spec.names, spec.simulator(inputs, options, beyond=True)
 
 
-class _Assumed(NamedTuple):
-    """Path of a muscle group as the geometry assumes it, at an angle."""
+class _Path(NamedTuple):
+    """Path of a muscle group at an angle."""
 
-    #: `length`, `slope`: length of muscle and tendon [m] and its derivative.
+    #: `length`, `slope`: length of muscle and tendon beyond the tendon's slack length [m], and its
+    #: derivative by the angle [m/rad].
     length: float
     slope: float
     #: `arm`, `arm_slope`: moment arm [m] and its derivative.
     arm: float
     arm_slope: float
-
-
-class _Path(NamedTuple):
-    """Path of a muscle group of a leg."""
-
-    group: str
-    options: ModelOptions
-    #: What was computed of these options, by group, angle and angle of the second joint.
-    geometry: dict[tuple[str, float, float | None], _Assumed]
-    #: What the leg's own differ by, as of `surae.model.movement`: scale, slope and bend of the arm,
-    #: scale and bend of the path, and the length's zero.
-    own: tuple[float, ...]
-    second: float | None  #: Angle of a second joint [rad].
-
-    def length(self, angle: float) -> float:
-        """Length of muscle and tendon beyond the tendon's slack length [m]."""
-        rest = self._assumed(0.0, None).length
-        travel = self.assumed(angle).length - rest
-        return rest + self.own[5] + math.exp(self.own[3]) * travel + self.own[4] * angle**2
-
-    def assumed(self, angle: float) -> _Assumed:
-        """As the geometry assumes it."""
-        return self._assumed(angle, self.second)
-
-    def lengthening(self, angle: float) -> float:
-        """Its derivative by the angle [m/rad]."""
-        return math.exp(self.own[3]) * self.assumed(angle).slope + 2.0 * self.own[4] * angle
-
-    def arm_at(self, angle: float) -> tuple[float, float]:
-        """Moment arm [m] and its derivative by the angle [m/rad]."""
-        scale, slope, bend = self.own[:3]
-        assumed = self.assumed(angle)
-        grown = math.exp(scale)
-        bent = 1.0 + (slope + bend * angle) * angle
-        turned = assumed.arm_slope * bent + assumed.arm * (slope + 2.0 * bend * angle)
-        return grown * assumed.arm * bent, grown * turned
-
-    def _assumed(self, angle: float, second: float | None) -> _Assumed:
-        key = self.group, angle, second
-        if key not in self.geometry:
-            at, still = np.array([angle]), _still(second, 1)
-            both = paths(angle=at, velocity=np.zeros(1), options=self.options, second=still)
-            for group, path in zip(GROUPS, both, strict=True):
-                slope = float(np.broadcast_to(path.arm_slope, 1)[0])
-                self.geometry[group, angle, second] = _Assumed(
-                    float(path.length[0]), float(path.slope[0]), float(path.arm[0]), slope
-                )
-        return self.geometry[key]
 
 
 def _still(second: float | None, n: int) -> tuple[FloatArray, ...]:
@@ -373,7 +348,6 @@ def _still(second: float | None, n: int) -> tuple[FloatArray, ...]:
 class _Muscle(NamedTuple):
     """A muscle group of a leg, at any angle."""
 
-    path: _Path  #: Where it goes.
     k: float  #: Stiffness coefficient [1/m].
     x0: float  #: Slack length [m]; infinite where it has no tissue.
     l0: float  #: Optimal length [m].
@@ -393,10 +367,8 @@ class _Muscle(NamedTuple):
 
     def lift(self, x: float) -> tuple[float, float]:
         """Force-length factor (16) and its slope [1/m]."""
-        u = (x - self.l0) / self.l0
-        width = CF * math.exp(2.0 * self.shape[u >= 0.0])
-        value = math.exp(-u * u / width)
-        return value, -2.0 * u / (width * self.l0) * value
+        value, slope, _, _ = force_length(x, self.l0, *self.shape[:2])
+        return value, slope
 
 
 def elongation(curve: TendonCurve, force: float) -> float:

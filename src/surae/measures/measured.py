@@ -13,7 +13,7 @@ from surae.measures.leg import measured_range
 from surae.measures.spread import Spread, spread_of
 from surae.measures.table import DEFINITIONS
 from surae.model.movement import gravity_torque
-from surae.normal import NORMAL
+from surae.normal import NORMAL, Student
 from surae.units import FloatArray
 
 #: Holds at angles that lie closer together show no slope [deg].
@@ -112,15 +112,13 @@ def measured_slope(
 
 def _through(angle: FloatArray, torque: FloatArray) -> MeasuredSlope:
     """A line through holds, by least squares, with Student's t of what it misses."""
-    from scipy.special import stdtrit
-
     away = angle - angle.mean()
     slope = float(away @ torque / (away @ away))
     free, interval = len(angle) - 2, None
     if free > 0:
         missed = torque - torque.mean() - slope * away
-        half = float(stdtrit(free, 0.975)) * float(np.sqrt(missed @ missed / free / (away @ away)))
-        interval = slope - half, slope + half
+        se = float(np.sqrt(missed @ missed / free / (away @ away)))
+        interval = Student(slope, se, free).ci95
     return MeasuredSlope(slope, interval, float(angle.min()), float(angle.max()), len(angle))
 
 
@@ -161,8 +159,13 @@ def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
     evaluated = evaluate(result, spread, [MeasurePoint(torque, float(at)) for at in angle])
     values = np.array([np.nan if t.value is None else t.value for t in evaluated])
     options = result.problem.options
-    values += result.values.get("m", 0.0) * gravity_torque(
-        angle=np.radians(angle), theta_foot=options.theta_foot, distance=options.anatomy.distance
+    values += (
+        result.values.get("m", 0.0)
+        * gravity_torque(
+            angle=np.radians(angle),
+            theta_foot=options.theta_foot,
+            distance=options.anatomy.distance,
+        )[0]
     )
     half = NORMAL * np.array([_deviation(t, spread) for t in evaluated])
     return TorqueCurve(*map(read_only, (angle, values, values - half, values + half)))

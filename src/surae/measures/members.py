@@ -8,6 +8,7 @@ stays; what they tell badly borrows from the other legs.
 import csv
 import io
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
@@ -29,6 +30,7 @@ from surae.records import from_plain, to_plain
 from surae.runner import Died, Engine, results
 from surae.settings import FitSettings
 from surae.trials.folder import fit_in
+from surae.units import FloatArray
 
 _LABELS = ("subject", "side", "group", "session")
 #: Rounds of a refit, at most; it ends where no median moves by more than this part of its spread.
@@ -163,33 +165,35 @@ def quantities_of(
 
 
 def populations(members: Sequence[CohortMember]) -> dict[str, PriorTable]:
-    """Median and spread of every positive parameter of the leg, by group; of all under ``""``.
+    """Median and spread of every positive parameter of the leg, by group; of all under ``""``."""
+    named = Counter(each[0].group for each in sessions_of(members).values())
+    groups = ["", *(g for g, legs in named.items() if g and legs >= _POPULATION)]
+    priors: dict[str, PriorTable] = {group: {} for group in groups}
+    for group in groups:
+        for name, (y, sd) in _positive(members, group).items():
+            effects = random_effects(np.log(y), (sd / y) ** 2)
+            spread = math.sqrt(effects.tau2 + effects.se**2)
+            priors[group][name] = (math.exp(effects.mean), max(spread, _NARROWEST))
+    return priors
+
+
+def _positive(
+    members: Sequence[CohortMember], group: str
+) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Values and standard deviations of parameters that enough legs of a group have, above zero.
 
     Of a leg with several sessions the first counts: it is no leg more.
     """
-    first = [each[0] for each in sessions_of(members).values()]
-    groups: dict[str, list[CohortMember]] = {"": first}
-    for member in first:
-        if member.group:  # else all are its group
-            groups.setdefault(member.group, []).append(member)
-    priors: dict[str, PriorTable] = {}
-    for group, own in groups.items():
-        if group and len(own) < _POPULATION:
+    values: dict[str, list[tuple[float, float]]] = {}
+    for first, *_ in sessions_of(members).values():
+        if first.quantities is None or group not in ("", first.group):
             continue
-        values: dict[str, list[tuple[float, float]]] = {}
-        for member in own:
-            for q in () if member.quantities is None else member.quantities.by_name.values():
-                usable = q.kind == "parameter" and not q.missing and q.value and q.value > 0.0
-                if usable and q.value and q.total > 0.0:
-                    values.setdefault(q.name, []).append((q.value, q.total))
-        priors[group] = {}
-        for name, pairs in values.items():
-            if len(pairs) >= FEWEST:
-                y, sd = np.array(pairs).T
-                effects = random_effects(np.log(y), (sd / y) ** 2)
-                spread = math.sqrt(effects.tau2 + effects.se**2)
-                priors[group][name] = (math.exp(effects.mean), max(spread, _NARROWEST))
-    return priors
+        for q in first.quantities.by_name.values():
+            usable = q.kind == "parameter" and not q.missing and q.value and q.value > 0.0
+            if usable and q.value and 0.0 < q.total < math.inf:
+                values.setdefault(q.name, []).append((q.value, q.total))
+    many = {name: np.array(pairs).T for name, pairs in values.items() if len(pairs) >= FEWEST}
+    return {name: (y, sd) for name, (y, sd) in many.items()}
 
 
 def refitted(
@@ -219,22 +223,11 @@ def _renewed(
     known: Mapping[str, PriorTable], members: Sequence[CohortMember]
 ) -> dict[str, PriorTable]:
     """The population of fits that knew one: the step of expectation and maximisation."""
-    renewed: dict[str, PriorTable] = {}
-    first = [each[0] for each in sessions_of(members).values()]
+    renewed = {group: dict(priors) for group, priors in known.items()}
     for group, priors in known.items():
-        renewed[group] = {}
-        own = [m.quantities for m in first if m.quantities and (not group or m.group == group)]
-        for name, before in priors.items():
-            pairs = [
-                (math.log(q.value), (q.total / q.value) ** 2)
-                for each in own
-                if (q := each.by_name.get(name)) is not None
-                and not q.missing and q.value and q.value > 0.0 and math.isfinite(q.total)
-            ]  # fmt: skip
-            if len(pairs) < FEWEST:
-                renewed[group][name] = before
-                continue
-            y, v = np.array(pairs).T
-            spread = math.sqrt(float(np.var(y) + v.mean()))
+        own = _positive(members, group)
+        for name in priors.keys() & own.keys():
+            y, sd = np.log(own[name][0]), own[name][1] / own[name][0]
+            spread = math.sqrt(float(np.var(y) + (sd**2).mean()))
             renewed[group][name] = (math.exp(float(y.mean())), max(spread, _NARROWEST))
     return renewed

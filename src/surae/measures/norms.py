@@ -7,19 +7,21 @@ compared, in the same unit.
 """
 
 import math
-import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from importlib.resources import files
+from dataclasses import dataclass
+from importlib.resources import as_file, files
 
 from surae.assessment import Grade, Verdict
 from surae.errors import InputError
-from surae.files import PathLike, read_bytes, shown
+from surae.filed import filed
+from surae.files import PathLike
 from surae.measures.measure import Measures
 from surae.model.joint import ANKLE, Joint
 from surae.normal import standard_error_of
+from surae.records import from_file, read_toml
 
 
+@filed(strict=True)
 @dataclass(frozen=True, slots=True)
 class Norm:
     """One measure over one group of legs."""
@@ -34,6 +36,18 @@ class Norm:
     mean: float
     sd: float
     reference: str  #: Where that is written.
+
+    def __post_init__(self) -> None:
+        """Refuse what is no norm."""
+        if self.n < 3 or not self.sd > 0.0:
+            raise InputError("n must be a whole number from 3, and sd above zero")
+
+
+@dataclass(frozen=True, slots=True)
+class _Norms:
+    """A file of norms."""
+
+    norm: tuple[Norm, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,37 +73,12 @@ def read_norms(path: PathLike | None = None, joint: Joint = ANKLE) -> tuple[Norm
     InputError
         The file is no table of norms.
     """
-    if path is None:
-        if joint != ANKLE:
-            return ()
-        data = files("surae.measures").joinpath("norms.toml").read_bytes()
-        where = "norms.toml"
-    else:
-        data, where = read_bytes(path), shown(path)
-    try:
-        entries = tomllib.loads(data.decode("utf-8")).get("norm", [])
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{where}: not TOML ({error})") from None
-    if not isinstance(entries, list):
-        raise InputError(f"{where}: norm is no list; write [[norm]] before each")
-    return tuple(_norm(entry, f"{where}, norm {i}") for i, entry in enumerate(entries, 1))
-
-
-def _norm(entry: object, where: str) -> Norm:
-    names = [field.name for field in fields(Norm)]
-    if not isinstance(entry, dict) or set(entry) != set(names):
-        raise InputError(f"{where}: give each of {', '.join(names)}, and nothing else")
-    for name in names:
-        value = entry[name]
-        if name in ("n", "mean", "sd"):
-            number = isinstance(value, int | float) and not isinstance(value, bool)
-            if not number or not math.isfinite(value):
-                raise InputError(f"{where}: {name} is {value!r}; give a number")
-        elif not isinstance(value, str) or not value.strip():
-            raise InputError(f"{where}: {name} is {value!r}; give a text")
-    if entry["n"] < 3 or entry["n"] != int(entry["n"]) or not entry["sd"] > 0:
-        raise InputError(f"{where}: n must be a whole number from 3, and sd above zero")
-    return Norm(**{**entry, "n": int(entry["n"])})
+    if path is None and joint != ANKLE:
+        return ()
+    own = files("surae.measures").joinpath("norms.toml")
+    with as_file(own) as ours:
+        given = ours if path is None else path
+        return from_file(_Norms, given, read_toml(given)).norm
 
 
 def placed(measures: Measures, norms: Sequence[Norm]) -> tuple[Placed, ...]:

@@ -8,6 +8,8 @@ from surae.model.tendon import tendon_force
 from surae.signals import steady_emg
 from surae.units import FloatArray
 
+#: Towards plantarflexion, and towards dorsiflexion.
+SIGNS = {"tri": 1.0, "tib": -1.0}
 #: Angles between which the neutral angle is looked for [deg].
 _LOWEST, _HIGHEST = -70.0, 50.0
 #: The slow stretch whose energy counts: from and to [deg], its speed [deg/s], samples a second.
@@ -23,20 +25,12 @@ def passive_torque(leg: Leg, at: float) -> float:
     return sum(leg.hold(group, at).torque for group in GROUPS)
 
 
-def passive_torque_tri(leg: Leg, at: float) -> float:
-    """Pull of the relaxed calf muscles at an angle, towards plantarflexion.
+def passive_torque_of(leg: Leg, at: float, group: str) -> float:
+    """Pull of the relaxed {muscles} at an angle, towards {direction}.
 
-    T_tri = r_tri·F_tri, as of passive_torque.
+    T_{group} = r_{group}·F_{group}, as of passive_torque.
     """
-    return leg.hold("tri", at).torque
-
-
-def passive_torque_tib(leg: Leg, at: float) -> float:
-    """Pull of the relaxed tibialis anterior at an angle, towards dorsiflexion.
-
-    T_tib = r_tib·F_tib, as of passive_torque.
-    """
-    return -leg.hold("tib", at).torque
+    return SIGNS[group] * leg.hold(group, at).torque
 
 
 def passive_stiffness(leg: Leg, at: float) -> float:
@@ -47,20 +41,12 @@ def passive_stiffness(leg: Leg, at: float) -> float:
     return sum(_slow(leg, group, at) for group in GROUPS)
 
 
-def passive_stiffness_tri(leg: Leg, at: float) -> float:
-    """Part of the calf muscles in the stiffness of the relaxed ankle.
+def passive_stiffness_of(leg: Leg, at: float, group: str) -> float:
+    """Part of the {muscles} in the stiffness of the relaxed ankle.
 
-    dT_tri/dθ, as of passive_stiffness.
+    {sign}dT_{group}/dθ, as of passive_stiffness: the two parts add up.
     """
-    return _slow(leg, "tri", at)
-
-
-def passive_stiffness_tib(leg: Leg, at: float) -> float:
-    """Part of the tibialis anterior in the stiffness of the relaxed ankle.
-
-    −dT_tib/dθ, as of passive_stiffness: the two parts add up.
-    """
-    return _slow(leg, "tib", at)
+    return _slow(leg, group, at)
 
 
 def quick_stiffness(leg: Leg, at: float) -> float:
@@ -108,20 +94,15 @@ def neutral_angle(leg: Leg, _: float) -> float:
     return float(brentq(lambda angle: passive_torque(leg, angle), _LOWEST, _HIGHEST, xtol=1e-8))
 
 
-def slack_angle_tri(leg: Leg, _: float) -> float:
-    """Angle above which the calf muscles begin to pull: at their slack length.
+def slack_angle(leg: Leg, _: float, group: str) -> float:
+    """Angle {beyond} which the {muscles} {begin} to pull: at {their} slack length.
 
     x(θ) = x0, where equation (8) gives 1 N; the tendon is not stretched there.
     """
-    return leg.angle_of("tri", _slack(leg, "tri"))
-
-
-def slack_angle_tib(leg: Leg, _: float) -> float:
-    """Angle below which the tibialis anterior begins to pull: at its slack length.
-
-    x(θ) = x0, as of slack_angle_tri.
-    """
-    return leg.angle_of("tib", _slack(leg, "tib"))
+    name = f"x0_{group}"
+    if name not in leg.values:
+        raise NotDefinedError("the tibialis of this model has no tissue")
+    return leg.angle_of(group, leg.values[name])
 
 
 def relaxed_share(leg: Leg, at: float) -> float:
@@ -148,38 +129,41 @@ def dissipated_energy(leg: Leg, _: float) -> float:
     return 1e3 * float(np.sum(between * np.diff(np.radians(angle))))
 
 
-def tendon_stiffness_tri(leg: Leg, at: float) -> float:
-    """Stiffness of the Achilles tendon at a force.
+def tendon_stiffness(leg: Leg, at: float, group: str) -> float:
+    """Stiffness of the {tendon} at a force.
 
     dF_t/de of equation (18).
     """
-    return _tendon_stiffness(leg, "tri", at)
+    curve = leg.tendon(group)
+    stiffness = tendon_force(elongation(curve, at), curve)[1]
+    if not np.isfinite(stiffness):
+        raise ComputationError("the tendon's curve is not finite with these parameters")
+    return 1e-3 * stiffness
 
 
-def tendon_stiffness_tib(leg: Leg, at: float) -> float:
-    """Stiffness of the tibialis tendon at a force.
-
-    dF_t/de of equation (18).
-    """
-    return _tendon_stiffness(leg, "tib", at)
-
-
-def tendon_secant_tri(leg: Leg, _: float) -> float:
-    """Stiffness of the Achilles tendon between 20 % and 80 % of the session's largest force.
+def tendon_secant(leg: Leg, _: float, group: str) -> float:
+    """Stiffness of the {tendon} between 20 % and 80 % of the session's largest force.
 
     (F₈₀ − F₂₀)/(e₈₀ − e₂₀), e from equation (18), of the 99th percentile of the tendon's force. A
     tendon is softer at low force, so that stiffness goes with the range it is taken over (Seynnes
     et al. 2015, J. Appl. Physiol. 118).
     """
-    return _tendon_secant(leg, "tri")
+    curve = leg.tendon(group)
+    low, high = (part * leg.largest_force[group] for part in (0.2, 0.8))
+    stretched = elongation(curve, high) - elongation(curve, low)
+    if not stretched > 0.0:
+        raise NotDefinedError("nothing pulls this tendon in the recordings")
+    return 1e-3 * (high - low) / stretched
 
 
-def tendon_secant_tib(leg: Leg, _: float) -> float:
-    """Stiffness of the tibialis tendon between 20 % and 80 % of the session's largest force.
+def tendon_strain(leg: Leg, at: float, group: str) -> float:
+    """Strain of the {tendon} at a force.
 
-    As of tendon_secant_tri.
+    e/lt0, e from equation (18), lt0 of the thesis's Table 2.
     """
-    return _tendon_secant(leg, "tib")
+    return (
+        100.0 * elongation(leg.tendon(group), at) / leg.options.anatomy.slack[GROUPS.index(group)]
+    )
 
 
 def optimal_fascicle_tib(leg: Leg, _: float) -> float:
@@ -195,22 +179,6 @@ def optimal_fascicle_tib(leg: Leg, _: float) -> float:
     return 1e3 * ((1.0 + scale) * leg.optimal_length("tib") + zero)
 
 
-def tendon_strain_tri(leg: Leg, at: float) -> float:
-    """Strain of the Achilles tendon at a force.
-
-    e/lt0, e from equation (18), lt0 of the thesis's Table 2.
-    """
-    return 100.0 * elongation(leg.tendon("tri"), at) / leg.options.anatomy.slack[0]
-
-
-def tendon_strain_tib(leg: Leg, at: float) -> float:
-    """Strain of the tibialis tendon at a force.
-
-    e/lt0, as of tendon_strain_tri.
-    """
-    return 100.0 * elongation(leg.tendon("tib"), at) / leg.options.anatomy.slack[1]
-
-
 def _slow(leg: Leg, group: str, at: float) -> float:
     hold = leg.hold(group, at)
     return hold.torque_slope(hold.stiffness)
@@ -221,27 +189,3 @@ def _stretch(leg: Leg, at: float) -> tuple[FloatArray, FloatArray]:
     if not angles[0] + 10.0 <= at <= angles[-1] - 1.0:
         raise NotDefinedError(f"the stretch goes from {angles[0]:g}° to {angles[-1]:.0f}°")
     return angles, torque
-
-
-def _slack(leg: Leg, group: str) -> float:
-    name = f"x0_{group}"
-    if name not in leg.values:
-        raise NotDefinedError("the tibialis of this model has no tissue")
-    return leg.values[name]
-
-
-def _tendon_secant(leg: Leg, group: str) -> float:
-    curve = leg.tendon(group)
-    low, high = (part * leg.largest_force[group] for part in (0.2, 0.8))
-    stretched = elongation(curve, high) - elongation(curve, low)
-    if not stretched > 0.0:
-        raise NotDefinedError("nothing pulls this tendon in the recordings")
-    return 1e-3 * (high - low) / stretched
-
-
-def _tendon_stiffness(leg: Leg, group: str, force: float) -> float:
-    curve = leg.tendon(group)
-    stiffness = tendon_force(elongation(curve, force), curve)[1]
-    if not np.isfinite(stiffness):
-        raise ComputationError("the tendon's curve is not finite with these parameters")
-    return 1e-3 * stiffness

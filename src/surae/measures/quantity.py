@@ -9,7 +9,7 @@ import numpy as np
 from surae.assessment import Adequacy, Assessment, Grade
 from surae.estimation import FitResult
 from surae.frozen import FrozenDict
-from surae.measures.compute import ANGLES, extrapolated, judged_measures
+from surae.measures.compute import ANGLES, extrapolated, judged_measures, points
 from surae.measures.spread import spread_of
 from surae.measures.table import ELECTRODES
 from surae.model.laboratory import group_of
@@ -78,7 +78,7 @@ def quantities(
     )
     timing = np.isin(spread.names, _TIMING) & problem.has_unheard
     by_name: dict[str, Quantity] = {}
-    for evaluated, m in judged_measures(result, assessment, spread, angles):
+    for evaluated, m in judged_measures(result, assessment, spread, points(angles)):
         alone = evaluated.point.definition.alone
         if alone == ELECTRODES and has_reference:
             alone = ""

@@ -2,12 +2,29 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 from surae.measures import active, passive
-from surae.measures.leg import Leg
+from surae.measures.leg import GROUPS, Leg
 
-#: A measure of a leg at a point, e.g. an angle in degrees; 0 where it has none.
-Compute = Callable[[Leg, float], float]
+#: Names of the groups, and what stands in the docstring of a measure that each of them has.
+_WORDS = {
+    "tri": {
+        "muscles": "calf muscles", "short": "calf muscles", "have": "have", "add": "add",
+        "begin": "begin", "their": "their", "tendon": "Achilles tendon", "beyond": "above",
+        "direction": "plantarflexion", "sign": "", "in_all": " in all three of them",
+        "weights": "g2 + g3 + g4",
+    },
+    "tib": {
+        "muscles": "tibialis anterior", "short": "tibialis", "have": "has", "add": "adds",
+        "begin": "begins", "their": "its", "tendon": "tibialis tendon", "beyond": "below",
+        "direction": "dorsiflexion", "sign": "−", "in_all": "", "weights": "g1",
+    },
+    "tissue": {"part": "tissue"},
+    "neural": {"part": "active contraction"},
+    "inertial": {"part": "inertia"},
+    "gravitational": {"part": "gravity"},
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,34 +33,41 @@ class Definition:
 
     name: str  #: Without the point, which follows an ``@``.
     unit: str  #: Of its value.
-    #: The function; its docstring has meaning, formula and source.
-    compute: Compute = field(compare=False)
+    #: The function of a leg, a point (an angle in degrees; 0 where it has none) and, if there is
+    #: one, what it is `of`; its docstring has meaning, formula and source.
+    compute: Callable[..., float] = field(compare=False)
     #: Unit of the point it is evaluated at: ``"deg"`` for an angle; empty where there is none.
     at: str = ""
     #: Where it is evaluated by default; angles are the user's.
     points: tuple[float, ...] = (0.0,)
+    of: str = ""  #: A muscle group, or a part of the torque; empty where it is of the whole leg.
     is_angle: bool = False  #: Whether its value is an angle, of which 10 % mean nothing.
     of_recordings: bool = False  #: Whether it is made of the recordings and not of the leg alone.
     alone: str = ""  #: Why two sessions cannot be compared by it; empty where they can.
 
+    def value(self, leg: Leg, at: float) -> float:
+        """The measure of a leg at a point."""
+        return self.compute(leg, at, self.of) if self.of else self.compute(leg, at)
+
     @property
     def meaning(self) -> str:
         """What it is, in one sentence."""
-        return _paragraphs(self.compute)[0]
+        return self._paragraphs()[0]
 
     @property
     def formula(self) -> str:
         """How it is computed, and after whom."""
-        return " ".join(_paragraphs(self.compute)[1:])
+        return " ".join(self._paragraphs()[1:])
 
     def named(self, point: float) -> str:
         """The name with the point it is evaluated at."""
         return f"{self.name}@{point:g}{self.at}" if self.at else self.name
 
-
-def _paragraphs(function: Compute) -> list[str]:
-    text = (function.__doc__ or "").strip()
-    return [" ".join(part.split()) for part in text.split("\n\n")]
+    def _paragraphs(self) -> list[str]:
+        text = (self.compute.__doc__ or "").strip()
+        if self.of:
+            text = text.format(group=self.of, **_WORDS[self.of])
+        return [" ".join(part.split()) for part in text.split("\n\n")]
 
 
 _EFFORT = "it goes with the effort of each session"
@@ -56,29 +80,40 @@ ELECTRODES = (
 )
 
 _D = Definition
+
+
+def _pair(
+    name: str, unit: str, compute: Callable[[Leg, float, str], float], at: str = "",
+    points: tuple[tuple[float], tuple[float]] = ((0.0,), (0.0,)), **more: Any,
+) -> tuple[Definition, Definition]:  # fmt: skip
+    """A measure of each group."""
+    tri, tib = (
+        _D(f"{name}_{group}", unit, compute, at, own, group, **more)
+        for group, own in zip(GROUPS, points, strict=True)
+    )
+    return tri, tib
+
+
+def _part(name: str, compute: Callable[[Leg, float, str], float], of: str) -> Definition:
+    return _D(name, "%", compute, of=of, of_recordings=True, alone=_MOVEMENT)
+
+
 DEFINITIONS: tuple[Definition, ...] = (
     _D("passive_torque", "Nm", passive.passive_torque, "deg"),
-    _D("passive_torque_tri", "Nm", passive.passive_torque_tri, "deg"),
-    _D("passive_torque_tib", "Nm", passive.passive_torque_tib, "deg"),
+    *_pair("passive_torque", "Nm", passive.passive_torque_of, "deg"),
     _D("passive_stiffness", "Nm/deg", passive.passive_stiffness, "deg"),
-    _D("passive_stiffness_tri", "Nm/deg", passive.passive_stiffness_tri, "deg"),
-    _D("passive_stiffness_tib", "Nm/deg", passive.passive_stiffness_tib, "deg"),
+    *_pair("passive_stiffness", "Nm/deg", passive.passive_stiffness_of, "deg"),
     _D("quick_stiffness", "Nm/deg", passive.quick_stiffness, "deg"),
     _D("slow_torque", "Nm", passive.slow_torque, "deg"),
     _D("slow_stiffness", "Nm/deg", passive.slow_stiffness, "deg"),
     _D("neutral_angle", "deg", passive.neutral_angle, is_angle=True),
-    _D("slack_angle_tri", "deg", passive.slack_angle_tri, is_angle=True),
-    _D("slack_angle_tib", "deg", passive.slack_angle_tib, is_angle=True),
+    *_pair("slack_angle", "deg", passive.slack_angle, is_angle=True),
     _D("relaxed_share", "%", passive.relaxed_share, "s", (10.0,)),
     _D("dissipated_energy", "mJ", passive.dissipated_energy),
-    _D("active_torque_max_tri", "Nm", active.active_torque_max_tri, "deg",
-       of_recordings=True, alone=_EFFORT),
-    _D("active_torque_max_tib", "Nm", active.active_torque_max_tib, "deg",
-       of_recordings=True, alone=_EFFORT),
-    _D("torque_per_emg_tri", "Nm/mV", active.torque_per_emg_tri, alone=ELECTRODES),
-    _D("torque_per_emg_tib", "Nm/mV", active.torque_per_emg_tib, alone=ELECTRODES),
-    _D("optimal_angle_tri", "deg", active.optimal_angle_tri, is_angle=True),
-    _D("optimal_angle_tib", "deg", active.optimal_angle_tib, is_angle=True),
+    *_pair("active_torque_max", "Nm", active.active_torque_max, "deg", of_recordings=True,
+           alone=_EFFORT),
+    *_pair("torque_per_emg", "Nm/mV", active.torque_per_emg, alone=ELECTRODES),
+    *_pair("optimal_angle", "deg", active.optimal_angle, is_angle=True),
     _D("active_stiffness", "Nm/deg", active.active_stiffness, "Nm", (20.0,)),
     _D("damping", "Nm·s/deg", active.damping, "Nm", (20.0,)),
     _D("activation_half_time", "ms", active.activation_half_time),
@@ -86,17 +121,14 @@ DEFINITIONS: tuple[Definition, ...] = (
     _D("delay", "ms", active.delay),
     _D("reflex_gain", "Nm·s/deg", active.reflex_gain),
     _D("reflex_share", "%", active.reflex_share, of_recordings=True, alone=_MOVEMENT),
-    _D("tissue_share", "%", active.tissue_share, of_recordings=True, alone=_MOVEMENT),
-    _D("neural_share", "%", active.neural_share, of_recordings=True, alone=_MOVEMENT),
-    _D("inertia_share", "%", active.inertia_share, of_recordings=True, alone=_MOVEMENT),
-    _D("gravity_share", "%", active.gravity_share, of_recordings=True, alone=_MOVEMENT),
-    _D("tissue_work_share", "%", active.tissue_work_share, of_recordings=True, alone=_MOVEMENT),
-    _D("neural_work_share", "%", active.neural_work_share, of_recordings=True, alone=_MOVEMENT),
-    _D("tendon_stiffness_tri", "N/mm", passive.tendon_stiffness_tri, "N", (500.0,)),
-    _D("tendon_stiffness_tib", "N/mm", passive.tendon_stiffness_tib, "N", (100.0,)),
-    _D("tendon_secant_tri", "N/mm", passive.tendon_secant_tri, of_recordings=True, alone=_EFFORT),
-    _D("tendon_secant_tib", "N/mm", passive.tendon_secant_tib, of_recordings=True, alone=_EFFORT),
+    _part("tissue_share", active.torque_share, "tissue"),
+    _part("neural_share", active.torque_share, "neural"),
+    _part("inertia_share", active.torque_share, "inertial"),
+    _part("gravity_share", active.torque_share, "gravitational"),
+    _part("tissue_work_share", active.work_share, "tissue"),
+    _part("neural_work_share", active.work_share, "neural"),
+    *_pair("tendon_stiffness", "N/mm", passive.tendon_stiffness, "N", ((500.0,), (100.0,))),
+    *_pair("tendon_secant", "N/mm", passive.tendon_secant, of_recordings=True, alone=_EFFORT),
     _D("optimal_fascicle_tib", "mm", passive.optimal_fascicle_tib, of_recordings=True, alone=_FILM),
-    _D("tendon_strain_tri", "%", passive.tendon_strain_tri, "N", (500.0,)),
-    _D("tendon_strain_tib", "%", passive.tendon_strain_tib, "N", (100.0,)),
+    *_pair("tendon_strain", "%", passive.tendon_strain, "N", ((500.0,), (100.0,))),
 )  # fmt: skip

@@ -13,8 +13,8 @@ from surae.model.registry import check_names as check_names
 from surae.model.registry import check_value as check_value
 from surae.model.registry import get_model as get_model
 from surae.model.registry import with_optional as with_optional
-from surae.model.simulator import Simulator as Simulator
 from surae.model.simulator import TendonLaw as TendonLaw
 from surae.model.simulator import TendonState as TendonState
 from surae.model.simulator import TorqueParts as TorqueParts
 from surae.model.simulator import check_finite_torque as check_finite_torque
+from surae.model.tied import Simulator as Simulator

@@ -225,12 +225,8 @@ class ActivationFilter:
 
     def _respond_each(self, drive: Drive, out: FloatArray) -> None:
         """Responses to the slopes of a drive, into the first of (…, L, n)."""
-        signals = np.stack([signal for _, signal in drive.slopes])
-        first = np.zeros(len(signals)) if drive.delay is None else signals[:, 0].copy()
-        for lag, (steps, back) in enumerate(self.instants(drive.delay or 0.0)):
-            _respond_each(signals, first, steps, back, out[:, lag])
-        for k in np.flatnonzero(first):
-            out[k] += first[k] * self._held(1, out[k].shape)[0]
+        for row, (_, signal) in zip(out, drive.slopes, strict=False):
+            self._respond(np.ascontiguousarray(signal), drive.delay, [row])
 
     def _held(self, count: int, shape: tuple[int, ...]) -> list[FloatArray]:
         """Response, and with a count of three its derivatives, to a step at the first sample."""
@@ -299,15 +295,6 @@ def _respond(
             s00 * v + s01 * w + (s02 * before + s03 * now),
             s10 * v + s11 * w + (s12 * before + s13 * now),
         )
-
-
-@jit
-def _respond_each(
-    signals: FloatArray, first: FloatArray, steps: FloatArray, back: int, out: FloatArray
-) -> None:
-    """`_respond` with α to every row of signals, shape (s, n), into the first of (…, n)."""
-    for k in range(len(signals)):
-        _respond(signals[k], first[k], steps, back, 0, out[k])
 
 
 @jit

@@ -22,8 +22,8 @@ from surae.model.activation import IntArray
 from surae.model.contraction import (
     FECC,
     MVSH,
-    shaped_force_length_partials,
-    shaped_force_velocity_partials,
+    force_length,
+    force_velocity,
 )
 from surae.model.equilibrium import solve
 from surae.model.jit import jit
@@ -236,8 +236,8 @@ def compliant_states(
             direct[i_tau], direct[i_rel] = taut * relaxed[i_tau], taut * relaxed[i_rel]
             direct[i_l0] = alpha * (fl_x * fv * x + fl * fv_v * speed) / l0
             if shapes:
-                by_width = alpha * fv * shaped_force_length_partials(x, l0, short, long)[3]
-                _, _, by_bend, by_gain = shaped_force_velocity_partials(speed, vmax, bend, gain)
+                by_width = alpha * fv * force_length(x, l0, short, long)[3]
+                _, _, by_bend, by_gain = force_velocity(speed, vmax, bend, gain)
                 direct[i_short], direct[i_long] = 0.0, 0.0
                 direct[i_short if x < l0 else i_long] = -by_width
                 direct[i_fast] = alpha * fl * fv_v * speed
@@ -296,62 +296,46 @@ def drive_columns(
         Is filled: the change of the torque [Nm] from sample `first` on.
     """
     n = len(arm)
+    v, w, a = np.empty(2), np.empty(2), np.empty(2)  # the filter's state for each stage's own delay
     for c in range(len(first)):
         begin, width = first[c], inputs.shape[1]
-        v0 = w0 = v1 = w1 = 0.0  # the filter's state, for each stage's own delay
+        v[:] = w[:] = 0.0
         x_n = z_n = 0.0
         for t in range(out.shape[1]):
             i = begin + t
             out[c, t] = 0.0
             if i >= n:
                 continue
-            j = t - back[0]
-            before = inputs[c, j - 1] if 0 < j <= width else 0.0
-            now = inputs[c, j] if 0 <= j < width else 0.0
-            a0 = 0.0
-            if j >= 0:
-                s = steps[0]
-                a0 = s[1, 0, 0, 0] * v0 + s[1, 0, 0, 1] * w0 + s[1, 0, 0, 2] * before
-                a0 += s[1, 0, 0, 3] * now
-                v0, w0 = (
-                    s[0, 0, 0, 0] * v0
-                    + s[0, 0, 0, 1] * w0
-                    + s[0, 0, 0, 2] * before
-                    + s[0, 0, 0, 3] * now,
-                    s[0, 0, 1, 0] * v0
-                    + s[0, 0, 1, 1] * w0
-                    + s[0, 0, 1, 2] * before
-                    + s[0, 0, 1, 3] * now,
-                )
-            j = t - back[1]
-            before = inputs[c, j - 1] if 0 < j <= width else 0.0
-            now = inputs[c, j] if 0 <= j < width else 0.0
-            a1 = 0.0
-            if j >= 0:
-                s = steps[1]
-                a1 = s[1, 0, 0, 0] * v1 + s[1, 0, 0, 1] * w1 + s[1, 0, 0, 2] * before
-                a1 += s[1, 0, 0, 3] * now
-                v1, w1 = (
-                    s[0, 0, 0, 0] * v1
-                    + s[0, 0, 0, 1] * w1
-                    + s[0, 0, 0, 2] * before
-                    + s[0, 0, 0, 3] * now,
-                    s[0, 0, 1, 0] * v1
-                    + s[0, 0, 1, 1] * w1
-                    + s[0, 0, 1, 2] * before
-                    + s[0, 0, 1, 3] * now,
-                )
+            for stage in range(2):
+                j = t - back[stage]
+                before = inputs[c, j - 1] if 0 < j <= width else 0.0
+                now = inputs[c, j] if 0 <= j < width else 0.0
+                a[stage] = 0.0
+                if j >= 0:
+                    to, on = steps[stage, 1, 0], steps[stage, 0, 0]
+                    a[stage] = advanced(to[0], v[stage], w[stage], before, now)
+                    v[stage], w[stage] = (
+                        advanced(on[0], v[stage], w[stage], before, now),
+                        advanced(on[1], v[stage], w[stage], before, now),
+                    )
             if i == 0:
                 continue
             x_s = (
                 linear[0, BY_START, i] * x_n + linear[0, BY_HELD, i] * z_n
-                - linear[0, BY_ACTIVE, i] * a0
+                - linear[0, BY_ACTIVE, i] * a[0]
             )  # fmt: skip
             z_s = keep * z_n + linear[0, TAKEN, i] * x_s
             x_b, z_b = x_n + _RHO * (x_s - x_n), z_n + _RHO * (z_s - z_n)
             x_n = (
                 linear[1, BY_START, i] * x_b + linear[1, BY_HELD, i] * z_b
-                - linear[1, BY_ACTIVE, i] * a1
+                - linear[1, BY_ACTIVE, i] * a[1]
             )  # fmt: skip
             z_n = keep * z_b + linear[1, TAKEN, i] * x_n
             out[c, t] = -arm[i] * linear[1, STIFFNESS, i] * x_n
+
+
+@jit
+def advanced(row: FloatArray, v: float, w: float, before: float, now: float) -> float:
+    """One state of the activation filter a step on, by a row of `filter_step`."""
+    state: float = row[0] * v + row[1] * w + row[2] * before + row[3] * now
+    return state

@@ -21,10 +21,11 @@ import math
 
 from surae.model.contraction import (
     MVSHL,
-    shaped_force_length_partials,
-    shaped_force_velocity_partials,
+    force_length,
+    force_velocity,
 )
 from surae.model.jit import jit
+from surae.model.passive import elastic_force
 from surae.model.tendon import TendonCurve, tendon_force
 
 #: A Newton step is the last one below this fraction of the length over which forces bend; what it
@@ -65,9 +66,9 @@ def balance(e: float, muscle: Muscle, curve: TendonCurve, step: Step) -> Balance
     rigid, start, per_h, w, held, alpha = step
     x = rigid - e
     force, slope = tendon_force(e, curve)
-    elastic = math.exp(k * (x - x0))
-    fl, fl_x, _, _ = shaped_force_length_partials(x, l0, short, long)
-    fv, fv_v, _, _ = shaped_force_velocity_partials((x - start) * per_h, vmax, bend, gain)
+    elastic = elastic_force(x, k, x0)
+    fl, fl_x, _, _ = force_length(x, l0, short, long)
+    fv, fv_v, _, _ = force_velocity((x - start) * per_h, vmax, bend, gain)
     G = force - alpha * fl * fv
     G_e = slope + alpha * (fl_x * fv + fl * fv_v * per_h)
     pulls = 0.0

@@ -5,19 +5,18 @@
     v        = max(d lmt/dt, 0)                                                [m/s]
 
 Every muscle's own envelope ê is that of its electrode but for what the laboratory cannot rule out:
-a level at rest r (`emg_rest_…`), a contact that drifts by d from the recording's begin to its end
-(`emg_drift_…`), what electrodes hear of other muscles (`xt_ta_gl`: that of the tibialis of the
-gastrocnemius lateralis), and a force that does not grow as EMG does (`emg_shape` A, Lloyd and
-Besier 2003; −3 to 0 there, 0 is linear; and `emg_power` P, 0 is linear) and falls later than it
-rises, by ρ (`release`; Zajac 1989):
+a level at rest r (`emg_rest_…`), what electrodes hear of other muscles (`xt_ta_gl`: that of the
+tibialis of the gastrocnemius lateralis), and a force that does not grow as EMG does (`emg_shape` A,
+Lloyd and Besier 2003; −3 to 0 there, 0 is linear; and `emg_power` P, 0 is linear) and falls later
+than it rises, by ρ (`release`; Zajac 1989):
 
-    u = M⁻¹·(1 − d·τ)·(e − r)
+    u = M⁻¹·(e − r)
     ê = u·e_ref/s·(exp(A·s/e_ref) − 1)/(exp(A) − 1)·(s/e_ref)^P + ½·ρ·|dε/dt|
 
-τ goes from −½ to ½ over the whole recording; M is 1 on its diagonal; s is u made of envelopes that
-are as smooth as effort is (`surae.signals.smooth_effort`): rectified EMG fluctuates by as much as
-itself, and force is curved over effort, not over noise. ε is the electrode's own smooth envelope:
-to first order force is half of ρ ahead where it grows, and as much behind where it falls. Nothing
+M is 1 on its diagonal; s is u made of envelopes that are as smooth as effort is
+(`surae.signals.smooth_effort`): rectified EMG fluctuates by as much as itself, and force is curved
+over effort, not over noise. ε is the electrode's own smooth envelope: to first order force is half
+of ρ ahead where it grows, and as much behind where it falls. Nothing
 is clipped: a muscle that is less active than its electrode's rest has a small negative ê. The
 weights keep their unit, for ê = u at s = 0 and at the reference level e_ref
 (`ModelOptions.emg_ref`; 1 for a normalised EMG). A muscle without EMG hears nothing and is not
@@ -52,23 +51,20 @@ from surae.units import FloatArray
 #: EMG channels of triceps and tibialis.
 GROUPS = (slice(1, 4), slice(0, 1))
 _GAINS = OPTIONAL["reflex"][:2]
-_RESTS, _DRIFTS = OPTIONAL["emg_rest"], OPTIONAL["emg_drift"]
+_RESTS = OPTIONAL["emg_rest"]
 
 
 @dataclass(frozen=True, slots=True)
 class _Envelopes:
     """Envelopes of the muscles themselves, shape (4, n), and what their derivatives are made of.
 
-    `weighted` are ê, `own` are u and `active` are e − r; `gain` is 1 − d·τ, of one sample where
-    nothing drifts, and `unmixing` is M⁻¹. `steep` is ∂ê/∂u, `by_shape` is ∂ê/∂A and `by_power`
-    ∂ê/∂P, None where the force grows as EMG does; where it does not, all but ê and `by_shape` are
+    `weighted` are ê, `own` are u and `unmixing` is M⁻¹. `steep` is ∂ê/∂u, `by_shape` is ∂ê/∂A and
+    `by_power` ∂ê/∂P, None where the force grows as EMG does; where it does not, u and `steep` are
     followed by those of the smooth envelopes, shape (4, 2n).
     """
 
     weighted: FloatArray
     own: FloatArray
-    active: FloatArray
-    gain: FloatArray
     unmixing: FloatArray
     steep: FloatArray | None = None
     by_shape: FloatArray | None = None
@@ -92,7 +88,6 @@ class Excitation:
         weights: tuple[str, ...],
         emg: FloatArray,
     ) -> None:
-        elapsed = np.linspace(-0.5, 0.5, inputs.n)
         curved = "emg_shape" in at or "emg_power" in at
         #: ∂ê/∂ρ, shape (4, n); None where there is no release.
         self._by_release: FloatArray | None = None
@@ -103,9 +98,8 @@ class Excitation:
             emg = np.concatenate([emg, smooth_effort(emg, inputs.rate_hz)], axis=1)
         self._emg = np.array(emg, dtype=np.float64, order="C")
         self._at, self._weights = at, [at[name] for name in weights]
-        corrections = (*_RESTS, *_DRIFTS, *CROSSTALK.values())
+        corrections = (*_RESTS, *CROSSTALK.values())
         self._corrections = {at[name] for name in corrections if name in at}
-        self._elapsed = np.tile(elapsed, 2) if curved else elapsed
         self._present = np.array([m not in inputs.missing_emg for m in MUSCLES], dtype=float)
         self._reference = _reference(inputs, options, self._present) if curved else None
         self.has_reflex = "reflex_delay" in at
@@ -134,11 +128,6 @@ class Excitation:
         if _RESTS[0] in self._at:
             rest = np.array([self._value(values, name) for name in _RESTS])
             own = own - (self._present * rest)[:, None]
-        active, gain = own, np.ones((4, 1))
-        if _DRIFTS[0] in self._at:
-            drift = np.array([self._value(values, name) for name in _DRIFTS])
-            gain = 1.0 - np.outer(drift, self._elapsed)
-            own = gain * own
         if CROSSTALK[0, 1] in self._at:
             mixing = np.eye(4)
             for (hears, of), name in CROSSTALK.items():
@@ -149,14 +138,14 @@ class Excitation:
         if self._by_release is not None:
             later = self._value(values, "release") * self._by_release
         if self._reference is None:
-            return _Envelopes(own + later, own, active, gain, unmixing)
+            return _Envelopes(own + later, own, unmixing)
         n = own.shape[1] // 2
         curved, by_own, by_smooth, by_shape, by_power = shaped(
             np.ascontiguousarray(own[:, :n]), np.ascontiguousarray(own[:, n:]), self._reference,
             self._value(values, "emg_shape"), self._value(values, "emg_power"),
         )  # fmt: skip
         steep = np.concatenate([by_own, by_smooth], axis=1)
-        return _Envelopes(curved + later, own, active, gain, unmixing, steep, by_shape, by_power)
+        return _Envelopes(curved + later, own, unmixing, steep, by_shape, by_power)
 
     def weighted(self, values: FloatArray) -> FloatArray:
         """What each of the four muscles adds to its group's excitation [N], shape (4, n)."""
@@ -168,10 +157,11 @@ class Excitation:
     ) -> Drive:
         channels, at = GROUPS[group], self._at
         columns = self._weights[channels]
-        weights = values[columns]
-        grown = None if self.log_gain is None else np.exp(self.log_gain[channels])
-        weighted = envelopes.weighted[channels]
-        weighted = weighted if grown is None else weighted * grown
+        weights, n = values[columns], envelopes.weighted.shape[1]
+        grown = np.ones((len(columns), n))
+        if self.log_gain is not None:
+            grown = np.exp(self.log_gain[channels])
+        weighted = envelopes.weighted[channels] * grown
         # einsum, not BLAS: its threads cost more than they save on so few rows
         signal = np.einsum("c,cn->n", weights, weighted)
         slopes = [
@@ -185,32 +175,25 @@ class Excitation:
             ("release", self._by_release),
         ):
             if by is not None and at.get(name, -1) in wanted:
-                own = by[channels] if grown is None else by[channels] * grown
-                slopes.append((at[name], np.einsum("c,cn->n", weights, own)))
+                slopes.append((at[name], np.einsum("c,cn->n", weights, by[channels] * grown)))
         if self._corrections.intersection(wanted):
             # ∂E/∂e of each electrode but for its gain: what takes from it takes so much of E
-            steep = np.ones((4, 1)) if envelopes.steep is None else envelopes.steep
-            if grown is not None:
-                times = steep.shape[1] // grown.shape[1]
-                steep = steep[channels] * (np.tile(grown, times) if times > 1 else grown)
-            else:
-                steep = steep[channels]
+            steep = np.ones((4, n)) if envelopes.steep is None else envelopes.steep
+            steep = steep[channels] * np.tile(grown, steep.shape[1] // n)
             unmixing = weights[:, None] * envelopes.unmixing[channels]
-            heard = np.einsum(
-                "ci,cn->in", unmixing, np.broadcast_to(steep, (len(weights), steep.shape[1]))
-            )
+            heard = np.einsum("ci,cn->in", unmixing, steep)
             heard *= -self._present[:, None]
-            for i, name in enumerate(_RESTS):
-                if at.get(name, -1) in wanted and heard[i].any():
-                    slopes.append((at[name], _folded(heard[i] * envelopes.gain[i], len(signal))))
-            for i, name in enumerate(_DRIFTS):
-                if at.get(name, -1) in wanted and heard[i].any():
-                    faded = heard[i] * self._elapsed * envelopes.active[i]
-                    slopes.append((at[name], _folded(faded, len(signal))))
-            for (hears, of), name in CROSSTALK.items():
-                if at.get(name, -1) in wanted and heard[hears].any():
-                    mixed = heard[hears] * envelopes.own[of]
-                    slopes.append((at[name], _folded(mixed, len(signal))))
+            taken = [(name, heard[i]) for i, name in enumerate(_RESTS)] + [
+                (name, heard[hears] * envelopes.own[of])
+                for (hears, of), name in CROSSTALK.items()
+                if at.get(name, -1) in wanted
+            ]
+            # by way of the envelopes and, behind them, of the smooth ones
+            slopes += [
+                (at[name], by.reshape(-1, n).sum(axis=0))
+                for name, by in taken
+                if at.get(name, -1) in wanted and by.any()
+            ]
         if "emd" not in at:
             return Drive(signal, slopes)
         column = at["emd"]
@@ -228,13 +211,6 @@ class Excitation:
             for column, by in zip(leg.columns, muscle.speed_slopes, strict=True)
         ]
         return Drive(gain * stretch, slopes, float(values[delay]), delay if delay in wanted else -1)
-
-
-def _folded(taken: FloatArray, n: int) -> FloatArray:
-    """What is taken of a drive by way of the envelopes and, behind them, of the smooth ones."""
-    if len(taken) == 2 * n:
-        return np.asarray(taken[:n] + taken[n:])
-    return taken if len(taken) == n else np.full(n, taken[0])
 
 
 def _reference(inputs: ModelInputs, options: ModelOptions, present: FloatArray) -> FloatArray:

@@ -13,51 +13,45 @@ from surae.model.joint import ANKLE
 from surae.model.options import ModelOptions
 from surae.units import FloatArray
 
-#: Offset [m] and slope [m/rad] of the moment arms, equations (4) and (5) (Maganaris 1998, 1999).
-ARM_TRI = (0.0480, -0.0104)
-ARM_TIB = (0.0393, 0.0171)
+#: Offset [m] and slope [m/rad] of the moment arms of triceps and tibialis, equations (4) and (5)
+#: (Maganaris 1998, 1999).
+_ARMS = ((0.0480, -0.0104), (0.0393, 0.0171))
 #: l_m [m] and factor of the arm in equation (9).
-LENGTH_TRI = (0.118, 1.67)
-LENGTH_TIB = (0.136, 1.56)
+_LENGTHS = ((0.118, 1.67), (0.136, 1.56))
+#: Whether dorsiflexion lengthens the group, and the sign of its torque.
+_SIGNS = (1.0, -1.0)
 
 
-def arm_tri(angle: FloatArray) -> FloatArray:
-    """Moment arm of the Achilles tendon, equation (4): r = 0.0480 − 0.0104·θ.
+def moment_arm(angle: FloatArray, group: int) -> FloatArray:
+    """Moment arm of a tendon, equations (4) and (5).
+
+    Achilles: r = 0.0480 − 0.0104·θ; tibialis: r = 0.0393 + 0.0171·θ.
 
     Parameters
     ----------
     angle : ndarray
         Ankle angle [rad], dorsiflexion positive.
+    group : {0, 1}
+        Triceps surae or tibialis anterior.
 
     Returns
     -------
     ndarray
         Arm [m], same shape.
     """
-    return ARM_TRI[0] + ARM_TRI[1] * angle
+    offset, slope = _ARMS[group]
+    return offset + slope * angle
 
 
-def arm_tib(angle: FloatArray) -> FloatArray:
-    """Moment arm of the tibialis tendon, equation (5): r = 0.0393 + 0.0171·θ.
+def muscle_length(
+    angle: FloatArray, group: int, options: ModelOptions
+) -> tuple[FloatArray, FloatArray]:
+    """Length of a muscle and its slope, equation (9) or virtual work.
 
-    Parameters
-    ----------
-    angle : ndarray
-        Ankle angle [rad], dorsiflexion positive.
-
-    Returns
-    -------
-    ndarray
-        Arm [m], same shape.
-    """
-    return ARM_TIB[0] + ARM_TIB[1] * angle
-
-
-def length_tri(angle: FloatArray, options: ModelOptions) -> tuple[FloatArray, FloatArray]:
-    """Triceps length and its slope, equation (9) or virtual work.
-
-    ``"thesis"``: x = 0.118 − 1.67·r(θ), the literal product; its slope is not the arm.
-    ``"virtual-work"``: x = x_ref + ∫r dθ, so that force times dx/dθ is the torque.
+    ``"thesis"``: x = 0.118 − 1.67·r(θ) of the triceps, 0.136 − 1.56·r(θ) of the tibialis, the
+    literal product; its slope is not the arm.
+    ``"virtual-work"``: x = x_ref ± ∫r dθ, so that force times dx/dθ is the torque; the triceps
+    lengthens with dorsiflexion, the tibialis shortens.
 
     Returns
     -------
@@ -66,30 +60,12 @@ def length_tri(angle: FloatArray, options: ModelOptions) -> tuple[FloatArray, Fl
     slope : ndarray
         dx/dθ [m/rad].
     """
+    arm, (offset, bend) = moment_arm(angle, group), _ARMS[group]
     if options.geometry == "thesis":
-        length = LENGTH_TRI[0] - LENGTH_TRI[1] * arm_tri(angle)
-        return length, np.full_like(angle, -LENGTH_TRI[1] * ARM_TRI[1])
-    swept = ARM_TRI[0] * angle + 0.5 * ARM_TRI[1] * angle**2
-    return options.x_ref_tri + swept, arm_tri(angle)
-
-
-def length_tib(angle: FloatArray, options: ModelOptions) -> tuple[FloatArray, FloatArray]:
-    """Tibialis length and its slope, equation (9) or virtual work; it shortens with dorsiflexion.
-
-    ``"thesis"``: x = 0.136 − 1.56·r(θ). ``"virtual-work"``: x = x_ref − ∫r dθ.
-
-    Returns
-    -------
-    length : ndarray
-        Muscle length x [m].
-    slope : ndarray
-        dx/dθ [m/rad].
-    """
-    if options.geometry == "thesis":
-        length = LENGTH_TIB[0] - LENGTH_TIB[1] * arm_tib(angle)
-        return length, np.full_like(angle, -LENGTH_TIB[1] * ARM_TIB[1])
-    swept = ARM_TIB[0] * angle + 0.5 * ARM_TIB[1] * angle**2
-    return options.x_ref_tib - swept, -arm_tib(angle)
+        longest, factor = _LENGTHS[group]
+        return longest - factor * arm, np.full_like(angle, -factor * bend)
+    sign, reference = _SIGNS[group], (options.x_ref_tri, options.x_ref_tib)[group]
+    return reference + sign * (offset * angle + 0.5 * bend * angle**2), sign * arm
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,16 +99,19 @@ def paths(
     if isinstance(options.geometry, GeometryTable):
         table = options.geometry
         tri, tib = (_of_table(options, table, g, angle, velocity, second) for g in (0, 1))
-        return tri, tib
-    x_tri, slope_tri = length_tri(angle, options)
-    x_tib, slope_tib = length_tib(angle, options)
+    else:
+        tri, tib = (_assumed(options, g, angle, velocity) for g in (0, 1))
+    return tri, tib
+
+
+def _assumed(options: ModelOptions, group: int, angle: FloatArray, velocity: FloatArray) -> Path:
+    length, slope = muscle_length(angle, group, options)
+    sign = _SIGNS[group]
+    arm_slope = sign * _ARMS[group][1]
     # by virtual work the slope is the arm and bends with it; the printed product does not bend
     bends = options.geometry == "virtual-work"
-    by_tri, by_tib = ARM_TRI[1], -ARM_TIB[1]
-    return (
-        Path(arm_tri(angle), x_tri, slope_tri * velocity, slope_tri, bends * by_tri, by_tri),
-        Path(-arm_tib(angle), x_tib, slope_tib * velocity, slope_tib, bends * by_tib, by_tib),
-    )
+    arm = sign * moment_arm(angle, group)
+    return Path(arm, length, slope * velocity, slope, bends * arm_slope, arm_slope)
 
 
 def _of_table(

@@ -5,14 +5,13 @@ lengthens as the angle rises, `tib` its antagonist, whatever the joint calls the
 """
 
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 
 from surae.errors import InputError
 from surae.filed import filed
-from surae.files import PathLike, read_bytes, shown
+from surae.files import PathLike, shown
 from surae.frozen import FrozenDict
 
 #: Parameters that every joint has to state: the ankle's would be wrong for any other.
@@ -196,16 +195,9 @@ def read_joint(path: PathLike) -> Joint:
     InputError
         It cannot be read, or is no joint.
     """
-    from surae.records import from_plain
+    from surae.records import from_file, read_toml
 
-    try:
-        plain = tomllib.loads(read_bytes(path).decode("utf-8"))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"{shown(path)}: no TOML: {error}") from None
-    try:
-        joint = from_plain(Joint, plain)
-    except InputError as error:
-        raise InputError(f"{shown(path)}: {error}") from None
+    joint = from_file(Joint, path, read_toml(path))
     if missing := [name for name in STATED if name not in joint.parameters]:
         raise InputError(f"{shown(path)}: parameters: {', '.join(missing)} missing; state them")
     for language, words in joint.words.items():

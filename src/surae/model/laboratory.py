@@ -6,13 +6,10 @@ from surae.errors import InputError
 from surae.model.joint import ANKLE, Joint
 from surae.model.sources import NUISANCES, Gaussian, Nuisance
 
-__all__ = [
-    "ALL", "AUTO", "COMPLIANT", "DEPARTURES", "EACH_MOUNTING", "EACH_TRIAL", "GROUPS",
-    "NONE", "OUTSIDE", "RIGID", "Gaussian", "group_of", "laboratory", "richest",
-]  # fmt: skip
-
 #: The name under which the family of models is asked for, and its rigid and compliant member.
 AUTO, RIGID, COMPLIANT = "auto", "muscle", "muscle-tendon-strain"
+#: The prior of what there is not.
+_NOTHING = Gaussian(0.0, 0.0)
 #: What `nuisances` may be beside a mapping.
 ALL, NONE = "all", "none"
 _NUISANCES: dict[str, Nuisance] = {g: s.nuisance for g, s in NUISANCES.items() if s.nuisance}
@@ -59,16 +56,11 @@ def laboratory(
     """
     if nuisances == NONE:
         return {}
-    beliefs = {name: n.prior_of(name) for n in _NUISANCES.values() for name in n.parameters}
-    if not mounted:
-        beliefs |= {
-            name: Gaussian(0.0, 0.0)
-            for n in _NUISANCES.values()
-            if n.of_device
-            for name in n.parameters
-        }
-    if measured:
-        beliefs |= {name: b for n in _NUISANCES.values() for name, b in n.measured.items()}
+    beliefs: dict[str, Gaussian] = {}
+    for n in _NUISANCES.values():
+        none = n.of_device and not mounted
+        beliefs |= {name: _NOTHING if none else n.prior_of(name) for name in n.parameters}
+        beliefs |= n.measured if measured else {}
     given: Mapping[str, tuple[float, float]] = {}
     if not isinstance(nuisances, str):
         given = nuisances
@@ -87,19 +79,10 @@ def laboratory(
             raise InputError(f"nuisances: {name} is {pair!r}; give a finite mean, and sd from 0")
         for each in names:
             beliefs[each] = Gaussian(mean, sd, beliefs[each].off)
-    beliefs = {name: belief for name, belief in beliefs.items() if belief.sd > 0}
-    return _of_electrodes(beliefs, quiet)
-
-
-def _of_electrodes(
-    beliefs: dict[str, Gaussian], quiet: Sequence[float] | None
-) -> dict[str, Gaussian]:
-    """Priors with those of EMG at rest in its unit."""
     for name, level in zip(GROUPS["rest"], quiet or (0.0,) * 4, strict=True):
-        belief = beliefs.pop(name, None)
-        if belief is not None and level > 0.0:
-            beliefs[name] = Gaussian(belief.mean * level, belief.sd * level)
-    return beliefs
+        rest = beliefs.pop(name)  # EMG at rest follows, in its unit
+        beliefs[name] = Gaussian(rest.mean * level, rest.sd * level)
+    return {name: belief for name, belief in beliefs.items() if belief.sd > 0}
 
 
 def group_of(name: str) -> str | None:

@@ -42,8 +42,8 @@ def inertia_torque(*, acceleration: FloatArray, distance: float = ANKLE.distance
 
 def gravity_torque(
     *, angle: FloatArray, theta_foot: float, distance: float = ANKLE.distance
-) -> FloatArray:
-    """Gravitational torque of a mass of 1 kg, equation (7): g·la·cos(θ − θ_foot).
+) -> tuple[FloatArray, FloatArray]:
+    """Gravitational torque of a mass of 1 kg, equation (7): g·la·cos(θ − θ_foot), and its slope.
 
     Parameters
     ----------
@@ -56,19 +56,11 @@ def gravity_torque(
 
     Returns
     -------
-    ndarray
-        Torque per mass [Nm/kg].
+    torque, slope : ndarray
+        Torque per mass [Nm/kg], and its derivative by the angle [Nm/(kg·rad)].
     """
-    torque: FloatArray = GRAVITY * distance * np.cos(angle - theta_foot)
-    return torque
-
-
-def gravity_slope(
-    *, angle: FloatArray, theta_foot: float, distance: float = ANKLE.distance
-) -> FloatArray:
-    """Derivative of `gravity_torque` by the angle [Nm/(kg·rad)]; parameters as there."""
-    slope: FloatArray = -GRAVITY * distance * np.sin(angle - theta_foot)
-    return slope
+    turned = angle - theta_foot
+    return GRAVITY * distance * np.cos(turned), -GRAVITY * distance * np.sin(turned)
 
 
 _AXIS, _GIVE = OPTIONAL["axis"], "plate_give"
@@ -169,9 +161,8 @@ class Movement:
             rates[at] = -self._pull_rate
         swinging = joint.factor * acceleration + joint.bend * velocity**2
         inertia = inertia_torque(acceleration=swinging, distance=distance)
-        gravity, falling = (
-            of(angle=joint.angle, theta_foot=options.theta_foot, distance=distance)
-            for of in (gravity_torque, gravity_slope)
+        gravity, falling = gravity_torque(
+            angle=joint.angle, theta_foot=options.theta_foot, distance=distance
         )
         limb_slopes = np.zeros((len(columns), inputs.n))
         for name, by, rate in zip(turning, slopes, rates, strict=True):

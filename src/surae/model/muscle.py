@@ -8,8 +8,8 @@ from surae.model.activation import ActiveState
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
 from surae.model.parameters import MUSCLE_PARAMETERS
-from surae.model.rigid import exponentials, rigid_forces, rigid_path_slope, rigid_torque
-from surae.model.tied import Sums, TiedModel
+from surae.model.rigid import exponentials, rigid_forces, rigid_torque
+from surae.model.tied import Simulator, Sums
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
@@ -21,7 +21,7 @@ GROUP_COLUMNS = tuple(
 )
 
 
-class MuscleSimulator(TiedModel):
+class MuscleSimulator(Simulator):
     """Model 1.0 on one recording."""
 
     def __init__(
@@ -41,17 +41,11 @@ class MuscleSimulator(TiedModel):
     def _contract(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
     ) -> None:
-        columns, alpha = GROUP_COLUMNS[group], active.alpha[0]
+        columns = GROUP_COLUMNS[group]
         own = p[columns]
-        curves = exponentials(own, muscle.length)
         rigid_torque(
-            own, into.slots[columns], muscle.arm, muscle.length, muscle.speed, *curves, alpha,
-            active.slopes[:, 0], into.slots[active.columns], self._factor, self._dt, into.torque,
-            into.jacobian,
+            own, into.slots[columns], np.stack([muscle.arm, muscle.length, muscle.speed]),
+            np.stack([muscle.arm_slopes, muscle.length_slopes, muscle.speed_slopes]), into.turned,
+            *exponentials(own, muscle.length), active.alpha[0], active.slopes[:, 0],
+            into.slots[active.columns], self._factor, self._dt, into.torque, into.jacobian,
         )  # fmt: skip
-        for row, slot in enumerate(into.turned):
-            rigid_path_slope(
-                own, muscle.arm, muscle.length, muscle.speed, *curves, alpha,
-                muscle.arm_slopes[row], muscle.length_slopes[row], muscle.speed_slopes[row],
-                self._factor, self._dt, into.jacobian[slot],
-            )  # fmt: skip

@@ -28,7 +28,7 @@ from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
 from surae.model.rigid import K_REL, TAU
 from surae.model.simulator import TendonLaw, TendonState
 from surae.model.tendon import tendon_curve
-from surae.model.tied import Sums, TiedModel
+from surae.model.tied import Simulator, Sums
 from surae.names import CHOICES, ELSEWHERE
 from surae.plugins import plugins
 from surae.signals import ModelInputs
@@ -111,7 +111,7 @@ class Tangent:
     response: DriveResponse  #: To the muscles' drives.
 
 
-class MuscleTendonSimulator(TiedModel):
+class MuscleTendonSimulator(Simulator):
     """Models 2.0, 2.1, 2.2 on one recording.
 
     The muscle-tendon length is lmt = lt0 + x of the rigid tendon, in either geometry. Where the
@@ -136,7 +136,7 @@ class MuscleTendonSimulator(TiedModel):
         #: Active state over which it reaches zero [N]; 0 is the model, with its kink.
         self.rest = 0.0
 
-    def tendon(self, values: FloatArray) -> TendonState:  # type: ignore[override]
+    def tendon(self, values: FloatArray) -> TendonState:
         """Lengths, velocities and forces of muscles and tendons over time."""
         p = np.array(values, dtype=np.float64)
         leg = self._movement.at(p)

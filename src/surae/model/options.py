@@ -1,8 +1,9 @@
 """The documented switches of the models, with their allowed values."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from importlib import import_module
 from numbers import Real
 from os import PathLike
 from pathlib import Path
@@ -13,13 +14,13 @@ from surae.filed import filed
 from surae.model.geometry_table import GeometryTable
 from surae.model.joint import ANKLE, Joint
 from surae.names import CHOICES
-from surae.setting import documented, kind_of, setting, settings_of
+from surae.setting import Request, documented, setting
 
 
 @filed(sparse=("emg_ref", "joint"))
 @documented
 @dataclass(frozen=True, slots=True)
-class ModelOptions:
+class ModelOptions(Request):
     """How a model reads the parts of the thesis that leave a choice.
 
     Attributes
@@ -71,26 +72,9 @@ class ModelOptions:
     )  # fmt: skip
 
     def __post_init__(self) -> None:
-        """Refuse values that are not among the choices or not physical."""
-        for each, record in settings_of(type(self)):
-            name, value = each.name, getattr(self, each.name)
-            if isinstance(value, GeometryTable | Joint):
-                continue
-            if record.choices and value not in record.choices:
-                allowed = ", ".join(record.choices) + ", or a file's path" * record.file
-                raise InputError(f"option {name} is {value!r}; use one of: {allowed}")
-            if kind_of(each) != "number":
-                continue
-            number = isinstance(value, Real) and not isinstance(value, bool)
-            if not number or not math.isfinite(value):
-                raise InputError(f"option {name} is {value!r}; give a finite number")
-            if record.above is not None and value <= record.above:
-                raise InputError(f"option {name} is {value}; it must be positive")
-        self._check_levels()
+        """Refuse values that are not among the choices or not physical; hold levels as a tuple."""
+        Request.__post_init__(self)
         self._check_joint()
-
-    def _check_levels(self) -> None:
-        """Make a list of levels, as files hold it, a tuple."""
         if self.emg_ref is None:
             return
         given: object = self.emg_ref
@@ -98,7 +82,7 @@ class ModelOptions:
         numbers = [isinstance(v, Real) and not isinstance(v, bool) for v in levels]
         if len(levels) != 4 or not all(numbers) or not all(0 <= v < math.inf for v in levels):
             raise InputError(
-                f"option emg_ref is {self.emg_ref!r}; give four levels in V, of TA, GL, SOL, GM"
+                f"emg_ref is {self.emg_ref!r}; give four levels in V, of TA, GL, SOL, GM"
             )
         object.__setattr__(self, "emg_ref", tuple(float(v) for v in levels))
 
@@ -164,16 +148,7 @@ def with_files(given: Mapping[str, Any]) -> dict[str, Any]:
         elif not isinstance(value, str | PathLike) or value in CHOICES[name]:
             continue
         elif Path(value).suffix or Path(value).is_file():
-            read[name] = _reader(name)(value)
+            # readers need NumPy, and options do not
+            home = import_module("surae.model")
+            read[name] = getattr(home, f"read_{name}")(value)
     return read
-
-
-def _reader(name: str) -> Callable[[PathLike[str] | str], Any]:
-    """What reads the file of an option; when one is named, as readers need NumPy."""
-    if name == "joint":
-        from surae.model.joint import read_joint
-
-        return read_joint
-    from surae.model.geometry_file import read_geometry
-
-    return read_geometry

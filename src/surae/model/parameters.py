@@ -312,11 +312,6 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
            "a part in which all muscles are at rest")
         for at, muscle in MUSCLE_NAMES.items()
     ),
-    "emg_drift": tuple(
-        _M(f"emg_drift_{at}", "-", f"drift of the EMG, {muscle}", -0.5, 0.5,
-           "the same efforts early and late in the trial")
-        for at, muscle in MUSCLE_NAMES.items()
-    ),
     "emg_shape": (_M("emg_shape", "-", "curvature of force over EMG", -5.0, 1.0, _LEVELS),),
     "torque_zero": (
         _M("torque_zero", "Nm", "zero of the torque", -30.0, 30.0,

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from numbers import Real
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,11 +20,13 @@ from surae.model.parameters import (
     Parameter,
     adapted,
 )
-from surae.model.simulator import Simulator
 from surae.names import ELSEWHERE
 from surae.plugins import Extended, plugins
 from surae.signals import ModelInputs
 from surae.units import FloatArray
+
+if TYPE_CHECKING:
+    from surae.model import Simulator
 
 _WEIGHTS = ("g1", "g2", "g3", "g4")
 #: Optional parameters in which the torque is linear.
@@ -81,7 +84,7 @@ class ModelSpec(Comparable):
 
     def simulator(
         self, inputs: ModelInputs, options: ModelOptions, *, beyond: bool = False
-    ) -> Simulator:
+    ) -> "Simulator":
         """The model tied to a recording, with its optional parameters.
 
         A movement `beyond` the angles of a geometry's table is refused unless it is wanted.
@@ -194,46 +197,29 @@ def check_value(parameter: Parameter, value: float, spec: ModelSpec) -> None:
 _FIFTEEN = tuple(p.name for p in MUSCLE_PARAMETERS)
 _WITH_TENDON = MUSCLE_PARAMETERS + TENDON_PARAMETERS
 
+
+def _compliant(name: str, title: str, *freed: str) -> ModelSpec:
+    """One of the models with tendons that give way: what is freed of them is all that differs."""
+    return ModelSpec(
+        name, f"muscle-tendon model{title}", _WITH_TENDON, (*_FIFTEEN, *freed),
+        "surae.model.muscle_tendon:muscle_tendon_simulator", "muscle",
+    )  # fmt: skip
+
+
 #: Those that come with surae.
 OWN: dict[str, ModelSpec] = {
     spec.name: spec
     for spec in (
         ModelSpec(
-            "muscle",
-            "muscle model [1.0]",
-            MUSCLE_PARAMETERS,
-            _FIFTEEN,
-            "surae.model.muscle:MuscleSimulator",
-            linear=("m", *_WEIGHTS),
-            slack={"x0_tri": "k_tri", "x0_tib": "k_tib"},
-            scanned=("l0_tri", "l0_tib"),
+            "muscle", "muscle model [1.0]", MUSCLE_PARAMETERS, _FIFTEEN,
+            "surae.model.muscle:MuscleSimulator", linear=("m", *_WEIGHTS),
+            slack={"x0_tri": "k_tri", "x0_tib": "k_tib"}, scanned=("l0_tri", "l0_tib"),
         ),
-        ModelSpec(
-            "muscle-tendon",
-            "muscle-tendon model [2.0]",
-            _WITH_TENDON,
-            _FIFTEEN,
-            "surae.model.muscle_tendon:muscle_tendon_simulator",
-            "muscle",
-        ),
-        ModelSpec(
-            "muscle-tendon-strain",
-            "muscle-tendon model, tendon strain freed [2.1]",
-            _WITH_TENDON,
-            (*_FIFTEEN, "dlt_tri", "dlt_tib"),
-            "surae.model.muscle_tendon:muscle_tendon_simulator",
-            "muscle",
-        ),
-        ModelSpec(
-            "muscle-tendon-toe",
-            "muscle-tendon model, tendon toe force freed [2.2]",
-            _WITH_TENDON,
-            (*_FIFTEEN, "pt_tri", "pt_tib"),
-            "surae.model.muscle_tendon:muscle_tendon_simulator",
-            "muscle",
-        ),
+        _compliant("muscle-tendon", " [2.0]"),
+        _compliant("muscle-tendon-strain", ", tendon strain freed [2.1]", "dlt_tri", "dlt_tib"),
+        _compliant("muscle-tendon-toe", ", tendon toe force freed [2.2]", "pt_tri", "pt_tib"),
     )
-}
+}  # fmt: skip
 
 
 #: Every model by name, those of plugins too.

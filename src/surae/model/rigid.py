@@ -8,7 +8,7 @@ model.
 import numpy as np
 
 from surae.model.activation import IntArray
-from surae.model.contraction import CF, force_velocity, force_velocity_partials
+from surae.model.contraction import CF, force_velocity
 from surae.model.jit import jit
 from surae.model.passive import relaxation_step
 from surae.units import FloatArray
@@ -76,26 +76,28 @@ def rigid_forces(
         if i > 0:
             z = a * z + b0 * elastic[i - 1] + b1 * elastic[i]
         forces[0, i] = max(elastic[i] - z, 0.0)
-        forces[1, i] = alpha[i] * fl[i] * force_velocity(speed[i], vmax)
+        forces[1, i] = alpha[i] * fl[i] * force_velocity(speed[i], vmax)[0]
     return forces
 
 
 @jit
 def rigid_torque(
-    p: FloatArray, slots: IntArray, arm: FloatArray, length: FloatArray, speed: FloatArray,
+    p: FloatArray, slots: IntArray, path: FloatArray, path_slopes: FloatArray, turned: IntArray,
     elastic: FloatArray, fl: FloatArray, alpha: FloatArray, alpha_slopes: FloatArray,
     alpha_slots: IntArray, factor: float, dt: float, torque: FloatArray, jacobian: FloatArray,
 ) -> None:  # fmt: skip
-    """Add the group's torque, equation (2), and its derivatives, its path held.
+    """Add the group's torque, equation (2), and its derivatives.
 
     Parameters
     ----------
-    p, elastic, fl, speed, alpha, factor, dt
+    p, elastic, fl, alpha, factor, dt
         As in `rigid_forces`.
     slots : ndarray of int, shape (5,)
         Row of the jacobian that belongs to each parameter.
-    arm, length : ndarray, shape (n,)
-        Signed moment arm and length [m].
+    path : ndarray, shape (3, n)
+        Signed moment arm [m], length [m] and lengthening speed [m/s].
+    path_slopes, turned : ndarray, shape (3, s, n) and (s,)
+        Derivatives of the path by what turns it, and the rows of the jacobian they go to.
     alpha_slopes, alpha_slots : ndarray, shape (q, n) and (q,)
         Derivatives of the active state, and the rows of the jacobian they go to.
     torque : ndarray, shape (n,)
@@ -103,6 +105,8 @@ def rigid_torque(
     jacobian : ndarray, shape (rows, n)
         Is added to, one contiguous row a parameter.
     """
+    arm, length, speed = path[0], path[1], path[2]
+    arm_by, length_by, speed_by = path_slopes[0], path_slopes[1], path_slopes[2]
     n = len(length)
     gains = np.empty(n)  # torque per active state [m]
     a, b0, b1, a_t, b0_t, b1_t, a_k, b0_k, b1_k = relaxation_step(p[TAU], p[K_REL], dt)
@@ -116,6 +120,8 @@ def rigid_torque(
     before = elastic[0]
     before_k = (length[0] - x0) * before
     z, z_k, z_t, z_r = dc * before, dc * before_k, 0.0, dc_k * before
+    before_s = k * before * length_by[:, 0]
+    z_s = dc * before_s
     for i in range(n):
         x, r, now = length[i], arm[i], elastic[i]
         now_k = (x - x0) * now
@@ -133,54 +139,24 @@ def rigid_torque(
             by_x0[i] -= r * k * force
             by_tau[i] -= r * z_t
             by_rel[i] -= r * z_r
-        fv, _, fv_vmax = force_velocity_partials(speed[i], vmax)
+        fv, fv_v, _, _ = force_velocity(speed[i], vmax)
         gain = r * fl[i] * fv
         gains[i] = gain
         torque[i] += r * force + gain * alpha[i]
+        fv_vmax = -speed[i] / vmax * fv_v
         by_l0[i] += alpha[i] * (gain * (x - l0) * x * bend + r * fl[i] * fv_vmax * factor)
+        for j in range(len(turned)):
+            now_s = k * now * length_by[j, i]
+            if i > 0:
+                z_s[j] = a * z_s[j] + (b0 * before_s[j] + b1 * now_s)
+            before_s[j] = now_s
+            bent = fv * (l0 - x) * l0 * bend
+            force_s = alpha[i] * fl[i] * (bent * length_by[j, i] + fv_v * speed_by[j, i])
+            if force > 0.0:
+                force_s += now_s - z_s[j]
+            pulled = alpha[i] * fl[i] * fv + force
+            jacobian[turned[j], i] += arm_by[j, i] * pulled + r * force_s
     for j in range(len(alpha_slots)):
         row = jacobian[alpha_slots[j]]
         for i in range(n):
             row[i] += gains[i] * alpha_slopes[j, i]
-
-
-@jit
-def rigid_path_slope(
-    p: FloatArray, arm: FloatArray, length: FloatArray, speed: FloatArray, elastic: FloatArray,
-    fl: FloatArray, alpha: FloatArray, arm_slope: FloatArray, length_slope: FloatArray,
-    speed_slope: FloatArray, factor: float, dt: float, out: FloatArray,
-) -> None:  # fmt: skip
-    """Add the torque's derivative by a parameter that the group's path depends on.
-
-    Parameters
-    ----------
-    p, arm, length, speed, elastic, fl, alpha, factor, dt
-        As in `rigid_torque`.
-    arm_slope, length_slope, speed_slope : ndarray, shape (n,)
-        Derivatives of arm, length and speed by that parameter.
-    out : ndarray, shape (n,)
-        Is added to.
-    """
-    step = relaxation_step(p[TAU], p[K_REL], dt)
-    a, b0, b1 = step[0], step[1], step[2]
-    dc = p[K_REL] / (1.0 + p[K_REL])
-    k, l0 = p[K], p[L0]
-    vmax = factor * l0
-    before = elastic[0]
-    before_s = k * length_slope[0] * before
-    z, z_s = dc * before, dc * before_s
-    for i in range(len(length)):
-        now, now_s = elastic[i], k * length_slope[i] * elastic[i]
-        if i > 0:
-            z = a * z + b0 * before + b1 * now
-            z_s = a * z_s + b0 * before_s + b1 * now_s
-        before, before_s = now, now_s
-        fv, fv_v, _ = force_velocity_partials(speed[i], vmax)
-        active = alpha[i] * fl[i]
-        force = active * fv
-        bent = fv * (l0 - length[i]) * 2.0 / (CF * l0 * l0)
-        force_s = active * (bent * length_slope[i] + fv_v * speed_slope[i])
-        if now > z:
-            force += now - z
-            force_s += now_s - z_s
-        out[i] += arm_slope[i] * force + arm[i] * force_s

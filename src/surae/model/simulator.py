@@ -1,8 +1,7 @@
-"""What every model offers once tied to a recording: torque, its parts, muscles and tendons."""
+"""What a model tied to a recording gives: its torque's parts, its muscles and tendons."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -151,43 +150,6 @@ class TorqueParts(Comparable):
             "reflex_tib_Nm": self.reflex_tib,
         }
         return columns | {name: part for name, part in optional.items() if part is not None}
-
-
-class Simulator(Protocol):
-    """A model tied to the signals of one recording: parameters in, torque out.
-
-    Parameter vectors hold all parameters of the model in the order of its `ModelSpec`.
-    """
-
-    def torque(self, values: FloatArray) -> FloatArray:
-        """Modelled torque [Nm], shape (n,)."""
-        ...
-
-    def torque_jacobian(
-        self, values: FloatArray, columns: Sequence[int]
-    ) -> tuple[FloatArray, FloatArray]:
-        """Modelled torque, shape (n,), and its derivatives, one row for each of `columns`."""
-        ...
-
-    def parts(self, values: FloatArray) -> TorqueParts:
-        """The torque split into its parts."""
-        ...
-
-    def split(self, values: FloatArray) -> tuple[TorqueParts, FloatArray]:
-        """The parts of the torque, and the force of both groups [N], shape (2, n)."""
-        ...
-
-    def active_states(self, values: FloatArray) -> FloatArray:
-        """Active state α of triceps and tibialis at the samples [N], shape (2, n)."""
-        ...
-
-    def tendon(self, values: FloatArray) -> TendonState | None:
-        """What muscles and tendons do over time; None from a model whose tendons are rigid."""
-        ...
-
-    def muscles(self, values: FloatArray) -> FloatArray:
-        """Muscle length [m], tendon elongation [m] and force [N] of both groups, (3, 2, n)."""
-        ...
 
 
 def check_finite_torque(torque: FloatArray, inputs: ModelInputs) -> None:

@@ -17,7 +17,7 @@ from surae.model.excitation import Excitation
 from surae.model.movement import LegMovement, Movement, MusclePath
 from surae.model.options import ModelOptions
 from surae.model.parameters import OPTIONAL_PARAMETERS
-from surae.model.simulator import TorqueParts
+from surae.model.simulator import TendonState, TorqueParts
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
@@ -40,8 +40,11 @@ class Sums:
     states: list[FloatArray] = field(default_factory=list)  #: Of each group, (5, n), compliant.
 
 
-class TiedModel:
-    """Base of the simulators; columns of a jacobian are to be distinct.
+class Simulator:
+    """A model tied to the signals of one recording: parameters in, torque out.
+
+    Parameter vectors hold all parameters of the model in the order of its `ModelSpec`; columns of a
+    jacobian are to be distinct.
 
     `own` are the model's own parameters, the mass first, `optional` its optional ones, which
     follow; `weights` are those of the EMG of TA, GL, SOL, GM, `emg`, shape (4, n), is what they
@@ -159,8 +162,10 @@ class TiedModel:
         p = np.array(values, dtype=np.float64)
         return np.stack([active.alpha[-1] for active in self._active(p, self._movement.at(p))])
 
-    def tendon(self, values: FloatArray) -> None:
-        """Return None: rigid tendons have no state."""
+    def tendon(self, values: FloatArray) -> TendonState | None:
+        """What muscles and tendons do over time; None from a model whose tendons are rigid."""
+        del values
+        return None
 
     def muscles(self, values: FloatArray) -> FloatArray:
         """Muscle length [m], tendon elongation [m] and force [N] of both groups, (3, 2, n)."""

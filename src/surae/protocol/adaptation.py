@@ -94,7 +94,7 @@ def fit_device(
     cut-off that will do and stretched to the range again; if none will do, filtered with the lowest
     and shrunk about mid-range until the limits hold.
     """
-    if _excess(device, motion) <= 1.0 and highest_hz <= device.frequency_limit:
+    if _excess(device, motion) <= 1.0 and highest_hz <= device.bandwidth:
         return AdaptedMotion(motion)
 
     spectrum = spectrum_of(motion[0])
@@ -107,7 +107,7 @@ def fit_device(
         stretched = (low + gain * (angle - lowest), gain * velocity, gain * acceleration)
         return AdaptedMotion(stretched, cutoff_hz, gain)
 
-    too_high = min(_HIGHEST_CUTOFF, device.frequency_limit)
+    too_high = min(_HIGHEST_CUTOFF, device.bandwidth)
     best = filtered(too_high)
     if _excess(device, best.motion) > 1.0:
         cutoff = min(_LOWEST_CUTOFF, too_high)
@@ -126,9 +126,9 @@ def refusal(device: Device, motion: Motion, highest_hz: float) -> str | None:
     """Say by how much a motion is too fast for a device; None if the device can follow it."""
     velocity, acceleration = peaks(motion)
     for value, limit, unit in (
-        (velocity, device.velocity_limit, "rad/s"),
+        (velocity, device.max_velocity, "rad/s"),
         (acceleration, device.acceleration_limit, "rad/s2"),
-        (highest_hz, device.frequency_limit, "Hz"),
+        (highest_hz, device.bandwidth, "Hz"),
     ):
         if value > limit:
             return (
@@ -166,7 +166,7 @@ def _filter_gain(frequency: FloatArray, cutoff_hz: float) -> FloatArray:
 def _excess(device: Device, motion: Motion) -> float:
     """How many times a motion goes beyond the limits; at most 1 if it can be followed."""
     velocity, acceleration = peaks(motion)
-    return max(velocity / device.velocity_limit, acceleration / device.acceleration_limit)
+    return max(velocity / device.max_velocity, acceleration / device.acceleration_limit)
 
 
 def _shrunk(fitted: AdaptedMotion, times: float, middle: float) -> AdaptedMotion:

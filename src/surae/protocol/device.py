@@ -1,16 +1,15 @@
 """What a robot can follow (thesis 4.1.5 and 4.4): limits that are data, a TOML file each."""
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from surae.errors import InputError
 from surae.filed import filed
-from surae.files import PathLike, read_bytes, shown
+from surae.files import PathLike, shown
 from surae.plugins import Extended, plugins
-from surae.records import from_plain
+from surae.records import OrInfinite, from_file, read_toml
 
 
 @filed(
@@ -25,13 +24,13 @@ from surae.records import from_plain
 )
 @dataclass(frozen=True, slots=True)
 class Device:
-    """A manipulator; None is a limit that isn't known."""
+    """A manipulator; a limit that isn't known is infinite, and missing or null in files."""
 
     name: str  #: Name in settings and files.
-    max_velocity: float | None = None  #: Highest velocity that it follows [rad/s].
-    max_acceleration: float | None = None  #: Highest acceleration [rad/s²].
-    max_torque: float | None = None  #: Highest torque [Nm].
-    bandwidth: float | None = None  #: Highest frequency that it follows [Hz].
+    max_velocity: OrInfinite = math.inf  #: Highest velocity that it follows [rad/s].
+    max_acceleration: OrInfinite = math.inf  #: Highest acceleration [rad/s²].
+    max_torque: OrInfinite = math.inf  #: Highest torque [Nm].
+    bandwidth: OrInfinite = math.inf  #: Highest frequency that it follows [Hz].
     #: Heaviest foot and footplate [kg m²]: moving it alone must not take more than `max_torque`.
     #: Default 3 kg at 0.15 m, the upper bound of the models' mass.
     inertia: float = 3.0 * 0.15**2
@@ -44,25 +43,13 @@ class Device:
         """Check that every limit is above zero."""
         for name in ("max_velocity", "max_acceleration", "max_torque", "bandwidth", "inertia"):
             value = getattr(self, name)
-            if value is not None and not value > 0.0:
+            if not value > 0.0:
                 raise InputError(f"device {self.name!r}: {name} is {value}; use more than 0")
 
     @property
-    def velocity_limit(self) -> float:
-        """Highest velocity [rad/s], infinite if unknown."""
-        return math.inf if self.max_velocity is None else self.max_velocity
-
-    @property
     def acceleration_limit(self) -> float:
-        """Highest acceleration [rad/s²] by its own limit and by the torque, infinite if unknown."""
-        own = math.inf if self.max_acceleration is None else self.max_acceleration
-        by_torque = math.inf if self.max_torque is None else self.max_torque / self.inertia
-        return min(own, by_torque)
-
-    @property
-    def frequency_limit(self) -> float:
-        """Highest frequency [Hz], infinite if unknown."""
-        return math.inf if self.bandwidth is None else self.bandwidth
+        """Highest acceleration [rad/s²], by its own limit and by the torque."""
+        return min(self.max_acceleration, self.max_torque / self.inertia)
 
     def chirp_amplitude(self, profile: str, amplitude: float) -> float:
         """The amplitude [rad], lowered to the largest that goes with `profile` on this device."""
@@ -84,20 +71,14 @@ def read_device(path: PathLike) -> Device:
     InputError
         The file cannot be read, or something in it is unknown, no number, or missing.
     """
-    where = shown(path)
-    try:
-        toml = tomllib.loads(read_bytes(path).decode("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{where}: not a TOML file ({error})") from None
+    where, toml = shown(path), read_toml(path)
     if not toml.get("name"):
         raise InputError(f'{where}: give the device a name, e.g. name = "my robot"')
     amplitudes = toml.get("chirp_amplitudes_rad", {})
     if not isinstance(amplitudes, dict):
         raise InputError(f"{where}: chirp_amplitudes_rad must be a table of profile = rad")
-    try:
-        device = from_plain(Device, {**toml, "chirp_amplitudes_rad": list(amplitudes.items())})
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from None
+    plain = {**toml, "chirp_amplitudes_rad": list(amplitudes.items())}
+    device = from_file(Device, path, plain)
     span = device.range_of_motion
     if span is not None and not span[0] < span[1]:
         raise InputError(f"{where}: range_rad: low must be below high")

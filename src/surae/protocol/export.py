@@ -12,6 +12,7 @@ from surae.recording import MUSCLES
 from surae.recording.formats import open_table
 from surae.recording.source import open_source
 from surae.signals.resample import derivatives
+from surae.units import FloatArray
 
 #: Column names: the position to follow and the effort to show to the subject.
 COLUMNS = ("time_s", "angle_rad", *(f"emg_{muscle}" for muscle in MUSCLES))
@@ -61,13 +62,8 @@ def write_protocol_target(trajectory: Trajectory, path: PathLike) -> None:
     InputError
         The file cannot be written.
     """
-    table = np.column_stack(
-        [trajectory.time, trajectory.effort[:, 1:].mean(axis=1), trajectory.effort[:, 0]]
-    )
-    text = io.StringIO()
-    header = "time_s,plantarflexion,dorsiflexion"
-    np.savetxt(text, table, fmt="%.6g", delimiter=",", header=header, comments="")
-    write_atomic(path, text.getvalue())
+    effort = trajectory.effort[:, 1:].mean(axis=1), trajectory.effort[:, 0]
+    _write(path, "time_s,plantarflexion,dorsiflexion", [trajectory.time, *effort], "%.6g")
 
 
 def write_protocol_csv(trajectory: Trajectory, path: PathLike, *, note: str = "") -> None:
@@ -78,11 +74,14 @@ def write_protocol_csv(trajectory: Trajectory, path: PathLike, *, note: str = ""
     InputError
         The file cannot be written.
     """
-    table = np.column_stack([trajectory.time, trajectory.angle, trajectory.effort])
+    columns = [trajectory.time, trajectory.angle, *trajectory.effort.T]
+    _write(path, (f"# {note}\n" if note else "") + ",".join(COLUMNS), columns, "%.12g")
+
+
+def _write(path: PathLike, header: str, columns: list[FloatArray], form: str) -> None:
     text = io.StringIO()
-    if note:
-        text.write(f"# {note}\n")
-    np.savetxt(text, table, fmt="%.12g", delimiter=",", header=",".join(COLUMNS), comments="")
+    table = np.column_stack(columns)
+    np.savetxt(text, table, fmt=form, delimiter=",", header=header, comments="")
     write_atomic(path, text.getvalue())
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.model.geometry import arm_tib, arm_tri
+from surae.model.geometry import moment_arm
 from surae.quality.numeric import BoolArray, IndexArray, quantile, smooth
 from surae.quality.torque_model import SHORTEST, activation
 from surae.recording import MUSCLES
@@ -69,7 +69,7 @@ def baseline(
     def coarse(values: FloatArray) -> FloatArray:
         return smooth(values, width)[rows]
 
-    tri, tib = arm_tri(angle), arm_tib(angle)
+    tri, tib = (moment_arm(angle, group) for group in (0, 1))
     columns = [coarse(np.exp(k * (0.068 - 1.67 * tri)) * tri) for k in _K_TRI]
     columns += [coarse(-np.exp(k * (0.046 - 1.56 * tib)) * tib) for k in _K_TIB]
     columns.append(coarse(np.cos(angle)))

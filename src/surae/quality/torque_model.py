@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.model.geometry import arm_tib, arm_tri
+from surae.model.geometry import moment_arm
 from surae.quality.numeric import IndexArray, quantile, responded, smooth
 from surae.units import FloatArray
 
@@ -64,7 +64,7 @@ def activation(envelope: FloatArray, rate: float) -> FloatArray:
 
 def passive_columns(angle: FloatArray) -> list[FloatArray]:
     """Shapes of passive torque over the angle: the triceps twice, the tibialis, the constant."""
-    tri, tib = arm_tri(angle), arm_tib(angle)
+    tri, tib = (moment_arm(angle, group) for group in (0, 1))
     x_tri, x_tib = 0.118 - 1.67 * tri, 0.136 - 1.56 * tib
     return [
         np.exp(160.0 * (x_tri - 0.05)) * tri,

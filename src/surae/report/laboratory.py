@@ -8,8 +8,8 @@ from surae.estimation import FitResult
 from surae.estimation.each import trial_spread
 from surae.formatting import NO_NUMBER, estimate, significant
 from surae.model import get_model
-from surae.model.laboratory import Gaussian, group_of
-from surae.model.sources import NUISANCES
+from surae.model.laboratory import group_of
+from surae.model.sources import NUISANCES, Gaussian
 from surae.report.document import (
     Block,
     SectionBlock,

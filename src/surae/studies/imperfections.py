@@ -69,8 +69,8 @@ class Imperfections(Request):
     unmeasured: float = setting(
         0.0, "Torque of muscles without electrodes (deep plantarflexors, toe extensors), as a "
         "part of that of the measured muscles that they help. Their activity follows that of "
-        "their helpers only roughly, see `surae.studies.leg.drive`; it is in the torque and in "
-        "no EMG.", least=0.0, most=0.99,
+        "their helpers only roughly, see `VirtualTrial.drive` of `surae.studies.leg`; it is in the "
+        "torque and in no EMG.", least=0.0, most=0.99,
     )  # fmt: skip
     reflex_gain: float = setting(
         0.0, "Stretch reflex of the triceps: effort for each l0/s of stretch velocity above "

@@ -6,11 +6,11 @@ import numpy as np
 
 from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
-from surae.model.geometry import JointAxis, arm_tri, paths
+from surae.model.geometry import JointAxis, moment_arm, paths
 from surae.protocol import Trajectory
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, inputs_as_given
-from surae.studies.imperfections import Imperfections, wandering
+from surae.studies.imperfections import Imperfections, coloured_noise, wandering
 from surae.studies.populations import VirtualSubject, stream
 from surae.units import FloatArray
 
@@ -38,97 +38,88 @@ Motion = tuple[FloatArray, FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, slots=True)
-class NoiselessTrial:
-    """A trial without the noise of its sensors."""
+class VirtualTrial:
+    """A trial: whose leg it is of, what is asked for, what is not ideal, and the trial's seed."""
 
-    envelopes: FloatArray  #: EMG envelopes of the muscles, not of the electrodes [V], shape (n, 4).
-    torque: FloatArray  #: On the device [Nm], shape (n,).
+    subject: VirtualSubject
+    trajectory: Trajectory
+    imperfections: Imperfections
+    seed: int
 
-
-def simulate_leg(
-    subject: VirtualSubject,
-    trajectory: Trajectory,
-    model: str,
-    options: ModelOptions,
-    imperfections: Imperfections,
-    trial: int,
-) -> NoiselessTrial:
-    """Effort, reflex, motion of ankle and knee, and the torque that the model makes of them.
-
-    `model` and `options` stand for the truth; of the imperfections the sensors' are not used here;
-    `trial` is the trial's seed.
-    """
-    spec = get_model(model)
-    ankle, turn = misaligned(trajectory.motion, imperfections.axis_forward, imperfections.axis_up)
-    done = effort(subject, trajectory, imperfections, trial)
-    if imperfections.reflex_gain > 0.0:
-        triceps, _ = paths(angle=ankle[0], velocity=ankle[1], options=options)
-        stretch = triceps.speed / subject.parameters["l0_tri"]
-        done = done.copy()
-        done[:, _HEADS] += reflex(trajectory.time, stretch, imperfections)[:, None]
-    envelopes = EMG_REST + (EMG_FULL - EMG_REST) * done
-    inputs = inputs_as_given(
-        trial_name(subject, trajectory), trajectory.settings.rate_hz, trajectory.time, ankle,
-        drive(subject, trajectory, envelopes, imperfections, trial),
-    )  # fmt: skip
-    values = spec.vector(subject.truth(model, options), options)
-    torque = spec.simulator(inputs, options).torque(values)
-    if imperfections.knee_motion > 0.0:
-        knee = wandering(inputs.time, KNEE_PERIOD, 1, stream(subject, "knee", trial))[:, 0]
-        torque = torque + knee_torque(
-            inputs, model, options, values, imperfections.knee_motion * knee
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        subject, settings = self.subject, self.trajectory.settings
+        return (
+            f"virtual subject {subject.seed} ({subject.population}), {settings.profile}, "
+            f"{settings.task}"
         )
-    return NoiselessTrial(envelopes, torque if turn is None else turn * torque)
 
+    def simulated(self, model: str, options: ModelOptions) -> tuple[FloatArray, FloatArray]:
+        """EMG envelopes of the muscles [V], shape (n, 4), and torque on the device [Nm], (n,).
 
-def trial_name(subject: VirtualSubject, trajectory: Trajectory) -> str:
-    """What a trial of a subject is called."""
-    settings = trajectory.settings
-    return (
-        f"virtual subject {subject.seed} ({subject.population}), {settings.profile}, "
-        f"{settings.task}"
-    )
-
-
-def effort(
-    subject: VirtualSubject, trajectory: Trajectory, imperfections: Imperfections, trial: int
-) -> FloatArray:
-    """What the subject does of what it is asked for, shape (n, 4): the target times a gain."""
-    variation = imperfections.effort_variation
-    if variation == 0.0:
-        return trajectory.effort
-    values = wandering(
-        trajectory.time, EFFORT_PERIOD, len(MUSCLES), stream(subject, "effort", trial)
-    )
-    return trajectory.effort * _log_normal(values, variation)
-
-
-def drive(
-    subject: VirtualSubject,
-    trajectory: Trajectory,
-    envelopes: FloatArray,
-    imperfections: Imperfections,
-    trial: int,
-) -> FloatArray:
-    """What drives the torque, shape (n, 4) [V]: the envelopes, and the muscles without electrodes.
-
-    Each muscle's force for its EMG wanders within seconds, log-normal. Those that help the
-    triceps, and those that help the tibialis, each do a share of its activity that wanders about
-    its mean within seconds, log-normal (`UNMEASURED_VARIATION`).
-    """
-    if imperfections.gain_variation > 0.0:
-        gains = wandering(
-            trajectory.time, EFFORT_PERIOD, len(MUSCLES), stream(subject, "gain", trial)
+        The sensors' imperfections are not in them; the model and its options stand for the truth.
+        """
+        spec, trajectory, of = get_model(model), self.trajectory, self.imperfections
+        ankle, turn = misaligned(trajectory.motion, of.axis_forward, of.axis_up)
+        done = self.effort()
+        if of.reflex_gain > 0.0:
+            triceps, _ = paths(angle=ankle[0], velocity=ankle[1], options=options)
+            stretch = triceps.speed / self.subject.parameters["l0_tri"]
+            done = done.copy()
+            done[:, _HEADS] += reflex(trajectory.time, stretch, of)[:, None]
+        envelopes = EMG_REST + (EMG_FULL - EMG_REST) * done
+        inputs = inputs_as_given(
+            self.name, trajectory.settings.rate_hz, trajectory.time, ankle, self.drive(envelopes)
         )
-        envelopes = envelopes * _log_normal(gains, imperfections.gain_variation)
-    if imperfections.unmeasured == 0.0:
-        return envelopes
-    values = wandering(trajectory.time, EFFORT_PERIOD, 2, stream(subject, "unmeasured", trial))
-    share = imperfections.unmeasured * _log_normal(values, UNMEASURED_VARIATION)
-    driven = envelopes * (1.0 + share[:, :1])
-    tibialis = MUSCLES.index("ta")
-    driven[:, tibialis] = envelopes[:, tibialis] * (1.0 + share[:, 1])
-    return driven
+        values = spec.vector(self.subject.truth(model, options), options)
+        torque = spec.simulator(inputs, options).torque(values)
+        if of.knee_motion > 0.0:
+            knee = of.knee_motion * self._wandering("knee", 1, KNEE_PERIOD)[:, 0]
+            torque = torque + knee_torque(inputs, model, options, values, knee)
+        return envelopes, torque if turn is None else turn * torque
+
+    def effort(self) -> FloatArray:
+        """What the subject does of what it is asked for, shape (n, 4): the target times a gain."""
+        variation, target = self.imperfections.effort_variation, self.trajectory.effort
+        if variation == 0.0:
+            return target
+        return target * _log_normal(self._wandering("effort", len(MUSCLES)), variation)
+
+    def drive(self, envelopes: FloatArray) -> FloatArray:
+        """What drives the torque, shape (n, 4) [V]: envelopes, and muscles without electrodes.
+
+        Each muscle's force for its EMG wanders within seconds, log-normal. Those that help the
+        triceps, and those that help the tibialis, each do a share of its activity that wanders
+        about its mean within seconds, log-normal (`UNMEASURED_VARIATION`).
+        """
+        of = self.imperfections
+        if of.gain_variation > 0.0:
+            gains = self._wandering("gain", len(MUSCLES))
+            envelopes = envelopes * _log_normal(gains, of.gain_variation)
+        if of.unmeasured == 0.0:
+            return envelopes
+        values = self._wandering("unmeasured", 2)
+        share = of.unmeasured * _log_normal(values, UNMEASURED_VARIATION)
+        driven = envelopes * (1.0 + share[:, :1])
+        tibialis = MUSCLES.index("ta")
+        driven[:, tibialis] = envelopes[:, tibialis] * (1.0 + share[:, 1])
+        return driven
+
+    def torque_noise(self) -> FloatArray | float:
+        """Noise of the torque's sensor [Nm]."""
+        of, settings = self.imperfections, self.trajectory.settings
+        if of.torque_noise == 0.0:
+            return 0.0
+        return coloured_noise(
+            len(self.trajectory.time), settings.rate_hz, of.torque_noise, of.torque_noise_time,
+            stream(self.subject, "torque", self.seed),
+        )  # fmt: skip
+
+    def _wandering(self, what: str, columns: int, period: float = EFFORT_PERIOD) -> FloatArray:
+        return wandering(
+            self.trajectory.time, period, columns, stream(self.subject, what, self.seed)
+        )
 
 
 def _log_normal(values: FloatArray, variation: float) -> FloatArray:
@@ -182,7 +173,7 @@ def knee_torque(
     emg = np.array(inputs.emg)
     emg[:, _NOT_GASTROCNEMIUS] = 0.0
     alone = replace(inputs, emg=read_only(emg))
-    arm = arm_tri(inputs.angle)
+    arm = moment_arm(inputs.angle, 0)
     slack = -flexion * KNEE_ARM / arm
     shifted = replace(
         alone,
@@ -192,7 +183,7 @@ def knee_torque(
 
     def force(of: ModelInputs) -> FloatArray:
         parts = get_model(model).simulator(of, options).parts(values)
-        pulled: FloatArray = (parts.neural_tri + KNEE_TISSUE * parts.tissue_tri) / arm_tri(of.angle)
-        return pulled
+        pulled: FloatArray = parts.neural_tri + KNEE_TISSUE * parts.tissue_tri
+        return pulled / moment_arm(of.angle, 0)
 
     return arm * (force(shifted) - force(alone))

@@ -11,9 +11,10 @@ from surae.files import PathLike, csv_row, write_table
 from surae.model import MODELS
 from surae.processes import Plain
 from surae.progress import Progress
+from surae.records import from_plain
 from surae.runner import Batch, Died, Engine, Ledger, results
 from surae.studies.study import Study, Value, parse_study
-from surae.studies.tasks import FitTask, TaskOutcome, planned, run_task
+from surae.studies.tasks import FitTask, TaskOutcome, run_task, task_of
 
 
 class Store(Ledger):
@@ -29,19 +30,17 @@ class Store(Ledger):
         InputError
             The store holds another study.
         """
-        tasks: dict[str, FitTask] = {}
         keys: dict[FitTask, str] = {}
 
         def rows() -> Iterator[tuple[str, Plain]]:
-            for combination, task in planned(study):
+            for combination in study.combinations():
+                task = task_of(combination)
                 if task not in keys:
                     keys[task] = task.key
-                    tasks[keys[task]] = task
                 yield keys[task], combination
 
-        for key in self.begin("study", study.name, study.text, rows()):
-            tasks.pop(key, None)
-        return tasks
+        done = self.begin("study", study.name, study.text, rows())
+        return {key: task for task, key in keys.items() if key not in done}
 
     def forget_failed(self) -> int:
         """Drop the outcomes of tasks that gave no fit, so that they run again; how many."""
@@ -72,7 +71,7 @@ class Store(Ledger):
         return str(value["message"]) if value["status"] == "failed" else None
 
     def _read(self, value: Any) -> TaskOutcome:
-        return TaskOutcome.of(value)
+        return from_plain(TaskOutcome, value)
 
 
 #: A cell: None where there is no number.

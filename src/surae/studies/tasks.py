@@ -5,19 +5,20 @@ import json
 import math
 import time
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache, lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from surae._version import __version__
 from surae.errors import ComputationError
 from surae.frozen import read_only
 from surae.protocol import TASKS, Protocol, Trajectory, generate
 from surae.protocol.effort import effort
-from surae.studies.study import OPTIONS, Study, Value, motion, rise
+from surae.records import from_plain
+from surae.studies.study import OPTIONS, Value, motion, rise
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 #: Folders whose code a result depends on.
@@ -97,31 +98,17 @@ class TaskOutcome:
     #: `vaf`, `ipde`: as of an assessment; None where there is none.
     vaf: float | None = None
     ipde: float | None = None
-    estimates: tuple[
-        TaskEstimate, ...
-    ] = ()  #: The estimated parameters; none where there was no fit.
+    #: The estimated parameters; none where there was no fit.
+    estimates: tuple[TaskEstimate, ...] = ()
     seconds: float = 0.0  #: Time that it took.
 
     def plain(self) -> dict[str, Any]:
         """Give the outcome as plain data."""
         return asdict(self)
 
-    @classmethod
-    def of(cls, plain: Mapping[str, Any]) -> Self:
-        """The outcome that `plain` made plain data of."""
-        return cls(**{**plain, "estimates": tuple(TaskEstimate(**e) for e in plain["estimates"])})
 
-
-def planned(study: Study) -> Iterator[tuple[dict[str, Value], FitTask]]:
-    """Every combination of a study's factors with its task, in the order of the table.
-
-    Combinations that differ in nothing that matters share a task.
-    """
-    for combination in study.combinations():
-        yield combination, _task(combination)
-
-
-def _task(combination: dict[str, Any]) -> FitTask:
+def task_of(combination: Mapping[str, Any]) -> FitTask:
+    """The task of a study's combination; those that differ in nothing that matters share one."""
     options = tuple((name, combination[name]) for name in OPTIONS if name in combination)
     rest = {name: value for name, value in combination.items() if name not in OPTIONS}
     rest["chirp_rate"] = None if rest["chirp_amplitude"] == 0.0 else rise(combination)
@@ -133,8 +120,7 @@ def _task(combination: dict[str, Any]) -> FitTask:
 
 def outcome_of(key: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     """Run the task of some settings, as `run_task` does, wherever it may be; the outcome, plain."""
-    options = tuple((name, value) for name, value in settings["options"])
-    task = FitTask(**{**settings, "options": options})
+    task = from_plain(FitTask, settings)
     if task.key != key:
         raise ComputationError(
             "a worker has another surae, or other libraries, than the run: install the same "

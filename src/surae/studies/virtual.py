@@ -10,12 +10,11 @@ from surae.signals import ModelInputs, inputs_as_given
 from surae.studies.imperfections import (
     EMG_LOWEST_RATE,
     Imperfections,
-    coloured_noise,
     mixed_envelopes,
     mixing,
     raw_emg,
 )
-from surae.studies.leg import EMG_FULL, EMG_REST, simulate_leg, trial_name
+from surae.studies.leg import EMG_FULL, EMG_REST, VirtualTrial
 from surae.studies.populations import POPULATIONS, VirtualSubject, stream, virtual_subject
 from surae.units import FloatArray
 
@@ -69,24 +68,20 @@ def virtual_trial(
     ModelInputs
         Ready to fit, used as it is.
     """
-    options = options or ModelOptions()
-    leg = simulate_leg(subject, trajectory, model, options, imperfections, seed)
+    trial = VirtualTrial(subject, trajectory, imperfections, seed)
+    envelopes, torque = trial.simulated(model, options or ModelOptions())
     rng = np.random.default_rng([subject.seed, seed])
-    emg = _noisy(mixed_envelopes(leg.envelopes, imperfections.crosstalk), noise, rng)
-    torque = _noisy(leg.torque, noise, rng)
+    emg = _noisy(mixed_envelopes(envelopes, imperfections.crosstalk), noise, rng)
+    torque = _noisy(torque, noise, rng) + trial.torque_noise()
     return inputs_as_given(
-        trial_name(subject, trajectory),
-        trajectory.settings.rate_hz,
-        trajectory.time,
-        trajectory.motion,
-        emg,
-        torque=torque + _torque_noise(subject, trajectory, imperfections, seed),
+        trial.name, trajectory.settings.rate_hz, trajectory.time, trajectory.motion, emg,
+        torque=torque,
         steps=(
             f"Simulated with model {model!r}; white noise of {100 * noise:g} % of each signal's "
             "mean magnitude added to EMG and torque.",
             *imperfections.steps,
         ),
-    )
+    )  # fmt: skip
 
 
 def virtual_recording(
@@ -132,35 +127,17 @@ def virtual_recording(
             f"raw EMG at {rate_hz:g} Hz is too slow; generate the trajectory at "
             f"{EMG_LOWEST_RATE:g} Hz or more, for example 2048 Hz"
         )
-    options = options or ModelOptions()
-    leg = simulate_leg(subject, trajectory, model, options, imperfections, seed)
+    trial = VirtualTrial(subject, trajectory, imperfections, seed)
+    emg, torque = trial.simulated(model, options or ModelOptions())
     if raw:
-        emg = raw_emg(leg.envelopes, rate_hz, stream(subject, "raw EMG", seed))
+        emg = raw_emg(emg, rate_hz, stream(subject, "raw EMG", seed))
         emg = emg @ mixing(imperfections.crosstalk).T
     else:
-        emg = mixed_envelopes(leg.envelopes, imperfections.crosstalk)
+        emg = mixed_envelopes(emg, imperfections.crosstalk)
     return Recording.from_arrays(
-        trajectory.time,
-        trajectory.angle,
-        leg.torque + _torque_noise(subject, trajectory, imperfections, seed),
-        emg,
-        name=trial_name(subject, trajectory),
+        trajectory.time, trajectory.angle, torque + trial.torque_noise(), emg, name=trial.name,
         emg_kind="raw" if raw else "envelope",
-    )
-
-
-def _torque_noise(
-    subject: VirtualSubject, trajectory: Trajectory, imperfections: Imperfections, trial: int
-) -> FloatArray | float:
-    if imperfections.torque_noise == 0.0:
-        return 0.0
-    return coloured_noise(
-        len(trajectory.time),
-        trajectory.settings.rate_hz,
-        imperfections.torque_noise,
-        imperfections.torque_noise_time,
-        stream(subject, "torque", trial),
-    )
+    )  # fmt: skip
 
 
 def _noisy(signal: FloatArray, noise: float, rng: np.random.Generator) -> FloatArray:

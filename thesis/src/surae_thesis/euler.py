@@ -105,7 +105,7 @@ def explicit_states(
         before = elastic
         tissue = max(elastic - z, 0.0)
         active = max(alphas[i], 0.0)
-        speed = speed_of((force - tissue) / (force_length(x, l0) * active), vmax)  # (25) to (27)
+        speed = speed_of((force - tissue) / (force_length(x, l0)[0] * active), vmax)  # (25) to (27)
         states[LENGTH, i], states[SPEED, i], states[ELONGATION, i] = x, speed, e
         states[FORCE, i], states[TISSUE, i] = force, tissue
         x += speed * dt  # (28)

@@ -28,11 +28,12 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.model.activation import ActiveState
-from surae.model.contraction import contraction
+from surae.model.contraction import force_length, force_velocity
 from surae.model.geometry import paths
+from surae.model.jit import jit
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
-from surae.model.tied import Sums, TiedModel
+from surae.model.tied import Simulator, Sums
 from surae.signals import ModelInputs
 from surae.signals.filters import HIGHEST_CUTOFF, butterworth
 from surae.units import FloatArray
@@ -47,7 +48,33 @@ _K, _X0, _B, _F0 = (_NAMES.index(name) for name in ("k_tri", "x0_tri", "b_tri", 
 IEMG_HZ, IEMG_ORDER = 3.0, 2
 
 
-class Muscle2010Simulator(TiedModel):
+@jit
+def contraction(length: FloatArray, speed: FloatArray, l0: float, factor: float) -> FloatArray:
+    """Factor f_l·f_v of equations (15) to (17), with its derivatives by length and speed.
+
+    Parameters
+    ----------
+    length, speed : ndarray, shape (n,)
+        Muscle length [m] and lengthening speed [m/s].
+    l0 : float
+        Optimal length [m].
+    factor : float
+        vmax in optimal lengths per second.
+
+    Returns
+    -------
+    ndarray, shape (3, n)
+        f_l·f_v, its derivatives by length [1/m] and by speed [s/m].
+    """
+    out = np.empty((3, len(length)))
+    for i in range(len(length)):
+        fl, fl_x, _, _ = force_length(length[i], l0)
+        fv, fv_v, _, _ = force_velocity(speed[i], factor * l0)
+        out[0, i], out[1, i], out[2, i] = fl * fv, fl_x * fv, fl * fv_v
+    return out
+
+
+class Muscle2010Simulator(Simulator):
     """The model of 2010 on one recording; its EMG, the envelopes of model 1.0, is integrated once.
 
     Raises

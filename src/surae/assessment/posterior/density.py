@@ -18,7 +18,8 @@ from surae.estimation.least_squares import minimise, sum_of_squares
 from surae.estimation.population import checked_prior, wide_priors
 from surae.estimation.residuals import Residuals
 from surae.model import adapted
-from surae.model.laboratory import Gaussian, laboratory
+from surae.model.laboratory import laboratory
+from surae.model.sources import Gaussian
 from surae.units import FloatArray
 
 

@@ -100,7 +100,7 @@ def make_design(
     begin = time.perf_counter()
     limits = limits_of(device, range_of_motion)
     genes = Genes(name, seconds, limits, highest_hz(device), effort)
-    torque = math.inf if device is None or device.max_torque is None else device.max_torque
+    torque = math.inf if device is None else device.max_torque
     relaxed = genes.plan(genes.start()).eased(0.0)
     _, limits, given_up = within_torque(relaxed, limits, unseen, device)
     genes = replace(genes, limits=limits)

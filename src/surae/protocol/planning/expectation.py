@@ -14,7 +14,7 @@ from surae.frozen import Comparable, FrozenDict, read_only
 from surae.model import adapted
 from surae.model.sources import SOURCES, source_of
 from surae.protocol import Trajectory
-from surae.protocol.planning.information import Information, estimated, information, prior_precision
+from surae.protocol.planning.information import estimated, information, prior_precision
 from surae.protocol.planning.legs import Legs
 from surae.records import to_plain
 from surae.tables import Tabular, TextTable
@@ -168,30 +168,8 @@ def expected(
     """
     with one_blas_thread():
         trial = information(trajectory, legs, noise)
-    return expected_of(
-        trial, legs, prior_precision(trial.names, legs) if known is None else known,
-        protocol=trajectory.settings.profile, seconds=float(trajectory.time[-1]), noise=noise,
-        rate_hz=trajectory.settings.rate_hz,
-    )  # fmt: skip
-
-
-def expected_of(
-    known_by: Information,
-    legs: Legs,
-    known: FloatArray,
-    *,
-    protocol: str,
-    seconds: float,
-    noise: float,
-    rate_hz: float,
-) -> Expectation:
-    """What information, of one trial or several, tells of each of the legs, and of all together.
-
-    `known`, shape (p, p), is the information that there is besides; all else is as of
-    `Expectation`.
-    """
-    with one_blas_thread():
-        covariances = [estimated(known_by.names, m + known) for m in known_by.matrices]
+        known = prior_precision(trial.names, legs) if known is None else known
+        covariances = [estimated(trial.names, matrix + known) for matrix in trial.matrices]
     own = legs.own
     table = adapted(legs.spec.parameters, legs.options, legs.emg_unit)
     columns = [legs.spec.names.index(name) for name in own]
@@ -234,17 +212,17 @@ def expected_of(
             name, p.unit, p.meaning, value, sem, half, verdict, note, share, FrozenDict(budget)
         )
     return Expectation(
-        protocol=protocol,
+        protocol=trajectory.settings.profile,
         model=legs.spec.name,
         legs=legs.name,
-        seconds=seconds,
+        seconds=float(trajectory.time[-1]),
         noise=noise,
-        rate_hz=rate_hz,
+        rate_hz=trajectory.settings.rate_hz,
         parameters=FrozenDict(parameters),
         nuisances=tuple(n for n in legs.free if n in legs.beliefs),
         relative=read_only(relative),
         correlation=central,
-        torque=(float(known_by.torque[:, 0].min()), float(known_by.torque[:, 1].max())),
+        torque=(float(trial.torque[:, 0].min()), float(trial.torque[:, 1].max())),
     )
 
 

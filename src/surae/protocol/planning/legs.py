@@ -11,7 +11,8 @@ from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
 from surae.model import ModelOptions, ModelSpec, get_model, with_optional
 from surae.model.joint import ANKLE
-from surae.model.laboratory import AUTO, COMPLIANT, NONE, Gaussian, group_of, laboratory, richest
+from surae.model.laboratory import AUTO, COMPLIANT, NONE, group_of, laboratory, richest
+from surae.model.sources import Gaussian
 from surae.normal import standard_error_of
 from surae.signals import ModelInputs, emg_levels
 from surae.studies.leg import EMG_FULL, EMG_REST

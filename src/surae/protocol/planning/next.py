@@ -20,7 +20,7 @@ from surae.protocol import Device, Trajectory, write_protocol
 from surae.protocol.planning.information import estimated, information, shared
 from surae.protocol.planning.legs import Legs
 from surae.protocol.planning.ready import Ready, ready_protocols
-from surae.records import to_plain
+from surae.records import finite, to_plain
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
 
@@ -174,7 +174,7 @@ def measure_next_of(
     return NextTrial(
         ready.name,
         tuple(sentences),
-        FrozenDict({n: (_finite(before[n]), _finite(halves[0][n])) for n in weak}),
+        FrozenDict({n: (finite(before[n]), finite(halves[0][n])) for n in weak}),
         FrozenDict(many),
         trajectory,
     )
@@ -215,10 +215,6 @@ def _capped(part: float) -> float:
 
 def _text(part: float) -> str:
     return f"±{percent(part)}" if np.isfinite(part) else "unknown"
-
-
-def _finite(part: float) -> float | None:
-    return part if np.isfinite(part) else None
 
 
 def _nothing(sentence: str) -> NextTrial:

@@ -50,17 +50,16 @@ def limits_of(device: Device | None, range_of_motion: tuple[float, float]) -> Li
         raise InputError(f"range {low:g} … {high:g} rad is too narrow to move in; widen it")
     velocity, acceleration, _ = UNKNOWN
     if device is not None:
-        velocity = device.velocity_limit if device.max_velocity is not None else velocity
-        acceleration = min(device.acceleration_limit, 1e6)
-        if device.max_acceleration is None and device.max_torque is None:
-            acceleration = UNKNOWN[1]
+        velocity = device.max_velocity if np.isfinite(device.max_velocity) else velocity
+        limit = device.acceleration_limit
+        acceleration = min(limit, 1e6) if np.isfinite(limit) else acceleration
     inside = (1.0 - EXACT) * (high - low)
     return Limits(low + inside, high - inside, velocity * EXACT, acceleration * EXACT)
 
 
 def highest_hz(device: Device | None) -> float:
     """Highest frequency of a perturbation [Hz]."""
-    return UNKNOWN[2] if device is None else min(device.frequency_limit, UNKNOWN[2])
+    return UNKNOWN[2] if device is None else min(device.bandwidth, UNKNOWN[2])
 
 
 class Shake(NamedTuple):

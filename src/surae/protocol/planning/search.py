@@ -138,60 +138,6 @@ class Search(Comparable):
     stopped: bool  #: Whether Ctrl-C ended it.
 
 
-class _Judge:
-    """Costs of plans; remembers the best."""
-
-    def __init__(
-        self, genes: Genes, legs: Legs, aim: Aim, noise: float, torque: float,
-        known: FloatArray | None, total: int, progress: SearchProgress | None,
-    ) -> None:  # fmt: skip
-        self._genes, self._legs, self._aim, self._noise = genes, legs, aim, noise
-        self._torque, self._total, self._progress = torque, total, progress
-        columns = [legs.spec.names.index(name) for name in legs.free]
-        scale = np.abs(legs.values[:, columns])
-        for j, name in enumerate(legs.free):
-            if name in legs.beliefs:
-                scale[:, j] = legs.beliefs[name].sd
-        self._scale = np.where(scale > 0.0, scale, 1.0)
-        vague = np.eye(len(columns)) * VAGUE**-2.0
-        whole = np.repeat(vague[None], len(scale), axis=0)
-        if known is not None:
-            whole = whole + known * self._scale[:, :, None] * self._scale[:, None, :]
-        self._known = whole
-        self._begin = time.perf_counter()
-        self.best, self.cost, self.count = genes.start(), np.inf, 0
-        self.curve: list[tuple[int, float, float]] = []
-
-    def __call__(self, x: FloatArray) -> float:
-        checkpoint()
-        if self.count >= self._total:
-            raise _SpentError
-        cost = self._judged(x)
-        self.count += 1
-        if cost < self.cost:
-            if not self.curve or cost < self.curve[-1][2] - 0.01:
-                seconds = time.perf_counter() - self._begin
-                self.curve.append((self.count, seconds, cost))
-            self.best, self.cost = np.array(x), cost
-        if self._progress is not None and self.count % 50 == 0:
-            self._progress(self.count, self._total, self.cost)
-        return cost
-
-    def _judged(self, x: FloatArray) -> float:
-        plan = self._genes.plan(x)
-        trial = plan.trajectory(self._genes.limits, SEARCH_RATE, fine_hz=SEARCH_RATE)
-        trial_information = information(trial, self._legs, self._noise, SEARCH_RATE)
-        matrices = (
-            trial_information.matrices * self._scale[:, :, None] * self._scale[:, None, :]
-            + self._known
-        )
-        if not np.isfinite(matrices).all():
-            return _NOTHING
-        covariance = np.linalg.inv(matrices) * self._scale[:, :, None] * self._scale[:, None, :]
-        beyond = max(float(np.abs(trial_information.torque).max()) / self._torque - 1.0, 0.0)
-        return self._aim.cost(covariance) + _BEYOND * beyond**2
-
-
 class _SpentError(Exception):
     """All evaluations have been made."""
 
@@ -217,14 +163,47 @@ def search(
     """
     from cmaes import SepCMA
 
-    judge = _Judge(genes, legs, aim, noise, torque, known, evaluations, progress)
-    first = genes.start() if start is None else np.array(start)
+    scale = np.abs(legs.estimated)
+    for j, name in enumerate(legs.free):
+        if name in legs.beliefs:
+            scale[:, j] = legs.beliefs[name].sd
+    scale = np.where(scale > 0.0, scale, 1.0)
+    units = scale[:, :, None] * scale[:, None, :]
+    before = np.eye(len(legs.free)) * VAGUE**-2.0 + (0.0 if known is None else known * units)
+    begin = time.perf_counter()
+    best, lowest, count = genes.start() if start is None else np.array(start), np.inf, 0
+    curve: list[tuple[int, float, float]] = []
+
+    def cost(x: FloatArray) -> float:
+        trial = genes.plan(x).trajectory(genes.limits, SEARCH_RATE, fine_hz=SEARCH_RATE)
+        tells = information(trial, legs, noise, SEARCH_RATE)
+        matrices = tells.matrices * units + before
+        if not np.isfinite(matrices).all():
+            return _NOTHING
+        beyond = max(float(np.abs(tells.torque).max()) / torque - 1.0, 0.0)
+        return aim.cost(np.linalg.inv(matrices) * units) + _BEYOND * beyond**2
+
+    def judge(x: FloatArray) -> float:
+        nonlocal best, lowest, count
+        checkpoint()
+        if count >= evaluations:
+            raise _SpentError
+        value = cost(x)
+        count += 1
+        if value < lowest:
+            if not curve or value < curve[-1][2] - 0.01:
+                curve.append((count, time.perf_counter() - begin, value))
+            best, lowest = np.array(x), value
+        if progress is not None and count % 50 == 0:
+            progress(count, evaluations, lowest)
+        return value
+
     stopped = False
     with one_blas_thread(), postponed_interrupt(), np.errstate(all="ignore"):
         try:
-            judge(first)
+            judge(best)
             strategy = SepCMA(
-                mean=first, sigma=_SIGMA if start is None else _NEAR, seed=seed,
+                mean=best, sigma=_SIGMA if start is None else _NEAR, seed=seed,
                 population_size=_POPULATION,
             )  # fmt: skip
             while True:
@@ -234,6 +213,4 @@ def search(
             pass
         except KeyboardInterrupt:
             stopped = True
-    return Search(
-        read_only(judge.best), float(judge.cost), judge.count, tuple(judge.curve), stopped
-    )
+    return Search(read_only(best), float(lowest), count, tuple(curve), stopped)

@@ -71,7 +71,11 @@ def torques(
     plan: Plan | ProfilePlan, limits: Limits, legs: Legs, rate_hz: float = _RATE
 ) -> FloatArray:
     """Torque that each leg asks of the device, shape (n_legs, n) [Nm]; NaN where none is."""
-    inputs = model_inputs(plan.trajectory(limits, rate_hz), legs, rate_hz)
+    return _felt(plan.trajectory(limits, rate_hz), legs, rate_hz)
+
+
+def _felt(trajectory: Trajectory, legs: Legs, rate_hz: float = _RATE) -> FloatArray:
+    inputs = model_inputs(trajectory, legs, rate_hz)
     simulator = legs.spec.simulator(inputs, legs.options)
     with np.errstate(over="ignore", invalid="ignore"):
         return np.array([simulator.torque(values) for values in legs.values])
@@ -84,7 +88,7 @@ def within_torque(
 
     Where even relaxed legs ask for more, the message says what to give up.
     """
-    if device is None or device.max_torque is None:
+    if device is None or math.isinf(device.max_torque):
         return plan, limits, ()
     limit, notes = device.max_torque * EXACT, []
     narrowed = _narrowed(plan, limits, legs, device, limit)
@@ -197,12 +201,8 @@ def requested_limits(
     if device is None:
         return ()
     torque = np.zeros(1)
-    if device.max_torque is not None:
-        legs = population_legs(model, population, _LEGS)
-        inputs = model_inputs(trajectory, legs)
-        simulator = legs.spec.simulator(inputs, legs.options)
-        felt = np.array([simulator.torque(values) for values in legs.values])
-        torque = np.abs(felt).max(axis=0)
+    if math.isfinite(device.max_torque):
+        torque = np.abs(_felt(trajectory, population_legs(model, population, _LEGS))).max(axis=0)
     demands = [
         ("velocity", np.abs(trajectory.velocity), device.max_velocity, "rad/s"),
         ("acceleration", np.abs(trajectory.acceleration), device.max_acceleration, "rad/s²"),
@@ -215,7 +215,7 @@ def requested_limits(
                           sign * end, "rad"))  # fmt: skip
     limits = []
     for name, values, limit, unit in demands:
-        if limit is None:
+        if math.isinf(limit):
             continue
         value = float(values.max())
         exceeded = value > limit * (1.0 + 1e-9)

@@ -1,5 +1,7 @@
 """A measurement protocol: angle, velocity and effort."""
 
+import math
+
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -63,7 +65,7 @@ def _velocity(axes: Axes, trajectory: Trajectory) -> None:
     heading(axes, "Angular velocity")
     trace(axes, trajectory.time, trajectory.velocity, color=INK, linewidth=0.7)
     device = trajectory.settings.device
-    if device is not None and device.max_velocity is not None:
+    if device is not None and math.isfinite(device.max_velocity):
         for sign in (1.0, -1.0):
             axes.axhline(
                 sign * device.max_velocity, color=OCHRE, linewidth=1.3, linestyle=(0, (5, 2)),
