@@ -285,9 +285,7 @@ class Fit(Tabular):
         """
         save_fit(path, self.result, self.assessment, self.quality)
 
-    def figure(
-        self, path: PathLike, *, validation: Sequence[Prediction] = (), width: float = 170.0
-    ) -> None:
+    def figure(self, path: PathLike, *, width: float = 170.0) -> None:
         """Draw the fit for a paper: lines with embedded fonts as ``.svg`` or ``.pdf``, or a PNG.
 
         Of one recording it shows the EMG, the angle, the torque and its parts, of movement that
@@ -297,8 +295,6 @@ class Fit(Tabular):
         ----------
         path : path
             Where to.
-        validation : sequence of Prediction, optional
-            Draw these predictions of other recordings instead.
         width : float
             Width of the figure [mm].
 
@@ -308,14 +304,10 @@ class Fit(Tabular):
             The file cannot be written.
         """
         from surae.report.figures import write_figure
-        from surae.report.figures.torque import fit_figure, predictions_figure
+        from surae.report.figures.torque import fit_figure
 
-        inches = width / 25.4
-        if validation:
-            write_figure(path, predictions_figure(validation, width=inches))
-            return
         notes = [f"R² {recording.r2:.1f} %" for recording in self.assessment.recordings]
-        write_figure(path, fit_figure(self.result, notes, width=inches))
+        write_figure(path, fit_figure(self.result, notes, width=width / 25.4))
 
     def report(self, path: PathLike, *, validation: Sequence[Prediction] = ()) -> None:
         """Write the report: one self-contained HTML file, or a PDF where it ends in ``.pdf``.

@@ -119,7 +119,7 @@ def _show(inspection: "api.Inspection") -> None:
             for channel in inspection.channels
             if channel.file == path
         ]
-        show_table(headings, rows)
+        show_table(headings, rows, headings[2:7])
     for role, channel in inspection.roles.items():
         guess = channel.guess
         assert guess is not None

@@ -9,7 +9,6 @@ from surae import api
 from surae.cli.options import (
     LANGUAGE,
     MAPPING,
-    figure_options,
     request,
     request_options,
     workers_option,
@@ -30,7 +29,6 @@ from surae.files import shown
 @LANGUAGE
 @click.option("--before", metavar="DIR", help="Results of an earlier visit, to show what changed.")
 @workers_option("Fits")
-@figure_options
 def command(
     recordings: tuple[str, ...],
     mapping: str | None,
@@ -41,8 +39,6 @@ def command(
     language: str,
     before: str | None,
     workers: int | None,
-    figure: str | None,
-    width: float,
 ) -> None:
     """Fit the trials of one leg: each, all together, and each predicted by the others.
 
@@ -58,9 +54,8 @@ def command(
             'write effort = "maximal" in the mapping\'s [trials]'
         )
     settings = request(options)
-    for option, path in (("--report", report), ("--figure", figure)):
-        if path is not None and Path(path).resolve().parent != Path(output).resolve():
-            check_outputs({option: path}, recordings)  # OUT/ is not there yet
+    if report is not None and Path(report).resolve().parent != Path(output).resolve():
+        check_outputs({"--report": report}, recordings)  # OUT/ is not there yet
 
     if report is not None:
         api.check_report(report)
@@ -81,9 +76,7 @@ def command(
         result.report(Path(output, f"report.{language}.html"), before=earlier, language=language)
     if report is not None:
         result.report(report, before=earlier, language=language)
-    if figure is not None and result.fits:
-        result.figure(figure, width=width)
-    show_files({"report": report, "figure": figure if result.fits else None})
+    show_files({"report": report})
     if result.interrupted:
         raise StoppedError(
             "stopped by the user; the fits that are complete are written, and the same command "
@@ -115,7 +108,7 @@ def _show(result: "api.SessionResult", output: str) -> None:
         for row in result.rows()
     ]
     if rows:
-        show_table(("fit of", "effort", "grade", "R²", ""), rows)
+        show_table(("fit of", "effort", "grade", "R²", ""), rows, ("R²",))
     for name, why in result.failed.items():
         show_line(f"{name}: {why}")
     for text in result.common:

@@ -210,8 +210,8 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
             unit=channel.unit,
             advice="Fasten cable and electrode; "
             + (
-                "fit with --robust."
+                "fit with --loss huber."
                 if where[-1] - where[0] > 0.5 * len(size)
-                else "leave that time out with --exclude, or fit with --robust."
+                else "leave that time out with --exclude, or fit with --loss huber."
             ),
         )  # fmt: skip
