@@ -31,12 +31,12 @@ from .conftest import refused
         (["--fixed", "beta=99"], ("fixed value of beta is 99, outside its bounds 0.2 … 4",)),
         (["--filter", "bessel=3"], ("setting 'bessel' is not known",)),
         (["--report", "r.docx"], ("r.docx", ".html or .pdf")),
-        (["--starts", "0"], ("starts is 0; give at least 1", "1 to")),
+        (["--starts", "0"], ("starts is 0; give at least 1",)),
         (["--starts", "1000000000"], ("starts is 1000000000; give at most 10000",)),
-        (["--seed", "-1"], ("seed is -1; give at least 0", "0 or more")),
+        (["--seed", "-1"], ("seed is -1; give at least 0",)),
         (["--geometry", "zz"], ("--geometry", "'zz'", "virtual-work")),
         (["--theta-foot", "nan"], ("theta_foot is nan", "finite")),
-        (["--x-ref-tri", "-1"], ("x_ref_tri is -1.0; it must be positive", "above zero")),
+        (["--x-ref-tri", "-1"], ("x_ref_tri is -1.0; it must be positive",)),
     ],
 )
 def test_a_wrong_option(run, files, options, says) -> None:

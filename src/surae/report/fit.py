@@ -96,7 +96,7 @@ def fit_report(
         correlation_section(assessment),
         identifiability_section(result, assessment),
         *geometry_section(result),
-        provenance_section(result, assessment, versions),
+        provenance_section(result, versions),
     )
     document = Document(
         kicker="Ankle muscle parameters",
@@ -152,15 +152,7 @@ def _figures(
         yield "budget", budget_figure(budget)
     estimated = assessment.covariance
     if len(estimated.names) > 1:
-        group = {p.name: p.group for p in assessment.parameters.values()}
-        passive, active = (
-            [name for name in estimated.names if group[name] == part]
-            for part in ("passive", "active")
-        )
-        yield (
-            "correlation",
-            correlation_figure(estimated.names, estimated.correlation, passive, active),
-        )
+        yield "correlation", correlation_figure(estimated.names, estimated.correlation)
 
 
 def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]) -> SectionBlock:

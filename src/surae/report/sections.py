@@ -67,10 +67,8 @@ def correlation_section(assessment: Assessment) -> SectionBlock:
             TextBlock(text),
             PictureBlock(
                 "correlation",
-                f"Heat map of the correlations of {k} estimated parameters{strongest}; the block "
-                "of passive against active parameters is outlined.",
-                "Normalised covariance. The darker, the stronger; a dark corner marks a negative "
-                "one. The frame holds passive (rows) against active (columns) parameters.",
+                f"Heat map of the correlations of {k} estimated parameters{strongest}.",
+                "Normalised covariance. The darker, the stronger.",
                 "map",
                 width=62,
             ),
