@@ -7,7 +7,6 @@ from surae.assessment.adequacy import Adequacy, Grade
 from surae.formatting import estimate, percentage, significant, standard_error
 from surae.report.document import TableBlock, TextBlock
 from surae.report.fit import fit_report
-from surae.report.wording import closeness
 
 from . import parts
 
@@ -72,7 +71,6 @@ def test_coloured_residuals_widen_the_intervals_and_say_so(coloured):
     assert f"{significant(whiteness.fall_s, 2)} s to fall" in text
     parameters = parts.text(parts.section(content, "Parameters"))
     assert "robust SEM, because the residual is correlated" in parameters
-    assert "too small by a factor of" in parameters
     assert "Student’s t times the robust SEM" in parameters
     assert "correlated over time" in parts.text(parts.section(content, "Residual"))
     for name, row in rows_of(content).items():
@@ -114,7 +112,6 @@ def test_a_parameter_without_influence_says_so(silent):
     glance = next(b for b in parts.blocks(content) if isinstance(b, TableBlock))
     by_verdict = {row[0].badge[1]: row[1].pairs for _, group in glance.groups for row in group}
     assert ("g1", "undetermined") in by_verdict["undetermined"]
-    assert "leaves g1 and l0_tib undetermined" in summary_of(content)
 
 
 def test_a_failed_fit_claims_nothing(plain):
@@ -140,15 +137,10 @@ def test_the_starts_are_in_the_settings(plain, content):
     )
 
 
-def test_closeness_is_that_of_the_changes_not_of_the_mean(plain):
-    assert [closeness(v) for v in (99.5, 96.0, 85.0, 70.0, -193.0)] == [
-        "very closely", "closely", "only roughly", "poorly", "poorly",
-    ]  # fmt: skip
+def test_the_followed_part_is_that_of_the_changes_not_of_the_mean(plain):
     flat = judged(plain, Grade.INADEQUATE, ("the ankle hardly moves",), r2=-193.0)
     assert flat.assessment.vaf > 99.0
-    _, value, closely = parts.key(content_of(flat))[0]
-    assert value == "−193.00 %"
-    assert closely.startswith("poorly;")
+    assert parts.key(content_of(flat))[0][1] == "−193.00 %"
 
 
 def judged(case, grade, reasons, r2):
@@ -165,10 +157,9 @@ def test_an_adequate_fit_says_so_and_nothing_else(content):
 def test_an_inadequate_fit_opens_with_its_reasons_and_counts_nothing(plain):
     reasons = ("the ankle hardly moves", "f0 lies at a bound")
     case = judged(plain, Grade.INADEQUATE, reasons, r2=12.0)
-    words, text = parts.adequacy(content_of(case)), summary_of(content_of(case))
+    words = parts.adequacy(content_of(case))
     assert words.reasons == reasons
     assert words.sentence.startswith("Inadequate: no parameter of this fit counts")
-    assert "an indication" not in text
 
 
 def test_a_doubtful_fit_asks_for_caution_and_withholds_nothing(plain):
@@ -176,4 +167,3 @@ def test_a_doubtful_fit_asks_for_caution_and_withholds_nothing(plain):
     words = parts.adequacy(content)
     assert (words.mark, words.grade) == ("!", "doubtful")
     assert "no parameter" not in words.sentence.lower()
-    assert "an indication, not a measurement" in summary_of(content)

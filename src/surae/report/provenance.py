@@ -135,9 +135,11 @@ def _written(value: Any) -> str:
         return ", ".join(f"{name} = {_written(each)}" for name, each in value.items())
     if isinstance(value, list | tuple):
         return " / ".join(map(_written, value))
-    if isinstance(value, bool | str):
-        return {True: "yes", False: "no"}.get(value, str(value))
-    return short(value) if isinstance(value, int | float) else str(value.name)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int | float):
+        return short(value)
+    return value if isinstance(value, str) else str(value.name)
 
 
 def provenance_section(result: FitResult, versions: Mapping[str, str]) -> SectionBlock:
