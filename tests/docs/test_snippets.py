@@ -202,8 +202,15 @@ def _read_toml(text: str) -> None:
 def quick_fits(page, monkeypatch):
     """Python fits as `QUICKER` says of the shell, but where `auto` itself is shown."""
     if page != "docs/how-to/design-a-protocol.md":
-        quick = functools.partial(surae_package.fit, model="muscle", starts=1)
-        monkeypatch.setattr(surae_package, "fit", quick)
+        few = {"model": "muscle", "starts": 1}
+        monkeypatch.setattr(surae_package, "fit", functools.partial(surae_package.fit, **few))
+        for name in ("fit", "run"):
+            whole = getattr(surae_package.Session, name)
+
+            def quick(session, *given, whole=whole, **more):
+                return whole(session, *given, **(few if len(given) < 2 else {}), **more)
+
+            monkeypatch.setattr(surae_package.Session, name, quick)
 
 
 @pytest.fixture
