@@ -103,6 +103,32 @@ class Fit(Tabular):
             )
         return frame(rows, {}).set_index("parameter")
 
+    def to_inference_data(self, draws: int = 1000, *, seed: int = 0) -> Any:
+        """Draws for ArviZ from the Gaussian of the fit: estimates, intervals and correlations.
+
+        Of a valley that bends they know nothing: `surae.posterior` explores it.
+
+        Parameters
+        ----------
+        draws : int
+            How many, as one chain.
+        seed : int
+            Of the draws.
+
+        Returns
+        -------
+        xarray.DataTree
+            As `Posterior.to_inference_data` gives it; parameters without an interval are left out.
+
+        Raises
+        ------
+        InputError
+            The package xarray is not installed, or no parameter has an interval.
+        """
+        from surae.assessment.posterior.gaussian import gaussian_data
+
+        return gaussian_data(self.result, self.assessment, draws, seed)
+
     @property
     def parameters(self) -> Mapping[str, ParameterEstimate]:
         """Every parameter of the model by name: value, sem, ci95, verdict and more."""

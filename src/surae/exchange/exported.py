@@ -30,6 +30,9 @@ class ExportedModel:
     missing: tuple[str, ...]  #: Parameters of the fit that the file leaves out.
     missing_rms: float  #: Root mean square of the torque that these make over the recordings [Nm].
 
+    def __repr__(self) -> str:
+        return f"{FORMATS[self.to][0]} model. {self.agreement}"
+
     @property
     def agreement(self) -> str:
         """How near the torque is, as a sentence or two."""

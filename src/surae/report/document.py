@@ -7,6 +7,13 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
+__all__ = [
+    "AdequacyWords", "AnyCell", "Block", "Document", "FactsBlock", "Group", "IntervalBar",
+    "KeyFigures", "ListBlock", "PictureBlock", "SectionBlock", "SignalsBlock", "TableBlock",
+    "TableCell", "TableColumn", "TableRow", "TextBlock", "columns", "facts_of", "paragraphs",
+    "rows_of", "verdict",
+]  # fmt: skip
+
 
 @dataclass(frozen=True, slots=True)
 class IntervalBar:

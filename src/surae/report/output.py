@@ -14,6 +14,8 @@ from surae.report.figures import Figure, data_url, png, svg
 from surae.report.traces import Traces, explorer, signals_of
 from surae.report.typeset import check_report, is_pdf, typeset
 
+__all__ = ["Report", "page_of", "paper_of", "write_blocks"]
+
 #: Resolution of figures that are no lines [dots per inch].
 _DPI = 150
 #: Figures with many lines; all others have few lines and many letters, and stay sharp at any size.

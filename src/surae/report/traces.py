@@ -22,6 +22,8 @@ from surae.recording import MUSCLES
 from surae.report.provenance import excluded_spans
 from surae.units import FloatArray
 
+__all__ = ["Traces", "extremes", "min_max", "traces_of"]
+
 
 @dataclass(frozen=True, slots=True)
 class Traces:

@@ -33,6 +33,8 @@ from surae.report.figures import (
 )
 from surae.units import FloatArray
 
+__all__ = ["budget_figure", "correlation_figure", "geometry_figure", "residual_figure"]
+
 
 def residual_figure(
     time: FloatArray,

@@ -33,6 +33,8 @@ from surae.report.provenance import excluded_spans
 from surae.report.traces import Traces, traces_of
 from surae.units import FloatArray
 
+__all__ = ["draw_parts", "draw_torque", "fit_figure", "predictions_figure", "torque_figure"]
+
 #: Units of EMG in volts: the largest signal [V] from which each is used, and how many make a volt.
 _VOLTS = ((0.1, 1.0, "V"), (2e-3, 1e3, "mV"), (0.0, 1e6, "µV"))
 #: Heights [inch] of a strip of EMG, the angle, a panel of torque, and of what surrounds them.
