@@ -328,6 +328,10 @@ def load_session(folder: PathLike) -> SessionResult:
     ------
     InputError
         It is no such folder, or is damaged.
+
+    Examples
+    --------
+    >>> surae.load_session("OUT").joint
     """
     root = Path(folder)
     if not (root / INDEX).is_file():

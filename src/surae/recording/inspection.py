@@ -175,6 +175,10 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
     ------
     InputError
         A file is in no supported format, is a mapping already, or the side is none.
+
+    Examples
+    --------
+    >>> surae.inspect("lab.csv").roles["angle"].column
     """
     if side is not None and side not in _SIDES:
         raise InputError(f"side is {side!r}; use one of: {', '.join(_SIDES)}")
