@@ -92,7 +92,7 @@ def example(path: PathLike | None = None, *, trial: int = 1) -> Recording:
 
     Examples
     --------
-    >>> recording = surae.example("new.csv")
+    >>> recording = surae.example("trial.csv")
     """
     protocol = Protocol(
         profile="multiple-holds",
