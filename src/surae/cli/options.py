@@ -269,15 +269,6 @@ MAPPING = click.option("--mapping", metavar="MAP.toml",
                        help="Read the files as this mapping says, of all of them.")  # fmt: skip
 
 
-def figure_options(function: F) -> F:
-    """Add a figure and its width [mm], which arrive as the keywords `figure` and `width`."""
-    width = click.option("--width", type=click.FloatRange(40.0, 500.0), default=170.0,
-                         metavar="MM", help="Width of the figure.  [default: 170]")  # fmt: skip
-    figure = click.option("--figure", type=Picture(), metavar="F.svg|pdf|png",
-                          help="Draw it for a paper.")  # fmt: skip
-    return figure(width(function))
-
-
 def workers_option(what: str, *, many: str = "all processors") -> Callable[[F], F]:
     """How many of something are made at a time; by default as `many` says."""
     help = f"{what} at a time.  [default: {many}]"

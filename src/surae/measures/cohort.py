@@ -197,8 +197,11 @@ class Cohort(Tabular, Saved):
             for group, effects in p.groups.items():
                 text = estimate(effects.mean, effects.se, effects.ci95)
                 spread = significant(effects.between, 2)
-                rows.append((p.name, group or "all", str(effects.k), text.value, text.interval,
-                             spread, p.unit))  # fmt: skip
+                left_out = "; ".join(f"{count}: {why}" for why, count in p.left_out.items())
+                rows.append((
+                    p.name, group or "all", str(effects.k), text.value, text.interval, spread,
+                    p.unit, str(p.at_bound or ""), left_out,
+                ))  # fmt: skip
             for kind, contrasts in (("differs", p.differences), ("changed", p.changes)):
                 notes += [
                     f"{p.name} {kind}, {key or 'all'}: {c.difference:.3g} {p.unit} "
@@ -208,11 +211,10 @@ class Cohort(Tabular, Saved):
                 ]
         notes += [self.note] if self.note else []
         notes += [f"{m.row}: no fit ({m.missing})" for m in self.members if m.missing]
-        if bound := [f"{p.name} {p.at_bound}" for p in every if p.at_bound]:
-            notes.append(f"at a bound, so that they may lie anywhere between: {', '.join(bound)}")
         if self.rounds:
             notes.append(f"every leg was fitted again with its population, {self.rounds} rounds")
-        heads = ("of", "group", "legs", "mean", "95 % interval", "spread", "unit")
+        heads = ("of", "group", "legs", "mean", "95 % interval", "spread", "unit", "at a bound",
+                 "left out")  # fmt: skip
         return TextTable(heads, tuple(rows), below=tuple(notes), numbers=heads[2:6])
 
     def as_dict(self) -> dict[str, Any]:
