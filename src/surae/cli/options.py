@@ -255,14 +255,6 @@ def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
     return how
 
 
-_MVC = click.option(
-    "--mvc",
-    multiple=True,
-    metavar="FILE",
-    help="A maximum voluntary contraction; may be given several times.",
-)
-
-
 LANGUAGE = click.option("--language", type=click.Choice(names.LANGUAGES), default="en",
                         help="Of the leg's page.  [default: en]")  # fmt: skip
 MAPPING = click.option("--mapping", metavar="MAP.toml",
@@ -320,13 +312,8 @@ def settings_options(*requests: Any, without: Sequence[str] = ()) -> Callable[[F
     return _collected(made)
 
 
-def request_options(function: F) -> F:
-    """Add the settings of a fit, which `request` reads, and its --mvc."""
-    return settings_options(api.FitSettings, api.ModelOptions)(_MVC(function))
-
-
 def request(options: Mapping[str, Any]) -> "api.FitSettings":
-    """The settings of a command, as `surae.fit` takes it, from what `request_options` collected."""
+    """The settings of a fit, as `surae.fit` takes them, from the `options` of a command."""
     keywords = dict(options)
     windows = (*keywords.pop("exclude", ()), *keywords.pop("weight", ()))
     peaks, kind = keywords.pop("weight_peaks", None), keywords.pop("peaks_of", None)

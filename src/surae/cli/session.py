@@ -10,20 +10,20 @@ from surae.cli.options import (
     LANGUAGE,
     MAPPING,
     request,
-    request_options,
+    settings_options,
     workers_option,
 )
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_line, show_table
-from surae.errors import ComputationError, InputError
+from surae.errors import ComputationError
 from surae.files import shown
 
 
 @click.command("session")
 @click.argument("recordings", metavar="FILES|DIR", nargs=-1, required=True)
 @MAPPING
-@request_options
+@settings_options(api.FitSettings, api.ModelOptions)
 @click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
 @click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
 @LANGUAGE
@@ -33,7 +33,6 @@ def command(
     recordings: tuple[str, ...],
     mapping: str | None,
     options: dict[str, Any],
-    mvc: tuple[str, ...],
     output: str,
     report: str | None,
     language: str,
@@ -48,11 +47,6 @@ def command(
     fits/TRIAL.json and joint.json; the same command again takes fits that are there already.
     Ctrl-C keeps what is complete.
     """
-    if mvc:
-        raise InputError(
-            "--mvc: the maximal contractions of a session are among its trials: name them so, or "
-            'write effort = "maximal" in the mapping\'s [trials]'
-        )
     settings = request(options)
     if report is not None and Path(report).resolve().parent != Path(output).resolve():
         check_outputs({"--report": report}, recordings)  # OUT/ is not there yet
