@@ -96,8 +96,8 @@ def stiffness_picture(holds: int, stretches: int, zero: float, _: Words) -> Pict
         caption = _("Measured: {what}.", what=", ".join(seen))
     if zero:
         number = _.number(significant(zero, 3))
-        caption += " " + _("The same offset, {zero} Nm, is subtracted from the torque of every "
-                           "trial.", zero=number)  # fmt: skip
+        caption += " " + _("One torque offset, {zero} Nm, is subtracted from every trial.",
+                           zero=number)  # fmt: skip
     alt = _("Measured torque of the relaxed ankle over its angle, with the model’s curve.")
     return PictureBlock("stiffness", alt, caption, "here", 100)
 
