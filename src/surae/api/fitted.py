@@ -106,7 +106,7 @@ class Fit(Tabular):
     def to_inference_data(self, draws: int = 1000, *, seed: int = 0) -> Any:
         """Draws for ArviZ from the Gaussian of the fit: estimates, intervals and correlations.
 
-        Of a valley that bends they know nothing: `surae.posterior` explores it.
+        Of a valley that bends they know nothing: `surae.profile` follows it.
 
         Parameters
         ----------
