@@ -70,31 +70,27 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rates", type=int, default=23, help="chirp rates of the grid")
     parser.add_argument("--starts", type=int, default=2)
-    parser.add_argument("--engine", nargs="+", default=["processes"])
     parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--small", type=int, nargs="*", default=[100, 1000, 5000, 20000])
     given = parser.parse_args()
-    print("| study | fits | engine | workers | wall s | fits/s | mean fit s | efficiency | MB |")
-    print("|---|--:|---|--:|--:|--:|--:|--:|--:|")
+    print("| study | fits | workers | wall s | fits/s | mean fit s | efficiency | MB |")
+    print("|---|--:|--:|--:|--:|--:|--:|--:|")
     rates = ", ".join(f"{0.05 + 0.025 * k:.3f}" for k in range(given.rates))
     grid = GRID.format(rates=rates, starts=given.starts)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if given.rates:
             fits = 2 * 5 * 2 * (1 + 3 * given.rates)
-            for engine in given.engine:
-                alone = 0.0
-                for workers in given.workers:
-                    wall, peak, seconds = measured(
-                        grid, folder, "--workers", str(workers), "--engine", engine
-                    )
-                    alone = wall if workers == 1 else alone
-                    good = f"{alone / (workers * wall):.2f}" if alone else ""
-                    print(
-                        f"| grid | {fits} | {engine} | {workers} | {wall:.1f} | {fits / wall:.1f} "
-                        f"| {statistics.mean(seconds):.3f} | {good} | {peak:.0f} |",
-                        flush=True,
-                    )
+            alone = 0.0
+            for workers in given.workers:
+                wall, peak, seconds = measured(grid, folder, "--workers", str(workers))
+                alone = wall if workers == 1 else alone
+                good = f"{alone / (workers * wall):.2f}" if alone else ""
+                print(
+                    f"| grid | {fits} | {workers} | {wall:.1f} | {fits / wall:.1f} "
+                    f"| {statistics.mean(seconds):.3f} | {good} | {peak:.0f} |",
+                    flush=True,
+                )
         for subjects in given.small:
             wall, peak, seconds = measured(SMALL.format(subjects=subjects), folder)
             print(

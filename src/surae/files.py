@@ -205,6 +205,15 @@ def require_writable(path: PathLike) -> None:
         raise InputError(f"{cannot}: {_reason(error)}") from None
 
 
+def make_folder(folder: PathLike) -> Path:
+    """The folder, made where it is missing."""
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise InputError(f"cannot make the folder {shown(folder)}: {_reason(error)}") from None
+    return Path(folder)
+
+
 def _reason(error: OSError | ValueError) -> str:
     """The system's reason for `error`, in lower case, without the path."""
     text = (error.strerror if isinstance(error, OSError) else None) or str(error)

@@ -163,3 +163,10 @@ def listed(words: Sequence[str], last: str = "and") -> str:
     """Words as a sentence has them: ``a, b and c``."""
     *others, end = words
     return f"{', '.join(others)} {last} {end}" if others else end
+
+
+def open_ends(interval: Sequence[float | None] | None) -> str:
+    """An interval, either end of which may be open; a dash where there is none."""
+    if interval is None:
+        return NO_NUMBER
+    return " … ".join("open" if end is None else significant(end, 4) for end in interval)

@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import surae
+from surae.assessment import assess
 from surae.assessment.likelihood.profiles import profiles
 from surae.assessment.posterior.sample import sample
 from surae.errors import InputError
@@ -143,3 +145,37 @@ def test_strain_and_toe_force_of_the_tibialis_do_not_part(subject, trajectory):
     assert toe.off_covariance > 0.5
     assert found["m"].off_covariance < 0.25
     assert found["dlt_tib"].ci95[0] < 0.04 < found["dlt_tib"].ci95[1]
+
+
+def test_a_fit_gives_draws_with_its_own_intervals_and_correlations(fitted):
+    fit = surae.Fit(fitted, assess(fitted))
+    tree = fit.to_inference_data(20_000, seed=1)
+    drawn = tree["posterior"]
+    assert tree.attrs["status"] == "approximation"
+    known = {name: p for name, p in fit.parameters.items() if p.ci95}
+    assert list(drawn) == list(known)
+    for name, p in known.items():
+        half = (p.ci95[1] - p.ci95[0]) / 2
+        found = np.quantile(drawn[name].values, [0.025, 0.5, 0.975])
+        assert np.abs(found - [p.ci95[0], p.value, p.ci95[1]]).max() < 0.05 * half
+    names = fit.covariance.names
+    k, x0 = names.index("k_tri"), names.index("x0_tri")
+    r = np.corrcoef(drawn["k_tri"].values[0], drawn["x0_tri"].values[0])[0, 1]
+    assert r == pytest.approx(fit.correlation[k, x0], abs=0.03)
+    assert fit.to_inference_data(seed=1).equals(fit.to_inference_data(seed=1))
+
+
+def test_intervals_that_are_not_symmetric_and_missing_ones(fitted):
+    judged = assess(fitted)
+    own = dict(judged.parameters)
+    low = own["k_rel"].value / 3.0
+    own["k_rel"] = replace(own["k_rel"], ci95=(low, 9.0 * low))
+    own["f0"] = replace(own["f0"], ci95=None)
+    tree = surae.Fit(fitted, replace(judged, parameters=own)).to_inference_data(20_000)
+    found = np.quantile(tree["posterior"]["k_rel"].values, [0.025, 0.5, 0.975])
+    assert found == pytest.approx([low, 3.0 * low, 9.0 * low], rel=0.05)
+    assert tree["posterior"]["k_rel"].values.min() > 0.0
+    assert tree.attrs["message"].endswith("left out: f0")
+    nothing = {name: replace(p, ci95=None) for name, p in own.items()}
+    with pytest.raises(InputError, match="nothing to draw"):
+        surae.Fit(fitted, replace(judged, parameters=nothing)).to_inference_data()

@@ -20,7 +20,7 @@ def test_windows_peaks_and_loss_are_those_of_the_api(run, files) -> None:
     done = run(
         "fit", "--model", "muscle", "trial.csv", *QUICK, "--exclude", "30:", "--exclude", ":1",
             "--weight", "3:4:2",
-        "--weight-peaks", "4", "--peaks-of", "emg", "--robust",
+        "--weight-peaks", "4", "--peaks-of", "emg", "--loss", "huber",
     )  # fmt: skip
     assert done.code == 0, done
     assert "Weights: 30 … the end left out of the fit." in done.out
@@ -68,7 +68,6 @@ def test_priors_of_a_population_and_given_ones(run, files) -> None:
         (("--weight", "3:4"), ("start:end:weight",)),
         (("--weight-peaks", "-2"), ("peaks is -2", "at least 0")),
         (("--peaks-of", "emg"), ("--weight-peaks",)),
-        (("--robust", "--loss", "tukey"), ("--robust means --loss huber",)),
     ],
 )
 def test_wrong_use_is_one_clear_line(options, says, run, files) -> None:

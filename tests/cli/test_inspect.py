@@ -34,7 +34,7 @@ def test_headings_are_shown_as_they_are(files, run):
     write_csv("lab.csv", {"time": time, "Hoek [deg]": np.sin(time), "x [/b]": np.cos(time)})
     done = run("inspect", "lab.csv")
     assert (done.code, done.err) == (0, "")
-    assert "Hoek [deg]    deg " in done.out
+    assert "Hoek [deg]   deg " in done.out
     assert "x [/b]" in done.out
 
 

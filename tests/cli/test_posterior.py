@@ -33,8 +33,8 @@ def test_the_posterior_beside_the_covariance(run, files) -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--draws", "1"], "--draws 1: give a whole number, 10"),
-        (["--variance-inflation", "0"], "--variance-inflation 0: give a number above zero"),
+        (["--draws", "1"], "draws is 1; give at least 10"),
+        (["--variance-inflation", "0"], "variance_inflation is 0.0; give more than 0"),
         (["--prior", "f0=2"], "name=median:spread"),
         (["--prior", "nope=2:1"], "not estimated"),
         (["--output", "fit.json"], "is read by this command"),

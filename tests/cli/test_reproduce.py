@@ -73,9 +73,9 @@ def test_the_verdicts_are_written_for_the_docs_too(run, tmp_path) -> None:
     ("arguments", "complaint"),
     [
         (["--only", "smal"], "no section 'smal'; use one of: small"),
-        (["--seed", "-1"], "--seed -1: give a whole number, 0 to 999999999"),
-        (["--seed", "1.5"], "--seed 1.5: give a whole number"),
-        (["--workers", "0"], "--workers 0: give a whole number, 1 to 1000"),
+        (["--seed", "-1"], "-1 is not in the range"),
+        (["--seed", "1.5"], "'1.5' is not a valid integer"),
+        (["--workers", "0"], "0 is not in the range 1<=x<=1000"),
         (["--output", ""], "--output is empty"),
         (["--output", "file"], "cannot write into the folder file"),
         (["--markdown", "no/copy.md"], "there is no folder"),

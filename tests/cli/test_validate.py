@@ -86,10 +86,3 @@ def test_a_prediction_that_overflows(run, files, edit_fit) -> None:
     done = run("validate", "f.json", "trial.csv", "--output", "v.json")
     refused(done, "trial.csv", "overflows", code=1)
     assert not (files / "v.json").exists()
-
-
-def test_a_figure_of_the_predictions(run, files, second) -> None:
-    done = run("validate", "fit.json", "second half.csv", "trial.csv", "--figure", "v.svg")
-    assert done.code == 0
-    assert done.out.endswith("figure: v.svg\n")
-    assert (files / "v.svg").read_bytes().startswith(b"<?xml")

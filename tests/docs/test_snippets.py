@@ -1,6 +1,8 @@
 """Every command and every snippet of README and documentation works as it is printed."""
 
+import doctest
 import functools
+import inspect
 import os
 import re
 import shlex
@@ -202,8 +204,15 @@ def _read_toml(text: str) -> None:
 def quick_fits(page, monkeypatch):
     """Python fits as `QUICKER` says of the shell, but where `auto` itself is shown."""
     if page != "docs/how-to/design-a-protocol.md":
-        quick = functools.partial(surae_package.fit, model="muscle", starts=1)
-        monkeypatch.setattr(surae_package, "fit", quick)
+        few = {"model": "muscle", "starts": 1}
+        monkeypatch.setattr(surae_package, "fit", functools.partial(surae_package.fit, **few))
+        for name in ("fit", "run"):
+            whole = getattr(surae_package.Session, name)
+
+            def quick(session, *given, whole=whole, **more):
+                return whole(session, *given, **(few if len(given) < 2 else {}), **more)
+
+            monkeypatch.setattr(surae_package.Session, name, quick)
 
 
 @pytest.fixture
@@ -303,3 +312,23 @@ def test_no_reason_to_skip_is_left_over():
     )
     assert [part for part in READ_ONLY if part not in text] == []
     assert [word for word in QUICKER if word not in text] == []
+
+
+#: Functions of `surae`, each with its docstring; `surae.measures` is a package that can be called.
+FUNCTIONS = {
+    name: inspect.getdoc(public.__call__ if inspect.ismodule(public) else public) or ""
+    for name in surae_package.__all__
+    if callable(public := getattr(surae_package, name)) and not isinstance(public, type)
+}
+
+
+@pytest.mark.usefixtures("undrawn", "small_example", "quick_fits", "workplace")
+@pytest.mark.parametrize("page", FUNCTIONS)
+def test_a_function_has_an_example_that_runs(page):
+    if page == "load_session":
+        surae_package.session("leg", mapping="corrected.toml").run("OUT")
+    examples = doctest.DocTestParser().get_examples(FUNCTIONS[page])
+    assert examples
+    namespace = {"surae": surae_package}
+    for example in examples:
+        exec(example.source, namespace)

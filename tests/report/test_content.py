@@ -5,10 +5,8 @@ import pytest
 
 from surae.assessment.adequacy import Adequacy, Grade
 from surae.formatting import estimate, percentage, significant, standard_error
-from surae.report import fit as of_fit
 from surae.report.document import TableBlock, TextBlock
 from surae.report.fit import fit_report
-from surae.report.wording import closeness
 
 from . import parts
 
@@ -61,18 +59,6 @@ def test_the_numbers_are_those_of_the_assessment(plain, content):
     assert significant(plain.assessment.ipde, 3) in correlations
 
 
-def test_the_block_is_passive_against_active(plain, monkeypatch):
-    shown = []
-    monkeypatch.setattr(of_fit, "correlation_figure", lambda *given: shown.append(given))
-    made = fit_report(plain.result, plain.assessment, versions={}, created=datetime(2026, 1, 5))
-    assert "correlation" in dict(made.figures)
-    ((names, matrix, passive, active),) = shown
-    assert names == plain.assessment.covariance.names
-    assert matrix == pytest.approx(plain.assessment.covariance.correlation)
-    assert passive == ["k_tri", "k_tib", "x0_tri", "x0_tib", "tau_rel", "k_rel"]
-    assert active == ["g1", "g2", "g3", "g4", "l0_tri", "l0_tib", "f0", "beta"]
-
-
 def test_white_residuals_are_not_called_coloured(content):
     told = parts.text(parts.section(content, "Parameters"))
     assert "white noise, equation (34): the residual passes for white noise" in told
@@ -85,7 +71,6 @@ def test_coloured_residuals_widen_the_intervals_and_say_so(coloured):
     assert f"{significant(whiteness.fall_s, 2)} s to fall" in text
     parameters = parts.text(parts.section(content, "Parameters"))
     assert "robust SEM, because the residual is correlated" in parameters
-    assert "too small by a factor of" in parameters
     assert "Student’s t times the robust SEM" in parameters
     assert "correlated over time" in parts.text(parts.section(content, "Residual"))
     for name, row in rows_of(content).items():
@@ -110,8 +95,8 @@ def test_fixed_and_bounded_parameters_say_why(joint):
     assert f0["Between its bounds"].bar.low is None
     assert "upper bound" in f0["Verdict"].why
     shown = settings_of(content)
-    assert shown["Fixed parameters"] == "beta = 1"
-    assert shown["Bounds"] == "f0: 0.3 … 1.5 instead of 0.3 … 15"
+    assert shown["Fixed"] == "beta = 1"
+    assert shown["Bounds"] == "f0 = 0.3 / 1.5"
     assert "f0" in parts.text(parts.section(content, "Correlation"))
     details = next(b for b in content.blocks if b.title == "Details")
     assert sum(b.title.startswith("Recording:") for b in details.blocks) == 2
@@ -127,7 +112,6 @@ def test_a_parameter_without_influence_says_so(silent):
     glance = next(b for b in parts.blocks(content) if isinstance(b, TableBlock))
     by_verdict = {row[0].badge[1]: row[1].pairs for _, group in glance.groups for row in group}
     assert ("g1", "undetermined") in by_verdict["undetermined"]
-    assert "leaves g1 and l0_tib undetermined" in summary_of(content)
 
 
 def test_a_failed_fit_claims_nothing(plain):
@@ -147,23 +131,16 @@ def test_a_single_agreeing_start_is_a_warning(plain):
     assert "Only one of 3 starts" in summary_of(content)
 
 
-def test_the_starts_are_in_the_settings(plain, content, silent):
+def test_the_starts_are_in_the_settings(plain, content):
     assert settings_of(content)["Starts"] == (
-        f"{plain.result.agreeing} of 3 reach the best minimum; the first is the default start, "
-        "the others are random, with seed 0"
+        f"{plain.result.agreeing} of 3 reach the best minimum; seed 0"
     )
-    assert settings_of(content_of(silent))["Starts"].startswith("only the default start: ")
 
 
-def test_closeness_is_that_of_the_changes_not_of_the_mean(plain):
-    assert [closeness(v) for v in (99.5, 96.0, 85.0, 70.0, -193.0)] == [
-        "very closely", "closely", "only roughly", "poorly", "poorly",
-    ]  # fmt: skip
+def test_the_followed_part_is_that_of_the_changes_not_of_the_mean(plain):
     flat = judged(plain, Grade.INADEQUATE, ("the ankle hardly moves",), r2=-193.0)
     assert flat.assessment.vaf > 99.0
-    _, value, closely = parts.key(content_of(flat))[0]
-    assert value == "−193.00 %"
-    assert closely.startswith("poorly;")
+    assert parts.key(content_of(flat))[0][1] == "−193.00 %"
 
 
 def judged(case, grade, reasons, r2):
@@ -180,10 +157,9 @@ def test_an_adequate_fit_says_so_and_nothing_else(content):
 def test_an_inadequate_fit_opens_with_its_reasons_and_counts_nothing(plain):
     reasons = ("the ankle hardly moves", "f0 lies at a bound")
     case = judged(plain, Grade.INADEQUATE, reasons, r2=12.0)
-    words, text = parts.adequacy(content_of(case)), summary_of(content_of(case))
+    words = parts.adequacy(content_of(case))
     assert words.reasons == reasons
     assert words.sentence.startswith("Inadequate: no parameter of this fit counts")
-    assert "an indication" not in text
 
 
 def test_a_doubtful_fit_asks_for_caution_and_withholds_nothing(plain):
@@ -191,4 +167,3 @@ def test_a_doubtful_fit_asks_for_caution_and_withholds_nothing(plain):
     words = parts.adequacy(content)
     assert (words.mark, words.grade) == ("!", "doubtful")
     assert "no parameter" not in words.sentence.lower()
-    assert "an indication, not a measurement" in summary_of(content)

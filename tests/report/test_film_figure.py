@@ -8,10 +8,9 @@ from matplotlib.colors import to_rgb
 
 from surae.api.plots import Plots
 from surae.assessment.fascicles import FascicleQuality, Fascicles
-from surae.cli.screen import show_films
 from surae.errors import InputError
 from surae.report.figures.tendon import film_figure
-from surae.report.recordings import film_block
+from surae.report.recordings import film_block, film_lines
 
 
 @pytest.fixture(scope="module")
@@ -35,22 +34,19 @@ def test_axes_have_units_and_lines_differ_without_colour(film) -> None:
     assert filmed.get_linewidth() > 2 * model.get_linewidth()
 
 
-def test_the_terminal_and_the_report_say_how_well_it_is_followed(film, capsys) -> None:
+def test_the_terminal_and_the_report_say_how_well_it_is_followed(film) -> None:
     assert "RMS error 0.30 mm" in film_block("film-0-0", film).blocks[1].alt
-    show_films("walk", [film.quality])
-    said = capsys.readouterr().out
+    (said,) = film_lines("walk", [film.quality])
     assert said.startswith("walk: fascicle_gm: RMS error 0.30 mm, mean error ")
     assert "tracker noise 0.4" in said
-    assert said.endswith("frames 60\n")
+    assert said.endswith("frames 60")
 
 
-def test_what_cannot_be_known_is_not_printed(capsys) -> None:
-    show_films("walk", [FascicleQuality("fascicle_gm", 2, 0.3, 0.1)])
-    said = capsys.readouterr().out
+def test_what_cannot_be_known_is_not_printed() -> None:
+    (said,) = film_lines("walk", [FascicleQuality("fascicle_gm", 2, 0.3, 0.1)])
     assert "correlation" not in said
     assert "tracker noise" not in said
-    show_films("walk", [])
-    assert capsys.readouterr().out == ""
+    assert film_lines("walk", []) == []
 
 
 def test_a_fit_without_a_film_has_no_such_picture(plain) -> None:

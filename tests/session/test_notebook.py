@@ -89,7 +89,8 @@ def test_every_plot_gives_axes_and_takes_them(fit, monkeypatch):
     assert asked == [1]  # the model is simulated once
     assert len(panels) == 7  # four EMG, angle, torque and its parts
     assert len({panel.figure for panel in panels}) == 1
-    for name in ("torque", "parts", "parameters", "residuals", "correlation"):
+    assert isinstance(fit.plot.correlation(), Axes)
+    for name in ("torque", "parts", "residuals"):
         made = getattr(fit.plot, name)()
         assert isinstance(made, Axes), name
         _, own = pyplot.subplots()
@@ -241,3 +242,24 @@ def test_nothing_of_it_is_loaded_before_it_is_used(leg):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_everything_that_is_given_back_says_in_a_few_lines_what_it_is(fit, trial, leg):
+    answers = [
+        trial, surae.check(trial), surae.inspect(leg / "walk 1.csv"), fit, fit.measures(),
+        surae.prepare(trial, prepared=True), fit.predict(trial), surae.export(fit, to="osim"),
+        surae.profile(fit, ["m"], workers=1), surae.posterior(fit, draws=20, evaluations=600),
+        surae.expect("sine", "muscle", legs=3), surae.change(fit, leg_again(fit)),
+        surae.design(20.0, evaluations=5), surae.measure_next(fit, range=(-0.9, 0.6)),
+    ]  # fmt: skip
+    for answer in answers:
+        text = repr(answer)
+        assert len(text) < 10_000, type(answer)
+        assert len(text.splitlines()) < 80, type(answer)
+        assert "array(" not in text, type(answer)
+        assert f"{type(answer).__name__}(" not in text
+
+
+def leg_again(fit):
+    """The same fit, another object."""
+    return surae.Fit(fit.result, fit.assessment)

@@ -202,9 +202,8 @@ def test_what_was_there_already_is_no_measure_of_the_time_left(done, leg, tmp_pa
 def test_the_command(leg, tmp_path, run):
     command = ("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
                "--starts", 1, "--workers", 1)  # fmt: skip
-    done = run(*command, "--figure", tmp_path / "out" / "trials.svg")
+    done = run(*command)
     assert done.code == 0
-    assert (tmp_path / "out" / "trials.svg").exists()
     assert "could not be read: broken" in done.err
     assert "[6/6] all together" in done.err
     assert "joint" in done.out
@@ -220,15 +219,6 @@ def test_names_in_the_report_are_escaped(leg, tmp_path):
     result = surae.session(trial).run(**QUICK)
     result.report(tmp_path / "report.html")
     assert "<b>x" not in (tmp_path / "report.html").read_text()
-
-
-def test_figures_of_a_session(done, tmp_path):
-    _, result = done
-    result.figure(tmp_path / "wide.svg", width=170.0)
-    text = (tmp_path / "wide.svg").read_text()
-    assert 'width="481' in text  # 170 mm in points
-    with pytest.raises(InputError, match="nothing to draw"):
-        surae.SessionResult(result.session, result.settings).figure(tmp_path / "x.svg")
 
 
 def test_a_damaged_folder_is_told(tmp_path):

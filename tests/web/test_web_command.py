@@ -19,8 +19,6 @@ def refused(*arguments: str) -> str:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--port", "99999"], "--port"),
-        (["--workers", "0"], "--workers"),
         (["--token", "short"], "at least 8"),
         (["--host", "no such host"], "give another --port or --host"),
         ([""], "no name"),
@@ -29,6 +27,14 @@ def refused(*arguments: str) -> str:
 def test_wrong_use_is_one_line(arguments, says, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert says in refused(*arguments)
+
+
+@pytest.mark.parametrize("arguments", [("--port", "99999"), ("--workers", "0")])
+def test_numbers_have_their_range(arguments) -> None:
+    done = CliRunner().invoke(group, ["serve", *arguments])
+    assert done.exit_code == 2
+    assert f"'{arguments[0]}'" in done.output
+    assert f"{arguments[1]} is not in the range" in done.output
 
 
 def test_without_its_package_it_says_how_to_get_it(monkeypatch) -> None:

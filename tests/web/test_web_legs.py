@@ -44,10 +44,10 @@ def test_trials_are_sorted_and_an_effort_can_be_told(browser, imported) -> None:
     told = {t["name"]: t for t in browser.post("/api/sessions/trials", json=asked).json()["trials"]}
     assert [told[name]["fitted"] for name in imported] == [True, True, False]
     assert "holds still" in told["hold"]["what"]
-    assert told["hold"]["use"] == "angle and torque of a hold"
+    assert told["hold"]["use"] == "torque at a held angle"
     asked["efforts"] = {imported["hold"]: "maximal"}
     told = {t["name"]: t for t in browser.post("/api/sessions/trials", json=asked).json()["trials"]}
-    assert told["hold"]["use"] == "reference of EMG"
+    assert told["hold"]["use"] == "reference for EMG"
     assert told["hold"]["stated"]
 
 

@@ -38,7 +38,6 @@ from surae.api.simulation import simulate_tendon as simulate_tendon
 from surae.assessment import Adequacy as Adequacy
 from surae.assessment import Prediction as Prediction
 from surae.assessment.assess import assess as assess
-from surae.assessment.fascicles import FascicleQuality as FascicleQuality
 from surae.assessment.likelihood.profile import check_profiled as check_profiled
 from surae.assessment.likelihood.profiles import Profiles as Profiles
 from surae.assessment.parameter import ParameterEstimate as ParameterEstimate
@@ -135,15 +134,11 @@ from surae.report import check_report as check_report
 from surae.report import has_typst as has_typst
 from surae.report import part_of as part_of
 from surae.report import style as style
-from surae.report.document import TableBlock as TableBlock
-from surae.report.document import TextBlock as TextBlock
 from surae.report.figures import new_figure as new_figure
 from surae.report.figures import png as png
 from surae.report.figures import svg as svg
 from surae.report.figures import write_figure as write_figure
 from surae.report.figures.protocol import protocol_figure as protocol_figure
-from surae.report.figures.torque import predictions_figure as predictions_figure
-from surae.report.laboratory import trials_section as trials_section
 from surae.report.leg import first_answer as first_answer
 from surae.report.output import write_blocks as write_blocks
 from surae.report.recordings import film_lines as film_lines

@@ -65,6 +65,10 @@ def change(
     InputError
         A file cannot be read, both are one, an angle is out of reach, or baselines are given of
         two legs.
+
+    Examples
+    --------
+    >>> surae.change("before.json", "after.json").measures["passive_stiffness@10deg"].verdict
     """
     settings = ChangeSettings(**keywords)
     places = [
@@ -108,6 +112,10 @@ def cohort(
     ------
     InputError
         The table is damaged, or has no fit that can be read.
+
+    Examples
+    --------
+    >>> surae.cohort("legs.csv").save("cohort.json")
     """
     settings, where = CohortSettings(**keywords), engine or Engine("threads", 1)
     rows = read_table(table)
@@ -279,6 +287,10 @@ def profile(
     ------
     InputError
         A parameter is unknown, fixed or given twice, or the fit has nothing to profile.
+
+    Examples
+    --------
+    >>> surae.profile(surae.load("fit.json"), "f0")["f0"].interval
     """
     request = ProfileSettings(**settings)
     wanted = profiled(fitted.result) if names is None else names
@@ -320,6 +332,10 @@ def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any)
     ------
     InputError
         A setting or prior is impossible, or the fit is of ``auto`` or has no residual.
+
+    Examples
+    --------
+    >>> surae.posterior(surae.load("fit.json"), draws=100, seed=1)["f0"].ci95
     """
     request, reason = PosteriorSettings(**settings), "given"
     if request.variance_inflation is None:
@@ -356,6 +372,10 @@ def validate(
     tuple of Prediction
         One for each recording: VAF, RMSE, bias, the predicted torque, and in `adequacy` whether
         it is as good as the fit promises, with reasons.
+
+    Examples
+    --------
+    >>> surae.validate(surae.load("fit.json"), ["other.csv"])[0].adequacy.grade
     """
     inputs: Sequence[ModelInputs]
     inputs = as_in_fit(fitted.result.problem, recordings, prepared)
@@ -381,6 +401,10 @@ def export(fit: Fit | PathLike, *, to: str) -> ExportedModel:
     ------
     InputError
         The format is not known, the fit cannot be read, or its model has no such muscles.
+
+    Examples
+    --------
+    >>> surae.export("fit.json", to="osim").save("leg.osim")
     """
     given = fit_of(fit)
     return exported(given.result, given.assessment, to)

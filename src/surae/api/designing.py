@@ -77,6 +77,10 @@ def design(
     ------
     InputError
         Something given is unusable, or the device cannot do it: then what to give up.
+
+    Examples
+    --------
+    >>> surae.design(20.0, seed=1, evaluations=20).write("p.csv")
     """
     settings, options = parted(DesignSettings, {"duration": duration, **keywords})
     who = _leg(fit, after)
@@ -146,6 +150,10 @@ def measure_next(
     ------
     InputError
         The fit failed, or something given is unusable.
+
+    Examples
+    --------
+    >>> surae.measure_next(surae.load("fit.json")).sentences[0]
     """
     legs, level = requested_legs(LegSettings(noise=noise), fit, _SEARCHED, ModelOptions(), 256.0)
     limits = as_device(device)
@@ -248,6 +256,10 @@ def expect(
     ------
     InputError
         Something given is unknown, contradictory or unusable.
+
+    Examples
+    --------
+    >>> surae.expect("sine", "muscle", legs=4).parameters["k_tib"].relative_sem
     """
     trajectory = as_trajectory(protocol)
     settings, options = parted(ExpectSettings, {"model": model, **keywords})

@@ -103,6 +103,32 @@ class Fit(Tabular):
             )
         return frame(rows, {}).set_index("parameter")
 
+    def to_inference_data(self, draws: int = 1000, *, seed: int = 0) -> Any:
+        """Draws for ArviZ from the Gaussian of the fit: estimates, intervals and correlations.
+
+        Of a valley that bends they know nothing: `surae.profile` follows it.
+
+        Parameters
+        ----------
+        draws : int
+            How many, as one chain.
+        seed : int
+            Of the draws.
+
+        Returns
+        -------
+        xarray.DataTree
+            As `Posterior.to_inference_data` gives it; parameters without an interval are left out.
+
+        Raises
+        ------
+        InputError
+            The package xarray is not installed, or no parameter has an interval.
+        """
+        from surae.assessment.posterior.gaussian import gaussian_data
+
+        return gaussian_data(self.result, self.assessment, draws, seed)
+
     @property
     def parameters(self) -> Mapping[str, ParameterEstimate]:
         """Every parameter of the model by name: value, sem, ci95, verdict and more."""
@@ -285,9 +311,7 @@ class Fit(Tabular):
         """
         save_fit(path, self.result, self.assessment, self.quality)
 
-    def figure(
-        self, path: PathLike, *, validation: Sequence[Prediction] = (), width: float = 170.0
-    ) -> None:
+    def figure(self, path: PathLike, *, width: float = 170.0) -> None:
         """Draw the fit for a paper: lines with embedded fonts as ``.svg`` or ``.pdf``, or a PNG.
 
         Of one recording it shows the EMG, the angle, the torque and its parts, of movement that
@@ -297,8 +321,6 @@ class Fit(Tabular):
         ----------
         path : path
             Where to.
-        validation : sequence of Prediction, optional
-            Draw these predictions of other recordings instead.
         width : float
             Width of the figure [mm].
 
@@ -308,14 +330,10 @@ class Fit(Tabular):
             The file cannot be written.
         """
         from surae.report.figures import write_figure
-        from surae.report.figures.torque import fit_figure, predictions_figure
+        from surae.report.figures.torque import fit_figure
 
-        inches = width / 25.4
-        if validation:
-            write_figure(path, predictions_figure(validation, width=inches))
-            return
         notes = [f"R² {recording.r2:.1f} %" for recording in self.assessment.recordings]
-        write_figure(path, fit_figure(self.result, notes, width=inches))
+        write_figure(path, fit_figure(self.result, notes, width=width / 25.4))
 
     def report(self, path: PathLike, *, validation: Sequence[Prediction] = ()) -> None:
         """Write the report: one self-contained HTML file, or a PDF where it ends in ``.pdf``.

@@ -64,6 +64,11 @@ def fit(
     ------
     InputError
         Something given is unknown, contradictory or unusable.
+
+    Examples
+    --------
+    >>> fit = surae.fit("trial.csv")
+    >>> fit.adequacy.grade, fit.parameters["l0_tri"].ci95
     """
     settings = FitSettings.of(model, **keywords)
     measured = [read_in(recording) for recording in several(recordings)]
@@ -131,6 +136,10 @@ def load(path: PathLike) -> Fit:
     ------
     InputError
         The file is missing, damaged, or of a newer surae.
+
+    Examples
+    --------
+    >>> surae.load("fit.json").values["l0_tri"]
     """
     saved = load_saved(path)
     return Fit(saved.result, assess(saved.result, alternatives=True), saved.quality)

@@ -77,40 +77,14 @@ class Plots:
             raise InputError(f"{traces.name} has no film: map a channel such as fascicle_tib")
         return list(film_figure(traces, traces.films[0], _figure()).axes)
 
-    def parameters(self, *, ax: "Axes | None" = None) -> "Axes":
-        """Every estimate with its 95 % interval, between its bounds (0 and 1 of the axis).
-
-        What is identified is dark, what has no interval is open.
-        """
-        from surae.report.figures import GREY, INK, dress
-
-        free = [p for p in self.assessment.parameters.values() if p.free]
-        axes = _axes(ax)
-        dress(axes, "", "Part of the way from the lower to the upper bound")
-        for place, p in enumerate(free):
-            width = p.upper - p.lower
-            sure = p.verdict == "identified"
-            if p.ci95 is not None:
-                ends = [min(max((end - p.lower) / width, 0.0), 1.0) for end in p.ci95]
-                axes.plot(ends, [place, place], color=INK if sure else GREY, linewidth=2.0)
-            axes.plot([(p.value - p.lower) / width], [place], "o", color=INK, markersize=4,
-                      markerfacecolor="white" if p.ci95 is None else INK)  # fmt: skip
-        axes.set_yticks(range(len(free)), [p.name for p in free])
-        axes.set(xlim=(-0.02, 1.02), ylim=(len(free) - 0.5, -0.5))
-        return axes
-
-    def correlation(self, *, ax: "Axes | None" = None) -> "Axes":
+    def correlation(self) -> "Axes":
         """Correlations of the estimates as a map."""
-        names = self.assessment.covariance.names
-        if not names:
+        from surae.report.figures.research import correlation_figure
+
+        of = self.assessment.covariance
+        if not of.names:
             raise InputError("no estimate has a standard error: there is nothing to correlate")
-        axes = _axes(ax)
-        matrix = self.assessment.covariance.correlation
-        shades = axes.imshow(matrix, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
-        axes.set_xticks(range(len(names)), names, rotation=90)
-        axes.set_yticks(range(len(names)), names)
-        axes.figure.colorbar(shades, ax=axes, label="Correlation")
-        return axes
+        return correlation_figure(of.names, of.correlation, _figure()).axes[0]
 
     def _traces(self, recording: int) -> "Traces":
         from surae.report.traces import traces_of

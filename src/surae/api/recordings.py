@@ -89,6 +89,10 @@ def example(path: PathLike | None = None, *, trial: int = 1) -> Recording:
     ------
     InputError
         The file cannot be written.
+
+    Examples
+    --------
+    >>> recording = surae.example("trial.csv")
     """
     protocol = Protocol(
         profile="multiple-holds",
@@ -154,6 +158,10 @@ def check(
     ------
     InputError
         A file cannot be read.
+
+    Examples
+    --------
+    >>> surae.check("trial.csv").summary
     """
     protocol = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
     own = joint if isinstance(joint, Joint | None) else read_joint(joint)

@@ -203,32 +203,6 @@ class SessionResult:
             language=language,
         )
 
-    def figure(self, path: PathLike, *, width: float = 170.0) -> None:
-        """Draw every parameter by trial for a paper: lines as ``.svg`` or ``.pdf``, or a PNG.
-
-        Parameters
-        ----------
-        path : path
-            Where to.
-        width : float
-            Width of the figure [mm].
-
-        Raises
-        ------
-        InputError
-            There is no fit, or the file cannot be written.
-        """
-        if not self.fits:
-            raise InputError(
-                f"{self.session.name}: no trial was fitted, so there is nothing to draw"
-            )
-        from surae.report.figures import write_figure
-        from surae.report.trials import agreement_figure
-
-        alone = {name: fit.assessment for name, fit in self.fits.items()}
-        joint = None if self.joint is None else self.joint.assessment
-        write_figure(path, agreement_figure(alone, joint, width=width / 25.4))
-
     def save(self, folder: PathLike) -> None:
         """Write the folder that `load_session` reads: fits, tables, report and index.
 
@@ -354,6 +328,10 @@ def load_session(folder: PathLike) -> SessionResult:
     ------
     InputError
         It is no such folder, or is damaged.
+
+    Examples
+    --------
+    >>> surae.load_session("OUT").joint
     """
     root = Path(folder)
     if not (root / INDEX).is_file():

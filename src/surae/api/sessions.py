@@ -158,6 +158,11 @@ def session(
     ------
     InputError
         There is no file, none can be read, the mapping is wrong, or two trials are called alike.
+
+    Examples
+    --------
+    >>> result = surae.session("leg", mapping="map.toml").run("OUT")
+    >>> result.to_dataframe()["grade"]
     """
     description = None if mapping is None else Description.of(open_mapping(mapping))
     alone = isinstance(recordings, str) or hasattr(recordings, "__fspath__")

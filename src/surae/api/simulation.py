@@ -81,6 +81,11 @@ def simulate(
         Something given is unknown, missing or unusable.
     ComputationError
         The torque is not finite; the message names the first such sample.
+
+    Examples
+    --------
+    >>> values = surae.load("fit.json").values
+    >>> torque = surae.simulate("muscle", values, "trial.csv")
     """
     spec, chosen = with_optional(get_model(model), parameters), ModelOptions.of(**options)
     inputs = as_inputs(recording, prepared=True)
@@ -118,6 +123,11 @@ def simulate_parts(
         Something given is unknown, missing or unusable.
     ComputationError
         The torque is not finite.
+
+    Examples
+    --------
+    >>> values = surae.load("fit.json").values
+    >>> surae.simulate_parts("muscle", values, "trial.csv").tissue.max()
     """
     inputs = as_inputs(recording, prepared=True)
     spec = with_optional(get_model(model), parameters)
@@ -145,6 +155,11 @@ def simulate_tendon(
     ------
     InputError
         The model's tendons are rigid, or something given is unknown, missing or unusable.
+
+    Examples
+    --------
+    >>> values = surae.load("fit.json").values
+    >>> surae.simulate_tendon("muscle-tendon", values, "trial.csv").elongation.max()
     """
     inputs = as_inputs(recording, prepared=True)
     spec = with_optional(get_model(model), parameters)

@@ -172,7 +172,7 @@ def _laboratory(result: FitResult) -> list[_Reason]:
         return []
     meanings = {p.name: p.meaning for p in result.problem.spec.parameters}
     named = ", ".join(f"{meanings[name]} ({name})" for name in odd)
-    return [(False, f"{named}: farther from what is usual than a laboratory is likely to be")]
+    return [(False, f"{named}: implausible; check electrodes and set-up")]
 
 
 def _agreement(

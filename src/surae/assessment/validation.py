@@ -38,6 +38,11 @@ class Prediction(Comparable):
     adequacy: Adequacy | None = None
     fascicles: tuple[Fascicles, ...] = ()  #: Filmed lengths, measured and predicted.
 
+    def __repr__(self) -> str:
+        judged = "" if self.adequacy is None else f"{self.adequacy.grade}, "
+        errors = f"RMSE {self.rmse:.3g} Nm, bias {self.bias:.3g} Nm"
+        return f"prediction of {self.name!r}: {judged}VAF {self.vaf:.2f} %, {errors}"
+
     @property
     def errors(self) -> tuple[FloatArray, FloatArray]:
         """Measured torque, and measured minus predicted, of the samples that count."""

@@ -1,8 +1,8 @@
-"""`surae check`, and findings of the quality gate on the screen."""
+"""`surae check`."""
 
 import json
-import textwrap
 from collections.abc import Sequence
+from dataclasses import replace
 
 import click
 
@@ -10,7 +10,7 @@ from surae import api
 from surae.cli.options import MAPPING
 from surae.cli.paths import check_recordings
 from surae.cli.progress import work
-from surae.cli.screen import show_line
+from surae.cli.screen import show_answer, show_line
 from surae.files import shown
 
 
@@ -51,7 +51,7 @@ def command(
         click.echo(json.dumps(_plain(recordings, qualities), ensure_ascii=False, indent=2))
     else:
         for path, quality in zip(recordings, qualities, strict=True):
-            show_quality(quality, shown(path))
+            show_answer(replace(quality, recording=shown(path)).as_table())
     return 1 if strict and not all(quality.clean for quality in qualities) else 0
 
 
@@ -71,28 +71,6 @@ def _plain(paths: Sequence[str], qualities: "Sequence[api.Quality]") -> dict[str
     }
 
 
-#: Widest text [columns].
-_MOST = 100
-#: Of what stands before the text of a finding.
-_INDENT = 9
-
-
-def show_quality(quality: "api.Quality", name: str) -> None:
-    """Every finding in two or three lines: severity and span, what was found, what to do."""
-    show_line(f"{name}: {quality.summary}")
-    for finding in quality.findings:
-        show_line("")
-        show_line(_head(finding))
-        for text in (finding.message, f"→ {finding.advice}"):
-            show_line(_wrapped(text))
-    if quality.skipped:
-        show_line("")
-        show_line("Not checked:")
-        for skip in quality.skipped:
-            show_line(_wrapped(f"{skip.check}: {skip.reason}"))
-    show_line("")
-
-
 def show_short(quality: "api.Quality") -> None:
     """One line for a recording with findings that matter, and one for each of these."""
     if quality.clean:
@@ -100,15 +78,4 @@ def show_short(quality: "api.Quality") -> None:
     show_line(f"{quality.recording}: {quality.summary}; see `surae check`")
     for finding in quality.findings:
         if finding.severity != "info":
-            show_line(_wrapped(f"{finding.severity} {finding.code}: {finding.message}", 4))
-
-
-def _head(finding: "api.Finding") -> str:
-    channel = f"  {finding.channel}" if finding.channel else ""
-    span = f"{finding.start_s:.2f}–{finding.end_s:.2f} s"
-    return f"{finding.severity:<{_INDENT - 2}}  {finding.code:<20}{span}{channel}"
-
-
-def _wrapped(text: str, indent: int = _INDENT) -> str:
-    space = " " * indent
-    return textwrap.fill(text, _MOST, initial_indent=space, subsequent_indent=space)
+            show_line(f"    {finding.severity} {finding.code}: {finding.message}")

@@ -4,10 +4,10 @@ import click
 
 from surae import api
 from surae.cli.fit import judge_end, show_fitted
-from surae.cli.paths import check_outputs, make_folder
+from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_line
-from surae.files import shown, write_json
+from surae.files import make_folder, shown, write_json
 
 
 @click.command("demo")

@@ -9,9 +9,8 @@ from surae.cli.options import Picture, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.protocol import device_of, device_options, file_kind
-from surae.cli.screen import show_answer, show_files, show_line
+from surae.cli.screen import show_answer, show_files
 from surae.errors import InputError
-from surae.formatting import part
 from surae.requests import DesignSettings
 
 
@@ -63,13 +62,7 @@ def command(
         api.write_protocol_target(design.trajectory, target)
     if figure is not None:
         api.write_figure(figure, api.protocol_figure(design.trajectory))
-    show_answer(design.expectation.as_table())
-    for note in design.notes:
-        show_line(note)
-    if design.aimed:
-        aims = ", ".join(f"{name} {part(sem)}" for name, sem in design.aimed.items())
-        show_line(f"standard error of what was aimed at: {aims}")
-    show_line(f"{design.curve[-1][0]:,} plans to the best; {design.seconds:.0f} s")
+    show_answer(design.as_table())
     show_files({"protocol": output, "target": target, "figure": figure})
     if design.stopped:
         raise StoppedError("stopped by the user; the best so far is kept")

@@ -7,7 +7,7 @@ import click
 
 from surae import api
 from surae.cli.check import show_short
-from surae.cli.options import MAPPING, figure_options, request, request_options
+from surae.cli.options import MAPPING, Picture, request, settings_options
 from surae.cli.paths import check_outputs, check_recordings
 from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_fit
@@ -18,13 +18,17 @@ from surae.files import shown
 @click.command("fit")
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
 @MAPPING
-@request_options
+@settings_options(api.FitSettings, api.ModelOptions)
+@click.option("--mvc", multiple=True, metavar="FILE",
+              help="A maximum voluntary contraction; may be given several times.")  # fmt: skip
 @click.option(
     "--strict", is_flag=True, help="Refuse recordings in which `surae check` finds errors."
 )
 @click.option("--output", metavar="FIT.json", help="Write the fit.")
 @click.option("--report", metavar="REPORT.html", help="Write the report; .pdf makes a PDF.")
-@figure_options
+@click.option("--figure", type=Picture(), metavar="F.svg|pdf|png", help="Draw it for a paper.")
+@click.option("--width", type=click.FloatRange(40.0, 500.0), default=170.0, metavar="MM",
+              help="Width of the figure.  [default: 170]")  # fmt: skip
 def command(
     recordings: tuple[str, ...],
     mapping: str | None,

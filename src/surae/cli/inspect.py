@@ -9,7 +9,7 @@ from surae import api
 from surae.cli.options import MAPPING
 from surae.cli.paths import check_outputs, check_recordings
 from surae.cli.progress import work
-from surae.cli.screen import show_line, show_table
+from surae.cli.screen import show_answer, show_line
 from surae.errors import InputError
 from surae.files import shown, write_atomic
 
@@ -63,11 +63,11 @@ def command(
     to = "MAP.toml" if output is None else shown(output)
     shown_files = f"{shown(files[0])}{' …' if len(files) > 1 else ''}"
     if isinstance(inspected, api.InspectedTrials):
-        _show(inspected.typical)
+        show_answer(inspected.typical.as_table())
         _show_trials(inspected)
         then = f"surae session {shown_files} --mapping {to} --output OUT"
     else:
-        _show(inspected)
+        show_answer(inspected.as_table())
         then = f"surae fit {to}"
     if output is None:
         show_line(f"To use it: --output MAP.toml, check the comments in it, {then}")
@@ -98,58 +98,3 @@ def _as_mapped(paths: list[str], mapping: str) -> None:
             show_line(f"{shown(path)}: {error}")
     if wrong:
         raise InputError(f"{wrong} of {len(paths)} files cannot be read so")
-
-
-def _show(inspection: "api.Inspection") -> None:
-    """The channels as a table, then what was found and what is left to say."""
-    for path, form in inspection.formats.items():
-        show_line(f"{shown(path)}: {form}")
-        headings = ("channel", "unit", "Hz", "samples", "start [s]", "least", "greatest", "role")
-        rows = [
-            (
-                _printable(channel.column),
-                _printable(channel.unit or "–"),
-                _number(channel.rate_hz, 6),
-                "–" if channel.n is None else str(channel.n),
-                _number(channel.start_s, 4),
-                _number(channel.low, 4),
-                _number(channel.high, 4),
-                _role(channel, inspection),
-            )
-            for channel in inspection.channels
-            if channel.file == path
-        ]
-        show_table(headings, rows)
-    for role, channel in inspection.roles.items():
-        guess = channel.guess
-        assert guess is not None
-        show_line(f"{role} = {_printable(channel.column)} ({guess.confidence}: {guess.rule})")
-    if inspection.side is not None:
-        show_line(f"side = {inspection.side} ({inspection.side_rule})")
-    if inspection.emg is not None:
-        show_line(f"EMG = {inspection.emg} ({inspection.emg_rule})")
-    remarks: dict[str, list[str]] = {}
-    for channel in inspection.channels:
-        for remark in filter(None, channel.remark.split("; ")):
-            remarks.setdefault(remark, []).append(channel.column)
-    for remark, names in remarks.items():
-        show_line(f"- {api.some(names, 3)}: {remark}")
-    for line in inspection.advice:
-        show_line(f"- {line}")
-
-
-def _role(channel: "api.InspectedChannel", inspection: "api.Inspection") -> str:
-    """The role that a channel has, or with a question mark could have."""
-    role = next((role for role, chosen in inspection.roles.items() if chosen is channel), None)
-    left = [role for role, several in inspection.open.items() if any(c is channel for c in several)]
-    if role is None and len(left) == len(api.MUSCLES) and all(r.startswith("emg_") for r in left):
-        return "emg_?"
-    return role or " or ".join(f"{each}?" for each in left) or "–"
-
-
-def _printable(text: str) -> str:
-    return text if text.isprintable() else repr(text)
-
-
-def _number(value: float | None, digits: int) -> str:
-    return "–" if value is None else f"{value:.{digits}g}"

@@ -60,38 +60,11 @@ class OptionType(click.ParamType):  # type: ignore[type-arg]
 
 
 class Number(OptionType):
-    """A number, above a limit and below another where they are given."""
-
-    def __init__(self, above: float = -math.inf, below: float = math.inf) -> None:
-        self.above, self.below = above, below
+    """A number."""
 
     def read(self, text: str, where: str) -> float:
         """Read the number."""
-        value = number(where, text)
-        limited = (self.above, self.below) != (-math.inf, math.inf)
-        if limited and not self.above < value < self.below:
-            upper = "" if self.below == math.inf else f" and below {self.below:g}"
-            lower = f"{self.above:g}" if self.above else "zero"
-            raise InputError(f"{where}: give a number above {lower}{upper}")
-        return value
-
-
-class Whole(OptionType):
-    """A whole number within limits."""
-
-    def __init__(self, least: int, most: int | None = None) -> None:
-        self.least, self.most = least, most
-
-    def read(self, text: str, where: str) -> int:
-        """Read the number."""
-        upper = "or more" if self.most is None else f"to {self.most}"
-        try:
-            value = int(text)
-        except ValueError:
-            value = self.least - 1
-        if "_" in text or value < self.least or (self.most is not None and value > self.most):
-            raise InputError(f"{where}: give a whole number, {self.least} {upper}")
-        return value
+        return number(where, text)
 
 
 class Entry(OptionType):
@@ -214,7 +187,7 @@ def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, A
 
 EXCLUDE = click.option("--exclude", type=Span(), multiple=True, metavar="START:END",
                        help="Seconds to leave out; either may be left away.")  # fmt: skip
-#: What `weights` is made of, and its frequent value of `loss`.
+#: What `weights` is made of.
 _WEIGHTS = (
     EXCLUDE,
     click.option("--weight", type=Span(weight=True), multiple=True, metavar="START:END:W",
@@ -223,8 +196,6 @@ _WEIGHTS = (
                  help="A sample at a peak counts 1 + P times as much as one at rest."),
     click.option("--peaks-of", type=click.Choice(names.ACTIVITIES),
                  help="Peaks of what.  [default: torque]"),
-    click.option("--robust", is_flag=True, default=None,
-                 help="Outliers count less: the same as --loss huber."),
 )  # fmt: skip
 
 
@@ -275,22 +246,13 @@ def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
         return how | {"type": entry, "multiple": True, "callback": table,
                       "metavar": f"NAME={record.metavar}"}  # fmt: skip
     elif kind == "whole":
-        most = None if record.most is None else int(record.most)
-        how["type"] = Whole(int(record.least or 0), most)
+        how["type"] = click.INT  # the request knows its limits
     else:
-        how["type"] = Number(-math.inf if record.above is None else record.above)
+        how["type"] = Number()
     default = default_of(each)
     if default not in (None, ""):
         how["help"] += f"  [default: {f'{default:g}' if kind == 'number' else default}]"
     return how
-
-
-_MVC = click.option(
-    "--mvc",
-    multiple=True,
-    metavar="FILE",
-    help="A maximum voluntary contraction; may be given several times.",
-)
 
 
 LANGUAGE = click.option("--language", type=click.Choice(names.LANGUAGES), default="en",
@@ -299,56 +261,25 @@ MAPPING = click.option("--mapping", metavar="MAP.toml",
                        help="Read the files as this mapping says, of all of them.")  # fmt: skip
 
 
-def figure_options(function: F) -> F:
-    """Add a figure and its width [mm], which arrive as the keywords `figure` and `width`."""
-    width = click.option("--width", type=Number(above=40.0, below=500.0), default=170.0,
-                         metavar="MM", help="Width of the figure.  [default: 170]")  # fmt: skip
-    figure = click.option("--figure", type=Picture(), metavar="F.svg|pdf|png",
-                          help="Draw it for a paper.")  # fmt: skip
-    return figure(width(function))
-
-
 def workers_option(what: str, *, many: str = "all processors") -> Callable[[F], F]:
     """How many of something are made at a time; by default as `many` says."""
     help = f"{what} at a time.  [default: {many}]"
-    return click.option("--workers", type=Whole(1, _MOST_WORKERS), metavar="N", help=help)
-
-
-def server_options(port: int) -> Callable[[F], F]:
-    """Where a server listens and who may ask: `host`, `port`, `token`, `open_`."""
-    options = (
-        click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
-                     help="Address to listen on; any but this computer's own needs a token."),
-        click.option("--port", type=Whole(0, 65535), default=port, show_default=True, metavar="N",
-                     help="0: any free one."),
-        click.option("--token", metavar="T", envvar="SURAE_TOKEN",
-                     help="What a browser must know; in the list of processes others see it, in "
-                     "the environment, as SURAE_TOKEN, not.  [default: made where needed]"),
-        click.option("--open/--no-open", "open_", default=True, help="Show it in the browser."),
-    )  # fmt: skip
-
-    def decorate(function: F) -> F:
-        for option in reversed(options):
-            function = option(function)
-        return function
-
-    return decorate
+    return click.option("--workers", type=click.IntRange(1, _MOST_WORKERS), metavar="N", help=help)
 
 
 DASK = click.option("--dask", metavar="ADDRESS",
                     help="Scheduler of a Dask cluster to run on instead.")  # fmt: skip
 
 
-def engine_of(dask: str | None, workers: int | None, kind: str | None = None) -> "Engine":
-    """Where the work is done: a Dask cluster, or so many workers of a kind."""
+def engine_of(dask: str | None, workers: int | None) -> "Engine":
+    """Where the work is done: a Dask cluster, or so many processes."""
     from surae.runner import Engine, cores  # numpy
 
     if dask is None:
         count = workers or cores()
-        return Engine(kind or ("processes" if count > 1 else "threads"), count)
-    if workers is not None or kind is not None:
-        ours = "--workers" if kind is None else "--workers or --engine"
-        raise InputError(f"--dask brings workers of its own; give it without {ours}")
+        return Engine("processes" if count > 1 else "threads", count)
+    if workers is not None:
+        raise InputError("--dask brings workers of its own; give it without --workers")
     return Engine("dask", address=dask)
 
 
@@ -381,13 +312,8 @@ def settings_options(*requests: Any, without: Sequence[str] = ()) -> Callable[[F
     return _collected(made)
 
 
-def request_options(function: F) -> F:
-    """Add the settings of a fit, which `request` reads, and its --mvc."""
-    return settings_options(api.FitSettings, api.ModelOptions)(_MVC(function))
-
-
 def request(options: Mapping[str, Any]) -> "api.FitSettings":
-    """The settings of a command, as `surae.fit` takes it, from what `request_options` collected."""
+    """The settings of a fit, as `surae.fit` takes them, from the `options` of a command."""
     keywords = dict(options)
     windows = (*keywords.pop("exclude", ()), *keywords.pop("weight", ()))
     peaks, kind = keywords.pop("weight_peaks", None), keywords.pop("peaks_of", None)
@@ -395,6 +321,4 @@ def request(options: Mapping[str, Any]) -> "api.FitSettings":
         raise InputError("--peaks-of has no effect without --weight-peaks; give one")
     if windows or peaks is not None:
         keywords["weights"] = api.Weighting(windows, peaks or 0.0, kind or "torque")
-    if keywords.pop("robust", False) and keywords.setdefault("loss", "huber") != "huber":
-        raise InputError(f"--robust means --loss huber, not {keywords['loss']}; give one of them")
     return api.FitSettings.of(keywords.pop("model", names.AUTO), **keywords)

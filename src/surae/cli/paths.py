@@ -57,13 +57,3 @@ def check_outputs(outputs: Mapping[str, str | None], inputs: Iterable[str]) -> N
             raise InputError(f"{option}: {shown(path)} {taken[real]}; choose another file")
         if not Path(real).exists() or Path(real).is_file():  # a device may take both
             taken[real] = f"is the file of {option} too"
-
-
-def make_folder(folder: str) -> Path:
-    """The folder, made where it is missing."""
-    try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"cannot make the folder {shown(folder)}: {reason.lower()}") from None
-    return Path(folder)

@@ -8,7 +8,7 @@ from surae import api
 from surae.cli.options import settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
-from surae.cli.screen import Columns, ends_text, show_files, show_line, show_table
+from surae.cli.screen import show_answer, show_files
 from surae.requests import ProfileSettings
 
 
@@ -40,33 +40,9 @@ def command(
 
     if output is not None:
         profiles.save(output)
-    show_table(*_table(profiles))
-    for line in _notes(profiles):
-        show_line(line)
+    show_answer(profiles.as_table())
     show_files({"profiles": output})
     if profiles.missing:
         done = "complete profiles are shown" + (" and written" if output is not None else "")
         left = ", ".join(profiles.missing)
         raise StoppedError(f"stopped by the user; {done}; not done: {left}")
-
-
-def _table(profiles: "api.Profiles") -> Columns:
-    """Intervals of profile and covariance beside each other."""
-    heads = ("parameter", "value", "95 % profile", "95 % covariance", "status", "unit")
-    return heads, [
-        (p.name, api.significant(p.value, 4), ends_text(p.interval), ends_text(p.from_covariance),
-         str(p.status), p.unit)
-        for p in profiles.profiles.values()
-    ]  # fmt: skip
-
-
-def _notes(profiles: "api.Profiles") -> list[str]:
-    """Remarks on them."""
-    notes = [
-        f"{p.name}: {p.message}"
-        for p in profiles.profiles.values()
-        if p.status != "closed" or p.message != "both ends found"
-    ]
-    if profiles.noise:
-        notes.append(profiles.noise)
-    return [*notes, f"{len(profiles.profiles)} profiles in {profiles.seconds:.1f} s"]

@@ -47,9 +47,6 @@ def device_options(function: Command) -> Command:
 @click.option("--chirp-factor", type=Number(), metavar="S",
               help="Instead of --chirp-rate, the thesis's s of A·sin(s·t²): S/π Hz/s.")  # fmt: skip
 @device_options
-@click.option("--despite", metavar="REASON",
-              help="Why efforts and range stay as they are though legs would ask more torque than "
-              "the device has; goes into the file.")  # fmt: skip
 @click.option("--output", required=True, metavar="P.csv|P.mat", help="Where the protocol goes.")
 @click.option("--figure", type=Picture(), metavar="P.svg|pdf|png", help="Draw it.")
 def command(
@@ -57,7 +54,6 @@ def command(
     chirp_factor: float | None,
     device: str,
     without_limits: str | None,
-    despite: str | None,
     output: str,
     figure: str | None,
     options: dict[str, Any],
@@ -76,20 +72,15 @@ def command(
     limiting, no_adapt = device_of(device, without_limits), "adapt" in options
     if no_adapt and limiting is None:
         raise InputError("--no-adapt has no effect without the limits of a device")
-    if despite is not None and not despite.strip():
-        raise InputError("--despite: say why the device's torque may be exceeded")
-    if despite is not None and limiting is None:
-        raise InputError("--despite: without a device no limit is exceeded; leave it out")
     file_kind("--output", output, ".csv", ".mat")
     check_outputs({"--output": output, "--figure": figure}, [])
 
     limits = api.as_device(limiting)
     options["range_of_motion"] = api.allowed_range(limits, options.get("range_of_motion"))
     if name in api.ready_protocols():
-        fixed = own + ["--despite"] * (despite is not None)
-        if fixed:
+        if own:
             raise InputError(
-                f"{fixed[0]}: {name} was designed as a whole; leave {', '.join(fixed)} out, or "
+                f"{own[0]}: {name} was designed as a whole; leave {', '.join(own)} out, or "
                 "design your own: surae design"
             )
         with compilation_notice():
@@ -102,39 +93,26 @@ def command(
     else:
         settings = api.Protocol(profile=name, device=limits, **options)
         trajectory = api.protocol_trajectory(settings)
-        given_up: tuple[str, ...] = (
-            () if despite is None else ("Nothing is given up for its torque.",)
-        )
-        if limits is not None and despite is None and not no_adapt:
+        given_up: tuple[str, ...] = ()
+        if limits is not None and not no_adapt:
             with compilation_notice():
-                trajectory, given_up = _held(settings)
+                trajectory, given_up = api.held_to_torque(settings)
         table = _table(settings, trajectory, given_up)
         model = "muscle"
     with compilation_notice():
         limits_checked = api.requested_limits(trajectory, model)
     beyond = "; ".join(limit.text for limit in limits_checked if limit.exceeded)
-    if beyond and despite is None:
+    if beyond:
         raise InputError(
             f"{name}: {beyond}; leave --no-adapt out, which gives up effort and range as far as "
-            "needed, or say why it may be: --despite REASON"
+            "needed"
         )
-    if despite is not None and not beyond:
-        raise InputError(f"--despite: no limit of {device} is exceeded; leave it out")
-    note = f"beyond limits: {' '.join(despite.split())} ({beyond})" if despite else ""
-    api.write_protocol(trajectory, output, without_limits=without_limits, note=note)
+    api.write_protocol(trajectory, output, without_limits=without_limits)
     if figure is not None:
         api.write_figure(figure, api.protocol_figure(trajectory))
     for line in (*table, *(limit.text for limit in limits_checked)):
         show_line(line)
     show_files({"protocol": output, "figure": figure})
-
-
-def _held(settings: "api.Protocol") -> "tuple[api.Trajectory, tuple[str, ...]]":
-    """The protocol within its device's torque, and what was given up for it."""
-    try:
-        return api.held_to_torque(settings)
-    except InputError as error:
-        raise InputError(f"{error}, or say why it may be: --despite REASON") from None
 
 
 def device_of(name: str, without_limits: str | None) -> str | None:

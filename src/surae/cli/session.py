@@ -9,40 +9,35 @@ from surae import api
 from surae.cli.options import (
     LANGUAGE,
     MAPPING,
-    figure_options,
     request,
-    request_options,
+    settings_options,
     workers_option,
 )
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_line, show_table
-from surae.errors import ComputationError, InputError
+from surae.errors import ComputationError
 from surae.files import shown
 
 
 @click.command("session")
 @click.argument("recordings", metavar="FILES|DIR", nargs=-1, required=True)
 @MAPPING
-@request_options
+@settings_options(api.FitSettings, api.ModelOptions)
 @click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
 @click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
 @LANGUAGE
 @click.option("--before", metavar="DIR", help="Results of an earlier visit, to show what changed.")
 @workers_option("Fits")
-@figure_options
 def command(
     recordings: tuple[str, ...],
     mapping: str | None,
     options: dict[str, Any],
-    mvc: tuple[str, ...],
     output: str,
     report: str | None,
     language: str,
     before: str | None,
     workers: int | None,
-    figure: str | None,
-    width: float,
 ) -> None:
     """Fit the trials of one leg: each, all together, and each predicted by the others.
 
@@ -52,15 +47,9 @@ def command(
     fits/TRIAL.json and joint.json; the same command again takes fits that are there already.
     Ctrl-C keeps what is complete.
     """
-    if mvc:
-        raise InputError(
-            "--mvc: the maximal contractions of a session are among its trials: name them so, or "
-            'write effort = "maximal" in the mapping\'s [trials]'
-        )
     settings = request(options)
-    for option, path in (("--report", report), ("--figure", figure)):
-        if path is not None and Path(path).resolve().parent != Path(output).resolve():
-            check_outputs({option: path}, recordings)  # OUT/ is not there yet
+    if report is not None and Path(report).resolve().parent != Path(output).resolve():
+        check_outputs({"--report": report}, recordings)  # OUT/ is not there yet
 
     if report is not None:
         api.check_report(report)
@@ -81,9 +70,7 @@ def command(
         result.report(Path(output, f"report.{language}.html"), before=earlier, language=language)
     if report is not None:
         result.report(report, before=earlier, language=language)
-    if figure is not None and result.fits:
-        result.figure(figure, width=width)
-    show_files({"report": report, "figure": figure if result.fits else None})
+    show_files({"report": report})
     if result.interrupted:
         raise StoppedError(
             "stopped by the user; the fits that are complete are written, and the same command "
@@ -115,7 +102,7 @@ def _show(result: "api.SessionResult", output: str) -> None:
         for row in result.rows()
     ]
     if rows:
-        show_table(("fit of", "effort", "grade", "R²", ""), rows)
+        show_table(("fit of", "effort", "grade", "R²", ""), rows, ("R²",))
     for name, why in result.failed.items():
         show_line(f"{name}: {why}")
     for text in result.common:

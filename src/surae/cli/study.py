@@ -26,21 +26,15 @@ def command() -> None:
 @click.argument("study", metavar="STUDY.toml")
 @click.option("--store", required=True, metavar="S.db", help="Keeps every finished fit.")
 @workers_option("Fits", many="one for each core")
-@click.option("--engine", type=click.Choice(("processes", "threads")),
-              help="What the workers are.  [default: processes]")  # fmt: skip
 @DASK
 @click.option("--retry", is_flag=True, help="Try again what gave no fit in an earlier run.")
-def run_command(
-    study: str, store: str, workers: int | None, engine: str | None, dask: str | None, retry: bool
-) -> None:
+def run_command(study: str, store: str, workers: int | None, dask: str | None, retry: bool) -> None:
     """Run a study, or go on with it: what the store holds is not computed again.
 
     STUDY.toml gives factors, each a value or a list of values; all combinations are fitted. The
     run may be stopped in any way and at any time: run it again and it goes on.
     """
-    if dask is None:
-        engine = engine or "processes"
-    chosen = engine_of(dask, workers, engine)
+    engine = engine_of(dask, workers)
     check_outputs({"--store": store}, [study])
 
     plan = api.read_study(study)
@@ -52,7 +46,7 @@ def run_command(
                 done = api.run_study(
                     plan,
                     opened,
-                    engine=chosen,
+                    engine=engine,
                     progress=partial(progress.parts, "fits"),
                     retry=retry,
                 )

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import EXCLUDE, figure_options
+from surae.cli.options import EXCLUDE
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line, show_predictions
@@ -21,7 +21,6 @@ from surae.files import shown, write_json
 @EXCLUDE
 @click.option("--output", metavar="V.json", help="Write the figures.")
 @click.option("--report", metavar="V.html", help="Write the fit's report with the predictions.")
-@figure_options
 def command(
     fitted: str,
     recordings: tuple[str, ...],
@@ -29,14 +28,12 @@ def command(
     exclude: tuple[tuple[float, float, float], ...],
     output: str | None,
     report: str | None,
-    figure: str | None,
-    width: float,
 ) -> None:
     """Predict the torque of other recordings with the parameters of a fit."""
     api.check_report(report)
     measured = [api.read(path) for path in recordings]
     check_outputs(
-        {"--output": output, "--report": report, "--figure": figure},
+        {"--output": output, "--report": report},
         [fitted, *(f.path for recording in measured for f in recording.files)],
     )
 
@@ -53,9 +50,7 @@ def command(
             show_line(f"{shown(path)} was used in the fit: following it proves nothing")
     if report is not None:
         fit.report(report, validation=predictions)
-    if figure is not None:
-        fit.figure(figure, validation=predictions, width=width)
-    show_files({"validation": output, "report": report, "figure": figure})
+    show_files({"validation": output, "report": report})
 
 
 def _table(paths: Sequence[str], predictions: Sequence["api.Prediction"]) -> list[dict[str, Any]]:

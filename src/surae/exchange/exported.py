@@ -27,11 +27,11 @@ class ExportedModel:
     #: range that was moved, at rest and at four activities of each muscle group.
     rms: float
     largest: float  #: The largest of our torques there [Nm].
-    #: The same difference over the recordings, where tissue relaxes and muscles move; None where
-    #: tendons of OpenSim give way.
-    moving: float | None
     missing: tuple[str, ...]  #: Parameters of the fit that the file leaves out.
     missing_rms: float  #: Root mean square of the torque that these make over the recordings [Nm].
+
+    def __repr__(self) -> str:
+        return f"{FORMATS[self.to][0]} model. {self.agreement}"
 
     @property
     def agreement(self) -> str:
@@ -39,12 +39,9 @@ class ExportedModel:
         name, part = FORMATS[self.to][0], 100.0 * self.rms / self.largest
         text = (
             f"Held still, the torque in {name} differs from ours by {self.rms:.3g} Nm rms "
-            f"({part:.2g} % of the largest)"
+            f"({part:.2g} % of the largest). Movement is not compared: there tissue relaxes, and "
+            "muscles shorten along curves of their own."
         )
-        if self.moving is None:
-            text += ". Movement was not compared."
-        else:
-            text += f"; over the recordings, moving, by {self.moving:.3g} Nm rms."
         if self.missing:
             text += (
                 f" The file leaves out {', '.join(self.missing)}: over the recordings these make "
@@ -86,9 +83,7 @@ def exported(result: FitResult, assessment: Assessment, to: str) -> ExportedMode
             "export that"
         )
     joint = joint_of(leg, measured_range(result), springs=FORMATS[to][2])
-    near = ExportedModel(
-        to, "", joint.rms, joint.largest, joint.moving, joint.missing, joint.missing_rms
-    )
+    near = ExportedModel(to, "", joint.rms, joint.largest, joint.missing, joint.missing_rms)
     text = _WRITERS[to](joint, [near.agreement, *_comments(joint, leg, to), *_values(assessment)])
     return replace(near, text=text)
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from surae.exchange.muscles import (
     DeGrooteMuscle,
-    ForeignMuscle,
     HeldMuscle,
     MujocoMuscle,
     PolynomialPath,
@@ -98,8 +97,7 @@ class JointMuscle:
     def torque(self, angle: FloatArray, velocity: FloatArray, active: FloatArray) -> FloatArray:
         """Torque at angles [rad], their velocity [rad/s] and activation [Nm]."""
         length, arm = self.path.length(angle), self.path.arm(angle)
-        muscle: ForeignMuscle = self.muscle
-        pull = muscle.force(length, arm * velocity, active) + self.tissue.force(length)
+        pull = self.muscle.force(length, arm * velocity, active) + self.tissue.force(length)
         torque: FloatArray = arm * pull
         return torque
 
@@ -115,9 +113,6 @@ class JointModel:
     muscles: tuple[JointMuscle, JointMuscle]
     rms: float  #: Of the difference of both torques, held still over the range [Nm].
     largest: float  #: Largest of our torques there [Nm].
-    #: The same over the recordings, with relaxation, speed and activation; None where a tendon
-    #: of OpenSim gives way.
-    moving: float | None
     #: Optional parameters of the fit that are not here, and the torque that they make over the
     #: recordings, as root mean square [Nm].
     missing: tuple[str, ...]
@@ -146,7 +141,6 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
         theirs.append(np.stack([muscle.torque(angle, still, still + s) for s in shares]))
     own = ours[0][:, None] + ours[1][None]
     apart = own - theirs[0][:, None] - theirs[1][None]
-    pair = muscles[0], muscles[1]
     missing = tuple(
         p.name
         for p in OPTIONAL_PARAMETERS
@@ -155,8 +149,8 @@ def joint_of(leg: Leg, moved: tuple[float, float], *, springs: bool) -> JointMod
     bare = leg.with_values(dict.fromkeys(missing, 0.0))
     return JointModel(
         leg.options.anatomy, leg.values["m"], leg.options.theta_foot,
-        (float(angle[0]), float(angle[-1])), pair,
-        _rms(apart), float(np.abs(own).max()), _moving(bare, pair), missing,
+        (float(angle[0]), float(angle[-1])), (muscles[0], muscles[1]),
+        _rms(apart), float(np.abs(own).max()), missing,
         _apart(leg, bare) if missing and leg.inputs else 0.0,
     )  # fmt: skip
 
@@ -186,24 +180,6 @@ def _excitation(leg: Leg, group: str, recording: int) -> FloatArray:
     gains = np.array([leg.values[name] for name in GAINS[group]])
     excitation: FloatArray = leg.inputs[recording].emg[:, _CHANNELS[group]] @ gains
     return excitation
-
-
-def _moving(leg: Leg, muscles: tuple[JointMuscle, JointMuscle]) -> float | None:
-    """Difference of the muscles' torques over the recordings [Nm]."""
-    springs = isinstance(muscles[0].tissue, Springs)
-    if (leg.is_compliant and not springs) or not leg.inputs:
-        return None
-    # a comment of the file says to delay the EMG
-    prompt = leg.with_values({"emd": 0.0}) if "emd" in leg.values else leg
-    apart = []
-    for number, (inputs, parts) in enumerate(zip(leg.inputs, prompt.parts, strict=True)):
-        torque = parts.tissue + parts.neural
-        for muscle in muscles:
-            excitation = _excitation(leg, muscle.group, number) / muscle.scale
-            active = muscle.muscle.activation(excitation, 1.0 / inputs.rate_hz)
-            torque = torque - muscle.torque(inputs.angle, inputs.velocity, active)
-        apart.append(torque if inputs.weight is None else torque[inputs.weight > 0])
-    return _rms(np.concatenate(apart))
 
 
 def _apart(leg: Leg, other: Leg) -> float:

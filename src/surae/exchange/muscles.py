@@ -6,7 +6,6 @@ ratio of arm to slope.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -21,7 +20,7 @@ _DEGREE = 5
 #: What is left on the cylinder where the path is shortest [rad]; from there to the insertion [m].
 _WRAPPED, _END = 0.3, 0.01
 #: Curves of De Groote et al. (2016) as OpenSim has them: three bells of force over length, force
-#: over velocity and its slope at rest, scale of the tendon's, smoothing between rise and fall.
+#: over velocity and its slope at rest, scale of the tendon's.
 _FL = (
     (0.8150671134243542, 1.055033428970575, 0.162384573599574, 0.063303448465465),
     (0.433004984392647, 0.716775413397760, -0.029947116970696, 0.200356847296188),
@@ -29,7 +28,7 @@ _FL = (
 )
 _FV = (-0.3211346127989808, -8.149, -0.374, 0.8825327733249912)
 _FV_SLOPE = _FV[0] * _FV[1] / (1.0 + _FV[2] ** 2) ** 0.5
-_TENDON, _SMOOTHING = 0.2, 0.1
+_TENDON = 0.2
 #: Halvings in which force balance is found; 40 leave 1e-12 of the largest force.
 _HALVINGS = 40
 #: Ends of what is fitted of a muscle: optimum [optimal lengths from where it is assumed], widths.
@@ -154,20 +153,6 @@ class HeldMuscle:
     stretch: float  #: Of the tendon at `peak`, along the path [m]; 0 of a rigid one.
 
 
-class ForeignMuscle(Protocol):
-    """A muscle of another simulator, without its passive tissue."""
-
-    @property
-    def peak(self) -> float:
-        """Force at activation 1 and optimal length [N]."""
-
-    def force(self, length: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
-        """Force [N] where its path is so long [m] and lengthens so fast [m/s]."""
-
-    def activation(self, excitation: FloatArray, dt: float) -> FloatArray:
-        """Activation after an excitation of shape (n,), a sample each dt [s]; from its first."""
-
-
 @dataclass(frozen=True, slots=True)
 class DeGrooteMuscle:
     """``DeGrooteFregly2016Muscle`` of OpenSim.
@@ -179,7 +164,7 @@ class DeGrooteMuscle:
     Biomedical Engineering 44(10):2922-2936.
     """
 
-    peak: float  #: As of `ForeignMuscle`.
+    peak: float  #: Force at activation 1 and optimal length [N].
     optimal: float  #: Optimal fibre length [m].
     slack: float  #: Slack length of the tendon [m].
     strain: float  #: Of the tendon at `peak`; 0 where it is rigid.
@@ -210,7 +195,10 @@ class DeGrooteMuscle:
         return of(least_squares(missing, (0.0, 1.0, 1.0, 1.0), bounds=bounds).x)
 
     def force(self, length: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
-        """As of `ForeignMuscle`; tendon and muscle are in balance, at the speed of the path."""
+        """Force [N] where the path is so long [m] and lengthens so fast [m/s].
+
+        Muscle and tendon are in balance, at the speed of the path.
+        """
         bent = _FV[1] * speed / (self.speed * self.optimal) + _FV[2]
         moving = activation * (_FV[0] * np.arcsinh(bent) + _FV[3])
         if self.strain == 0.0:
@@ -223,17 +211,6 @@ class DeGrooteMuscle:
             more = moving * self._held(fibre) > middle
             low, high = np.where(more, middle, low), np.where(more, high, middle)
         return self.peak * 0.5 * (low + high)
-
-    def activation(self, excitation: FloatArray, dt: float) -> FloatArray:
-        """As of `ForeignMuscle`; the rate depends a little on what is active already."""
-        out = np.empty_like(excitation)
-        state = float(excitation[0])
-        for i, wanted in enumerate(np.clip(excitation, 0.0, 1.0).tolist()):
-            bent, rises = 0.5 + 1.5 * state, 0.5 * np.tanh(_SMOOTHING * (wanted - state))
-            rate = (0.5 + rises) / bent + (0.5 - rises) * bent
-            state -= (wanted - state) * np.expm1(-dt * rate / self.lag)
-            out[i] = state
-        return out
 
     def _held(self, fibre: FloatArray) -> FloatArray:
         """Force-length curve."""
@@ -256,7 +233,7 @@ class MujocoMuscle:
     Its passive force stands on the same optimal length and is left out.
     """
 
-    peak: float  #: As of `ForeignMuscle`.
+    peak: float  #: Force at activation 1 and optimal length [N].
     optimal: float  #: L0 [m].
     slack: float  #: LT [m].
     lmin: float  #: Shortest and longest length with an active force [L0].
@@ -286,7 +263,7 @@ class MujocoMuscle:
         return of(least_squares(missing, start, bounds=bounds).x)
 
     def force(self, length: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
-        """As of `ForeignMuscle`."""
+        """Force [N] where the path is so long [m] and lengthens so fast [m/s]."""
         fibre, along = (length - self.slack) / self.optimal, speed / (self.optimal * self.speed)
         # a bump of four parabolas between lmin, 1 and lmax
         side = np.where(fibre < 1.0, 1.0 - self.lmin, self.lmax - 1.0)
@@ -296,12 +273,3 @@ class MujocoMuscle:
         shorter = (np.clip(along, -1.0, 0.0) + 1.0) ** 2
         longer = FECC - (most - np.clip(along, 0.0, most)) ** 2 / most
         return self.peak * activation * bump * np.where(along < 0.0, shorter, longer)
-
-    def activation(self, excitation: FloatArray, dt: float) -> FloatArray:
-        """As of `ForeignMuscle`."""
-        from scipy.signal import lfilter
-
-        kept = float(np.exp(-dt / self.lag))
-        wanted = np.clip(excitation, 0.0, 1.0)
-        out: FloatArray = lfilter([1.0 - kept], [1.0, -kept], wanted, zi=[kept * wanted[0]])[0]
-        return out

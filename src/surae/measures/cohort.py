@@ -19,11 +19,13 @@ from surae._version import __version__
 from surae.errors import InputError
 from surae.filed import filed
 from surae.files import natural_order
+from surae.formatting import estimate, significant
 from surae.frozen import FrozenDict
 from surae.measures.change import compare_sessions, holm
 from surae.measures.quantity import Quantities, Quantity
 from surae.normal import NORMAL, Student, standard_error_of
 from surae.records import Saved, to_plain
+from surae.tables import Tabular, TextTable
 from surae.units import FloatArray
 
 #: Legs from which a mean and a spread are estimated.
@@ -169,8 +171,8 @@ class Pooled:
     at_bound: int  #: Legs whose value lies at a bound.
 
 
-@dataclass(frozen=True, slots=True)
-class Cohort(Saved):
+@dataclass(frozen=True, slots=True, repr=False)
+class Cohort(Tabular, Saved):
     """A cohort: its members, and everything they have over all of them."""
 
     members: tuple[CohortMember, ...]
@@ -187,6 +189,33 @@ class Cohort(Saved):
             f"with {most} legs in a group, intervals of means and differences are narrower than "
             "what all fits are wrong in alike: a small difference may be none"
         )
+
+    def as_table(self) -> TextTable:
+        """Every group, then differences and changes that are shown, and who is left out."""
+        rows, notes, every = [], [], self.pooled.values()
+        for p in every:
+            for group, effects in p.groups.items():
+                text = estimate(effects.mean, effects.se, effects.ci95)
+                spread = significant(effects.between, 2)
+                left_out = "; ".join(f"{count}: {why}" for why, count in p.left_out.items())
+                rows.append((
+                    p.name, group or "all", str(effects.k), text.value, text.interval, spread,
+                    p.unit, str(p.at_bound or ""), left_out,
+                ))  # fmt: skip
+            for kind, contrasts in (("differs", p.differences), ("changed", p.changes)):
+                notes += [
+                    f"{p.name} {kind}, {key or 'all'}: {c.difference:.3g} {p.unit} "
+                    f"({c.ci95[0]:.3g} … {c.ci95[1]:.3g}), p = {c.p:.2g}"
+                    for key, c in contrasts.items()
+                    if c.p < 0.05
+                ]
+        notes += [self.note] if self.note else []
+        notes += [f"{m.row}: no fit ({m.missing})" for m in self.members if m.missing]
+        if self.rounds:
+            notes.append(f"every leg was fitted again with its population, {self.rounds} rounds")
+        heads = ("of", "group", "legs", "mean", "95 % interval", "spread", "unit", "at a bound",
+                 "left out")  # fmt: skip
+        return TextTable(heads, tuple(rows), below=tuple(notes), numbers=heads[2:6])
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as C.json has it."""

@@ -33,6 +33,10 @@ class _Package(ModuleType):
         -------
         Measures
             By name, e.g. ``"passive_stiffness@10deg"``.
+
+        Examples
+        --------
+        >>> surae.measures(surae.load("fit.json"))["passive_stiffness@10deg"].ci95
         """
         return fit.measures(angles)
 

@@ -19,7 +19,7 @@ COLUMNS = ("time_s", "angle_rad", *(f"emg_{muscle}" for muscle in MUSCLES))
 
 
 def write_protocol(
-    trajectory: Trajectory, path: PathLike, *, without_limits: str | None = None, note: str = ""
+    trajectory: Trajectory, path: PathLike, *, without_limits: str | None = None
 ) -> None:
     """Write a protocol for a device: CSV, or MATLAB where the path ends in ``.mat``.
 
@@ -31,8 +31,6 @@ def write_protocol(
         Where to.
     without_limits : str, optional
         Why it may be written though no device's limits were kept; the reason goes into the file.
-    note : str
-        What else is to be known of it; goes into the file, too.
 
     Raises
     ------
@@ -45,10 +43,8 @@ def write_protocol(
             "no device: its limits would not be kept, so nothing is written; name the device, or "
             "say why it may be written without limits"
         )
-    notes = [f"without limits: {reason}" if reason else "", " ".join(note.split())]
-    header = "; ".join(each for each in notes if each)
     write = write_protocol_mat if str(path).lower().endswith(".mat") else write_protocol_csv
-    write(trajectory, path, note=header)
+    write(trajectory, path, note=f"without limits: {reason}" if reason else "")
 
 
 def write_protocol_target(trajectory: Trajectory, path: PathLike) -> None:

@@ -150,7 +150,7 @@ def _stopped(trial: CheckedTrial) -> Iterator[Finding]:
     yield make_finding(
         "active-not-active", None, (trial.time[begun + first], trial.time[begun + last - 1]),
         seconds, f"No muscle is active for {seconds:.2g} s, once efforts have begun.", unit="s",
-        advice="Repeat the trial if effort was requested then: no muscle is active.",
+        advice="Repeat the trial if effort was requested then.",
     )  # fmt: skip
 
 

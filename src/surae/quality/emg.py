@@ -174,7 +174,7 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
         yield make_finding(
             "emg-offset", channel.role, span_of(channel.time), level,
             f"The EMG of the {MUSCLE_NAMES[muscle]} {rest} {quantity(level, channel)} instead "
-            f"of 0 ({100 * ratio:.2g} % of its "
+            f"of 0 ({100 * ratio:.0f} % of its "
             + ("standard deviation)." if trial.emg_kind == "raw" else "highest)."),
             severity="warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
             unit=channel.unit, advice=advice,
@@ -210,8 +210,8 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
             unit=channel.unit,
             advice="Fasten cable and electrode; "
             + (
-                "fit with --robust."
+                "fit with --loss huber."
                 if where[-1] - where[0] > 0.5 * len(size)
-                else "leave that time out with --exclude, or fit with --robust."
+                else "leave that time out with --exclude, or fit with --loss huber."
             ),
         )  # fmt: skip

@@ -162,7 +162,7 @@ _KINDS = (
     FindingKind("emg-offset", "EMG that does not rest at zero",
         "Take the offset away in the mapping; rest the muscle for an envelope.", unit="V"),
     FindingKind("emg-artefact", "spikes and swings of cables and skin",
-        "Fasten cable and electrode; leave that time out with --exclude, or fit with --robust.",
+        "Fasten cable and electrode; leave that time out with --exclude, or fit with --loss huber.",
         unit="V"),
     FindingKind("mains-hum", "50 or 60 Hz in the EMG",
         "Improve the reference electrode and keep cables from power lines; the high-pass does not "
@@ -179,7 +179,7 @@ _KINDS = (
         "Ask for less effort or a slower motion and record again; at its limit the device no "
         "longer follows the profile.", "error", "Nm"),
     FindingKind("torque-artefact", "torque that neither EMG nor angle explain",
-        "Look at that time; leave it out with --exclude, or fit with --robust.", unit="Nm"),
+        "Look at that time; leave it out with --exclude, or fit with --loss huber.", unit="Nm"),
     FindingKind("torque-sign", "torque of the wrong sign",
         "Write sign = -1 for the torque (positive when the triceps pulls), or for the angle "
         "(positive in dorsiflexion) if that is turned.", "error"),

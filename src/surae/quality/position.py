@@ -71,7 +71,8 @@ def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     missed = moved > 0.0 and span / moved < REACHED
     if span >= ROM and not missed:
         return
-    text = f"The angle covers {np.rad2deg(span):.0f}°, from {low:.2f} to {high:.2f} rad"
+    ends = f"{np.rad2deg(low):.0f} to {np.rad2deg(high):.0f}°".replace("-", "−")
+    text = f"The angle covers {np.rad2deg(span):.0f}°, from {ends}"
     text += f": {100 * (span / moved):.0f} % of what was commanded." if missed else "."
     yield make_finding(
         "rom-not-covered", "angle", trial.span, span, text,

@@ -106,8 +106,8 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
 def _artefact(trial: CheckedTrial, at: FloatArray, value: float, text: str) -> Finding:
     span = span_of(at)
     apart = span[1] - span[0] < 0.5 * float(np.ptp(trial.time))
-    advice = "leave that time out with --exclude, or fit with --robust." if apart else (
-        "fit with --robust."
+    advice = "leave that time out with --exclude, or fit with --loss huber." if apart else (
+        "fit with --loss huber."
     )  # fmt: skip
     advice = f"Look at the torque there; {advice}"
     return make_finding("torque-artefact", "torque", span, value, text, advice=advice)

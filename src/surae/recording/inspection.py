@@ -8,13 +8,13 @@ from typing import Any, Literal
 import numpy as np
 
 from surae.errors import InputError
-from surae.files import PathLike, paths_of
+from surae.files import PathLike, paths_of, shown
 from surae.frozen import FrozenDict
 from surae.recording.channels import stated_unit, written_unit
 from surae.recording.emg_kind import Look, contradiction, look_of, relation
 from surae.recording.formats import open_table
 from surae.recording.reading import is_mapping
-from surae.recording.recording import FILM_ROLES, ROLES
+from surae.recording.recording import FILM_ROLES, MUSCLES, ROLES
 from surae.recording.roles import (
     CONFIDENCES,
     Guess,
@@ -28,6 +28,7 @@ from surae.recording.roles import (
 from surae.recording.source import open_source
 from surae.recording.table import Column, Sampling, Table, load_each, sampling_of, some
 from surae.records import to_plain
+from surae.tables import Tabular, TextTable
 
 _SIDES = ("left", "right")
 #: What differs between rules of the same kind.
@@ -57,8 +58,8 @@ class InspectedChannel:
     usable: bool = True  #: Whether a mapping can name it.
 
 
-@dataclass(frozen=True, slots=True)
-class Inspection:
+@dataclass(frozen=True, slots=True, repr=False)
+class Inspection(Tabular):
     """What data files hold; `surae.recording.mapping_text` writes it as a mapping.
 
     Attributes
@@ -95,9 +96,63 @@ class Inspection:
     direction: str = ""
     advice: tuple[str, ...] = ()
 
+    def as_table(self) -> TextTable:
+        """The channels as a table, then what was found and what is left to say.
+
+        Returns
+        -------
+        TextTable
+            A row for each channel; with a file of its own where there are several.
+        """
+        heads: tuple[str, ...] = (
+            "channel", "unit", "Hz", "samples", "start [s]", "least", "greatest", "role",
+        )  # fmt: skip
+        rows: list[tuple[str, ...]] = [
+            (_printable(c.column), _printable(c.unit or "–"), _number(c.rate_hz, 6),
+             "–" if c.n is None else str(c.n), _number(c.start_s, 4), _number(c.low, 4),
+             _number(c.high, 4), self._role(c))
+            for c in self.channels
+        ]  # fmt: skip
+        if len(self.formats) > 1:
+            heads = ("file", *heads)
+            rows = [(shown(c.file), *r) for c, r in zip(self.channels, rows, strict=True)]
+        remarks: dict[str, list[str]] = {}
+        for channel in self.channels:
+            for remark in filter(None, channel.remark.split("; ")):
+                remarks.setdefault(remark, []).append(channel.column)
+        below = [
+            f"{role} = {_printable(channel.column)} ({guess.confidence}: {guess.rule})"
+            for role, channel in self.roles.items()
+            if (guess := channel.guess) is not None
+        ]
+        below += [f"side = {self.side} ({self.side_rule})"] if self.side else []
+        below += [f"EMG = {self.emg} ({self.emg_rule})"] if self.emg else []
+        below += [f"- {some(names, 3)}: {remark}" for remark, names in remarks.items()]
+        below += [f"- {line}" for line in self.advice]
+        return TextTable(
+            heads, tuple(rows), tuple(f"{shown(path)}: {form}" for path, form in
+                                      self.formats.items()), tuple(below), heads[-6:-1],
+        )  # fmt: skip
+
+    def _role(self, channel: InspectedChannel) -> str:
+        """The role that a channel has, or with a question mark could have."""
+        role = next((role for role, chosen in self.roles.items() if chosen is channel), None)
+        left = [role for role, several in self.open.items() if any(c is channel for c in several)]
+        if role is None and len(left) == len(MUSCLES) and all(r.startswith("emg_") for r in left):
+            return "emg_?"
+        return role or " or ".join(f"{each}?" for each in left) or "–"
+
     def to_json(self) -> dict[str, Any]:
         """Give all of it as plain data."""
         return dict(to_plain(self))
+
+
+def _printable(text: str) -> str:
+    return text if text.isprintable() else repr(text)
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "–" if value is None else f"{value:.{digits}g}"
 
 
 def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) -> Inspection:
@@ -120,6 +175,10 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
     ------
     InputError
         A file is in no supported format, is a mapping already, or the side is none.
+
+    Examples
+    --------
+    >>> surae.inspect("lab.csv").roles["angle"].column
     """
     if side is not None and side not in _SIDES:
         raise InputError(f"side is {side!r}; use one of: {', '.join(_SIDES)}")

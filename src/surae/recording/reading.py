@@ -35,6 +35,10 @@ def read(path: PathLike, *, mapping: PathLike | None = None) -> Recording:
     ------
     InputError
         One line that names file, column and row, and says what to do.
+
+    Examples
+    --------
+    >>> surae.read("trial.csv").channels["torque"].unit
     """
     if mapping is not None:
         return Description.of(open_mapping(mapping)).read(path)

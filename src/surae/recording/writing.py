@@ -50,6 +50,10 @@ def write_csv(
     InputError
         The columns differ in length, hold no finite numbers or have names that a CSV header
         cannot hold, or the file cannot be written.
+
+    Examples
+    --------
+    >>> surae.write_csv("own.csv", {"time_s": [0.0, 0.1], "angle_rad": [0.0, 0.2]})
     """
     where = f"cannot write {shown(path)}"
     arrays = {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}

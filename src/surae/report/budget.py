@@ -68,7 +68,8 @@ def budget_section(budget: BudgetTable) -> SectionBlock:
     """What would help, the chart, and its numbers."""
     text = (
         "Where the uncertainty of each parameter comes from: shares of the variance behind its "
-        "95 % interval. The shares of what is estimated along overlap and are scaled to add up."
+        "95 % interval. Shares of errors that are estimated together overlap; they are scaled to "
+        "add up to 100 %."
         if budget.rows
         else "The intervals of this fit contain the noise of the torque and nothing else: errors "
         "of the laboratory, and other models, are not in them. A fit with model auto shows what "

@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.assessment import Adequacy, Assessment, Grade, Verdict
 from surae.estimation import FitResult
-from surae.formatting import percentage, significant
+from surae.formatting import significant
 from surae.measures import Measure, Measures
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.measured import HeldPoint, MeasuredSlope, Stretch
@@ -75,12 +75,12 @@ def measured_stiffness(
     why = _("The model cannot yet separate stiffness from the rest.")
     if against is not None and against.value is not None:
         value, span = _.estimate(against.value, against.ci95)
-        why = _("The model’s {value} Nm/° at {angle} ({span}) does not agree with the held angles.",
-                value=value, angle=_.point(against.name), span=span)  # fmt: skip
+        why = _("The model’s stiffness at {angle}, {value} Nm/° ({span}), does not agree with the "
+                "held angles.", value=value, angle=_.point(against.name), span=span)  # fmt: skip
     value, origin = _slope(slope, _)
     return (
         TextBlock(origin, "say", value),
-        TextBlock(_("This is the measured slope, with the foot’s weight in it.") + f" {why}"),
+        TextBlock(_("This is the measured slope; it includes the foot’s weight.") + f" {why}"),
     )
 
 
@@ -96,7 +96,8 @@ def stiffness_picture(holds: int, stretches: int, zero: float, _: Words) -> Pict
         caption = _("Measured: {what}.", what=", ".join(seen))
     if zero:
         number = _.number(significant(zero, 3))
-        caption += " " + _("One zero of {zero} Nm is taken off every trial.", zero=number)
+        caption += " " + _("One torque offset, {zero} Nm, is subtracted from every trial.",
+                           zero=number)  # fmt: skip
     alt = _("Measured torque of the relaxed ankle over its angle, with the model’s curve.")
     return PictureBlock("stiffness", alt, caption, "here", 100)
 
@@ -167,7 +168,7 @@ def _no_calf(joint: AssessedFit) -> bool:
 def _tendon(of_fit: Measures, _: Words) -> TextBlock:
     m = of_fit.get("tendon_strain_tri@500N")
     if m is None or not is_known(m) or m.value is None:
-        return TextBlock(_("Tendon: not measured; film the muscle with ultrasound."), "note")
+        return TextBlock(_("Tendon: not measured. Ultrasound of the muscle would show it."), "note")
     value, span = _.estimate(m.value, m.ci95)
     text = _("The calf’s tendon lengthens by {value} % at 500 N ({span}).", value=value, span=span)
     return TextBlock(text, "note")
@@ -178,7 +179,7 @@ def change_card(change: Change | None, angle: float, _: Words) -> tuple[Block, .
     if change is None:
         return (
             TextBlock("", "say", _("One visit")),
-            TextBlock(_("Choose another visit of this leg to compare with."), "choose"),
+            TextBlock(_("Add another visit of this leg to see what changed."), "choose"),
         )
     names = [name.format(angle) for name in COMPARED]
     found = [change.measures[name] for name in names if name in change.measures]
@@ -255,7 +256,7 @@ def trust(
     followed = _.many(
         "The model follows {r2} % of the torque’s changes in {n} trial.",
         "The model follows {r2} % of the torque’s changes in {n} trials.",
-        len(result.problem.inputs), r2=_.number(percentage(adequacy.r2)),
+        len(result.problem.inputs), r2=_.number(f"{adequacy.r2:.1f}".replace("-", "−")),
     )  # fmt: skip
     return light(adequacy, reason, _), TextBlock(followed)
 

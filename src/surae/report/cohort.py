@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from datetime import datetime
 
 from surae.files import natural_order
-from surae.formatting import estimate, of_interval, significant
+from surae.formatting import of_interval
 from surae.measures.cohort import Cohort, CohortMember, Contrast, sessions_of
 from surae.report.document import (
     Document,
@@ -42,15 +42,7 @@ def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
                 )))  # fmt: skip
                 title = f"{p.name} over sessions"
                 figures.append((title, sessions_figure(label, order, over), _LINES))
-    groups = []
-    for p in cohort.pooled.values():
-        for group, effects in p.groups.items():
-            text = estimate(effects.mean, effects.se, effects.ci95)
-            left_out = "; ".join(f"{count}: {why}" for why, count in p.left_out.items())
-            groups.append((
-                p.name, group or "all", effects.k, text.value, text.interval,
-                significant(effects.tau2**0.5, 2), p.unit, p.at_bound or "", left_out,
-            ))  # fmt: skip
+    groups = cohort.as_table()
     contrasts = [
         (p.name, kind, key or "all", *_contrast(c), p.unit)
         for p in cohort.pooled.values()
@@ -67,8 +59,7 @@ def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
         ("Differences and changes", ("Of", "Between", "Which", "Difference", "95 % interval", "p",
                                      "Legs", "Unit"), contrasts),
         ("Clinical scales", ("Of", "Scale", "Legs", "Spearman’s ρ", "p"), scales),
-        ("Groups", ("Of", "Group", "Legs", "Mean", "95 % interval", "Spread", "Unit", "At a bound",
-                    "Left out"), groups),
+        ("Groups", [head.capitalize() for head in groups.heads], groups.rows),
     )  # fmt: skip
     missing, differences, *others = (
         (SectionBlock(title, (TableBlock(title, columns(*heads), rows_of(map(_texts, rows))),)),)

@@ -49,7 +49,7 @@ from surae.report.sections import (
 )
 from surae.report.traces import Traces, traces_of
 from surae.report.trials import findings_section
-from surae.report.wording import adequacy_words, closeness, summary
+from surae.report.wording import adequacy_words, summary
 
 _STATUS = {
     "converged": "converged",
@@ -96,7 +96,7 @@ def fit_report(
         correlation_section(assessment),
         identifiability_section(result, assessment),
         *geometry_section(result),
-        provenance_section(result, assessment, versions),
+        provenance_section(result, versions),
     )
     document = Document(
         kicker="Ankle muscle parameters",
@@ -152,15 +152,7 @@ def _figures(
         yield "budget", budget_figure(budget)
     estimated = assessment.covariance
     if len(estimated.names) > 1:
-        group = {p.name: p.group for p in assessment.parameters.values()}
-        passive, active = (
-            [name for name in estimated.names if group[name] == part]
-            for part in ("passive", "active")
-        )
-        yield (
-            "correlation",
-            correlation_figure(estimated.names, estimated.correlation, passive, active),
-        )
+        yield "correlation", correlation_figure(estimated.names, estimated.correlation)
 
 
 def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]) -> SectionBlock:
@@ -188,8 +180,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
     free = sum(p.free for p in parameters)
     identified = sum(p.verdict is Verdict.IDENTIFIED for p in parameters)
     failed = result.status == "failed"
-    followed = f"{closeness(assessment.adequacy.r2)}; with its mean, VAF "
-    followed = "no minimum reached" if failed else f"{followed}{percentage(assessment.vaf)} %"
+    vaf = f"of the whole torque, VAF {percentage(assessment.vaf)} %"
     if result.family is not None:
         repeatable = sum(p.repeatable for p in parameters)
         last = (
@@ -202,7 +193,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
         last = ("Starts that agree", agreeing, "on the best minimum")
     r2, rmse = percentage(assessment.adequacy.r2), significant(assessment.rmse, 3)
     return KeyFigures((
-        ("Torque’s changes followed, R²", f"{r2} %", followed),
+        ("Torque’s changes followed, R²", f"{r2} %", "no minimum reached" if failed else vaf),
         ("Root mean square error", f"{rmse} Nm", f"torque itself {significant(rms, 3)} Nm"),
         ("Parameters identified", NO_NUMBER if failed else f"{identified} of {free}",
          f"95 % interval within ±{percent(IDENTIFIED)}"),

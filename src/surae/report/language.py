@@ -47,7 +47,7 @@ REASONS = {
     "hardly changes: its weight is a guess": N_("the EMG of a muscle hardly changes"),
     "the model leaves something out": N_("the model leaves something out"),
     "at a bound": N_("a value lies at the end of what is allowed"),
-    "than a laboratory is likely to be": N_("a value is implausible; check electrodes and set-up"),
+    "implausible; check electrodes": N_("a value is implausible; check electrodes and set-up"),
     "is not followed (R²": N_("the model does not follow one of the trials"),
     "the film shows the muscle move": N_("the film shows the muscle move otherwise than the model"),
 }

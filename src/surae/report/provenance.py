@@ -6,11 +6,10 @@ from typing import Any
 
 from surae.assessment import Assessment
 from surae.estimation import FitResult, Prior
-from surae.estimation.population import population_of
 from surae.formatting import percentage, short, significant
-from surae.model import adapted
 from surae.quality.numeric import runs
 from surae.report.document import FactsBlock, SectionBlock, facts_of
+from surae.setting import default_of, settings_of
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
@@ -42,18 +41,6 @@ def emphasis_text(result: FitResult, assessment: Assessment) -> str:
             f"{percentage(assessment.vaf_weighted)} %."
         )
     return " ".join(texts)
-
-
-def loss_text(result: FitResult) -> str:
-    """The loss, its tuning and scale, and how many samples it spares."""
-    outliers = result.outliers
-    if outliers is None:
-        return "squares"
-    return (
-        f"{outliers.loss}, from {short(outliers.tuning)} standard deviations of "
-        f"{significant(outliers.scale, 3)} Nm; {significant(100 * outliers.share, 2)} % of the "
-        f"samples count less than half; weights at rest after {outliers.rounds} rounds"
-    )
 
 
 #: Spans that are written out at most.
@@ -116,42 +103,51 @@ def prior_span(prior: Prior) -> tuple[float, float, float]:
     return prior.median / factor, prior.median, prior.median * factor
 
 
-def _option(value: Any) -> str:
-    if isinstance(value, list | tuple):
-        return " / ".join(short(level) for level in value)
-    if isinstance(value, Mapping):  # a table, known by its file
-        return str(value["name"])
-    return value if isinstance(value, str) else short(value)
-
-
-def fit_settings(result: FitResult, assessment: Assessment) -> tuple[tuple[str, str], ...]:
-    """Model, options, fixed parameters, changed bounds, starts, seed and time of a fit."""
+def fit_settings(result: FitResult) -> list[tuple[str, str]]:
+    """What was fitted and how long it took, then every setting that is not its default."""
     problem = result.problem
-    options = ", ".join(
-        f"{name} = {_option(value)}" for name, value in problem.options.as_dict().items()
-    )
     chosen = "" if result.family is None else ", chosen by model auto"
-    return (
+    facts = [
         ("Model", f"{problem.spec.title} ({problem.spec.name}){chosen}"),
-        ("Model options", options),
-        ("Fixed parameters", _fixed(result, assessment)),
-        ("Bounds", _bounds(result)),
-        ("Priors", _priors(result, assessment)),
-        ("Loss", loss_text(result)),
         ("Samples and estimated parameters", f"{problem.n} and {len(problem.free)}"),
-        ("Starts", _starts(result)),
         ("Wall time of the fit", f"{significant(result.seconds, 2)} s"),
-    )
+    ]
+    if result.family is None:
+        count = len(result.starts)
+        text = f"{result.agreeing} of {count} reach the best minimum; seed {result.seed}"
+        one = "only one: whether its minimum is the best one was not looked into"
+        facts.append(("Starts", text if count > 1 else one))
+    for request in (problem.settings, problem.options):
+        for each, record in settings_of(type(request)):
+            value = getattr(request, each.name)
+            if each.name not in _ELSEWHERE and value != default_of(each):
+                facts.append((record.label or each.name.capitalize(), _written(value)))
+    return facts
 
 
-def provenance_section(
-    result: FitResult, assessment: Assessment, versions: Mapping[str, str]
-) -> SectionBlock:
+#: Settings that have a place of their own in the report.
+_ELSEWHERE = ("model", "options", "weights", "starts", "seed")
+
+
+def _written(value: Any) -> str:
+    """A setting's value; a table, or a joint, by its name."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} = {_written(each)}" for name, each in value.items())
+    if isinstance(value, list | tuple):
+        return " / ".join(map(_written, value))
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int | float):
+        return short(value)
+    return value if isinstance(value, str) else str(value.name)
+
+
+def provenance_section(result: FitResult, versions: Mapping[str, str]) -> SectionBlock:
     """How the fit came about: its settings, the files, what was done to them, and the versions."""
     return SectionBlock(
         "Settings and provenance",
         (
-            facts_of(fit_settings(result, assessment), "settings"),
+            facts_of(fit_settings(result), "settings"),
             *map(_source, result.problem.inputs),
             SectionBlock("Versions", (facts_of(versions.items()),)),
         ),
@@ -168,61 +164,3 @@ def _source(recording: ModelInputs) -> SectionBlock:
         ("Preparation", recording.steps or ("none recorded",)),
     )
     return SectionBlock(recording.name, (FactsBlock(facts, "settings"),), look="source")
-
-
-def _starts(result: FitResult) -> str:
-    count = len(result.starts)
-    if result.family is not None:
-        return f"both valleys of the relaxation; {count} kept that the data do not reject"
-    spared = result.outliers is not None
-    first = "the solution with the weights of the outliers" if spared else "the default start"
-    if count == 1:
-        return f"only {first}: whether its minimum is the best one was not looked into"
-    return (
-        f"{result.agreeing} of {count} reach the best minimum; the first is {first}, the others "
-        f"are random, with seed {result.seed}"
-    )
-
-
-def _fixed(result: FitResult, assessment: Assessment) -> str:
-    problem = result.problem
-    prescribed = {name for recording in problem.inputs for name in recording.fixed}
-    texts = []
-    for p in assessment.parameters.values():
-        if p.free:
-            continue
-        if p.name in prescribed:
-            why = " (prescribed by the recording)"
-        else:
-            why = "" if p.name in problem.spec.free else " (not freed in this model)"
-        unit = "" if p.unit == "-" else f" {p.unit}"
-        texts.append(f"{p.name} = {short(p.value)}{unit}{why}")
-    return ", ".join(texts) or "none"
-
-
-def _priors(result: FitResult, assessment: Assessment) -> str:
-    texts = [
-        f"{name} = {prior_text(prior, unit if unit != '-' else '')}"
-        for name, prior in result.problem.priors.items()
-        for unit in [assessment.parameters[name].unit]
-    ]
-    pairs = {name: (prior.median, prior.spread) for name, prior in result.problem.priors.items()}
-    defaults = population_of(pairs, result.problem.options)
-    if defaults:
-        texts[-1] += f" (defaults of the {next(iter(defaults.values()))} population"
-        texts[-1] += ")" if len(defaults) == len(pairs) else f": {', '.join(defaults)})"
-    return ", ".join(texts) or "none"
-
-
-def _bounds(result: FitResult) -> str:
-    problem = result.problem
-    table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
-    changed = [
-        f"{name}: {short(low)} … {short(high)} instead of "
-        f"{short(table[name].lower)} … {short(table[name].upper)}"
-        for name, low, high in zip(
-            problem.free, problem.lower.tolist(), problem.upper.tolist(), strict=True
-        )
-        if (low, high) != (table[name].lower, table[name].upper)
-    ]
-    return "; ".join(changed) or "those of the model"

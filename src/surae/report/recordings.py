@@ -49,15 +49,6 @@ def recording_section(
         facts.append(("VAF, weighted as in the fit", f"{percentage(quality.vaf_weighted)} %"))
     if excluded := excluded_text(traces.time, traces.weight):
         facts.append(("Left out of the fit", excluded))
-    shares = ", ".join(
-        f"{name} {signed(float(part.min()), 1)} to {signed(float(part.max()), 1)} Nm"
-        for name, part in (
-            ("tissue", traces.parts.tissue),
-            ("neural", traces.parts.neural),
-            ("inertial", traces.parts.inertial),
-            ("gravitational", traces.parts.gravitational),
-        )
-    )
     text = (
         f"Lag-1 autocorrelation {significant(white.lag1, 2)}; white noise would stay within "
         f"±{significant(white.band, 2)}. "
@@ -75,7 +66,7 @@ def recording_section(
     torque_alt = (
         f"Panels against {short(round(duration, 2))} s of time: EMG that was recorded; "
         f"ankle angle from {span.replace('…', 'to')}; measured and modelled torque, VAF "
-        f"{percentage(quality.vaf)} %; parts of the modelled torque: {shares}."
+        f"{percentage(quality.vaf)} %; parts of the modelled torque."
     )
     over = (
         f"Beside time, the mean and the standard deviation over {count} cycles, each from one "
@@ -87,9 +78,9 @@ def recording_section(
             f"residual-{number}",
             f"Residual torque against time, RMS {significant(quality.rmse, 3)} Nm; its "
             f"autocorrelation, {significant(white.lag1, 2)} at the first lag and within the "
-            f"white-noise band after {significant(white.fall_s, 2)} s; its histogram.",
-            "Top: residual over time. Left: its autocorrelation; a white residual stays within the "
-            "band. Right: its histogram.",
+            f"white-noise band after {significant(white.fall_s, 2)} s.",
+            "Top: residual over time. Bottom: its autocorrelation; a white residual stays within "
+            "the band.",
             width=85,
         ),
     )

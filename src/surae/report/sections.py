@@ -8,7 +8,7 @@ from surae.assessment.identifiability.directions import Direction
 from surae.assessment.identifiability.identified import Identified, identifiability
 from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
-from surae.formatting import NO_NUMBER, percentage, signed, significant
+from surae.formatting import NO_NUMBER, percentage, significant
 from surae.model.joint import ANKLE
 from surae.normal import NORMAL
 from surae.report.document import (
@@ -24,60 +24,24 @@ from surae.report.document import (
     verdict,
 )
 
-#: Correlation from which a pair of parameters is named.
-_STRONG = 0.9
-#: Pairs that are named at most.
-_PAIRS = 6
-
 
 def correlation_section(assessment: Assessment) -> SectionBlock:
-    """The correlations of the estimates: the map, the strongest pairs and the IPDE."""
-    names = assessment.covariance.names
-    matrix = assessment.covariance.correlation
-    k = len(names)
-    ranked = sorted(
-        ((float(matrix[i, j]), names[i], names[j]) for i in range(k) for j in range(i + 1, k)),
-        key=lambda pair: -abs(pair[0]),
-    )
-    strong = [pair for pair in ranked if abs(pair[0]) >= _STRONG]
-    pairs = [f"{a} – {b}: {signed(r, 3)}" for r, a, b in strong[:_PAIRS]]
-    if len(strong) > _PAIRS:
-        pairs.append(f"and {len(strong) - _PAIRS} more")
-    ipde = NO_NUMBER
+    """The correlations of the estimates: the map, and the IPDE."""
+    k, ipde = len(assessment.covariance.names), NO_NUMBER
     if assessment.ipde is not None:
-        ipde = (
-            f"{significant(assessment.ipde, 3)} (0 if independent, at most "
-            f"{significant((k * (k - 1) / 2) ** 0.5, 3)} for these {k} parameters)"
-        )
-    text = f"Inter-parameter dependency, IPDE, equation (35): {ipde}"
-    text += f" – {assessment.ipde_note}." if assessment.ipde_note else "."
-    if pairs:
-        text += (
-            f" Pairs from {_STRONG:g} up: {'; '.join(pairs)}. What such a pair does together is "
-            "known better than what each does alone."
-        )
-    strongest = (
-        f"; strongest {ranked[0][1]} with {ranked[0][2]} ({signed(ranked[0][0], 3)})"
-        if ranked
-        else ""
+        most = significant((k * (k - 1) / 2) ** 0.5, 3)
+        ipde = f"{significant(assessment.ipde, 3)} (0 if independent, at most {most})"
+    note = f" – {assessment.ipde_note}" if assessment.ipde_note else ""
+    text = (
+        f"Inter-parameter dependency, IPDE, equation (35): {ipde}{note}. What a strongly "
+        "correlated pair does together is known better than what each does alone."
     )
-    return SectionBlock(
-        "Correlation of the estimates",
-        (
-            TextBlock(text),
-            PictureBlock(
-                "correlation",
-                f"Heat map of the correlations of {k} estimated parameters{strongest}; the block "
-                "of passive against active parameters is outlined.",
-                "Normalised covariance. The darker, the stronger; a dark corner marks a negative "
-                "one. The frame holds passive (rows) against active (columns) parameters.",
-                "map",
-                width=62,
-            ),
-        ),
-        "correlation",
-        "page",
-    )
+    picture = PictureBlock(
+        "correlation", f"Heat map of the correlations of {k} estimated parameters.",
+        "Normalised covariance. The darker, the stronger.", "map", width=62,
+    )  # fmt: skip
+    title = "Correlation of the estimates"
+    return SectionBlock(title, (TextBlock(text), picture), "correlation", "page")
 
 
 def geometry_section(result: FitResult) -> tuple[SectionBlock, ...]:

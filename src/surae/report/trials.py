@@ -27,8 +27,8 @@ from surae.trials import Crossed, Trial
 
 _USES = {
     "fit": "fitted",
-    "hold": "angle and torque of a hold",
-    "reference": "reference of EMG",
+    "hold": "torque at a held angle",
+    "reference": "reference for EMG",
     "none": "not used",
 }
 
@@ -63,11 +63,11 @@ def trials_section(
         for t in trials
     )
     heads = columns("Trial", "What it is", "Used for", "Check", "Alone, R² [%]",
-                    "All together, R² [%]", numbers=(4, 5), wide=(1, 3),
+                    "All together, R² [%]", numbers=(4, 5), wide=(1,),
                     looks={0: "column", 1: "what"})  # fmt: skip
     note = (
-        "R² is of the torque’s changes; a hold has none. A shaded cell is a trial that was in the "
-        "fit: following it proves nothing."
+        "R² says how well changes of the torque are followed; a hold has none. Shaded: the trial "
+        "was in the fit, so that following it proves nothing."
     )
     table = TableBlock("What each trial is, and how it is followed", heads, rows)
     holds = [t for t in trials if t.hold is not None]
@@ -183,7 +183,11 @@ def findings_section(quality: Mapping[str, Quality]) -> SectionBlock:
     table = TableBlock("What was found in the recordings", columns("", "", wide=(1,)),
                        rows_of(rows), "findings")  # fmt: skip
     blocks: list[Block] = [table if rows else TextBlock("Nothing was found.")]
-    skipped = {f"{s.check} ({s.reason})": None for each in quality.values() for s in each.skipped}
+    skipped = {
+        f"{s.check} ({s.reason.rstrip('.')})": None
+        for each in quality.values()
+        for s in each.skipped
+    }
     if skipped:
         blocks.append(TextBlock(f"Not checked: {'; '.join(skipped)}", "note"))
     return SectionBlock("Checks", tuple(blocks), "checks")

@@ -122,6 +122,10 @@ class ModelInputs(Comparable):
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""
         object.__setattr__(self, "fixed", FrozenDict(self.fixed))
 
+    def __repr__(self) -> str:
+        muscles = f"EMG in {self.emg_unit}" + "".join(f", no {m}" for m in self.missing_emg)
+        return f"model inputs of {self.name!r}: {self.n} samples, {self.rate_hz:g} Hz, {muscles}"
+
     @property
     def where(self) -> str:
         """How messages call it: the file it was read from, else its name."""

@@ -64,6 +64,10 @@ def prepare(
     InputError
         The time axes, rates, units or EMG do not allow it; the message names the recording, the
         channel and what to do.
+
+    Examples
+    --------
+    >>> surae.prepare(surae.read("trial.csv")).rate_hz
     """
     if "angle" not in recording.channels:
         raise InputError(f"{recording.where}: there is no angle; add its column")

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from surae.errors import InputError
-from surae.files import PathLike, natural_order, paths_of, read_bytes, shown
+from surae.files import PathLike, make_folder, natural_order, paths_of, read_bytes, shown
 from surae.recording.formats import data_files
 from surae.recording.mapping import TRIAL, Description
 from surae.recording.reading import is_mapping
@@ -73,11 +73,7 @@ def claimed(folder: PathLike, trials: Sequence[Trial]) -> Path:
                 f"{shown(root / name)} is not a result of this session and would be replaced; "
                 "give another folder"
             )
-    try:
-        (root / FITS).mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"cannot make the folder {shown(folder)}: {reason.lower()}") from None
+    make_folder(root / FITS)
     return root
 
 

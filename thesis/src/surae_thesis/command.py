@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from surae.cli.options import Whole, workers_option
+from surae.cli.options import workers_option
 from surae.cli.progress import StoppedError, compilation_notice, work
-from surae.cli.screen import show_line, show_verdicts
+from surae.cli.screen import show_line, show_table
 from surae.errors import InputError
 from surae.files import shown, write_atomic
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 )
 @click.option("--only", multiple=True, metavar="NAME", help="A section; may be given repeatedly.")
 @click.option("--quick", is_flag=True, help="Fewer fits of everything: minutes.")
-@click.option("--seed", type=Whole(0, 999_999_999), default=1, show_default=True, metavar="N",
-              help="Of everything that is random.")  # fmt: skip
+@click.option("--seed", type=click.IntRange(0, 999_999_999), default=1, show_default=True,
+              metavar="N", help="Of everything that is random.")  # fmt: skip
 @workers_option("Processes", many="one for each core")
 @click.option("--markdown", metavar="FILE.md", help="Write the verdicts there too.")
 def command(
@@ -91,7 +91,7 @@ def _show(there: "Chapters") -> None:
 
     for section, result in there:
         show_line(f"{section.title} ({section.source})")
-        show_verdicts(
+        show_table(
             ("claim", "thesis", "ours", "verdict"),
             [
                 (f.id, f.number, next(iter(f.ours.values()), (False, "–"))[1], f.verdict)

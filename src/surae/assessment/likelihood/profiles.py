@@ -18,16 +18,18 @@ from surae.assessment.likelihood.profile import (
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.filed import filed
+from surae.formatting import open_ends, significant
 from surae.progress import NamedProgress
 from surae.records import Saved
 from surae.runner import Engine, cores, results
+from surae.tables import Tabular, TextTable
 from surae.threads import one_blas_thread
 from surae.versions import versions
 
 
 @filed(inflation_reason="variance_inflation_reason")
-@dataclass(frozen=True, slots=True)
-class Profiles(Saved):
+@dataclass(frozen=True, slots=True, repr=False)
+class Profiles(Tabular, Saved):
     """Profiles of one fit."""
 
     model: str  #: Name of the model.
@@ -46,6 +48,26 @@ class Profiles(Saved):
         """What the noise was taken for, in a line; empty without a profile."""
         factors = {name: own.variance_inflation for name, own in self.profiles.items()}
         return described(factors, self.inflation_reason) if factors else ""
+
+    def as_table(self) -> TextTable:
+        """Intervals of profile and covariance beside each other, then remarks on them."""
+        every = self.profiles.values()
+        notes = [
+            f"{p.name}: {p.message}"
+            for p in every
+            if p.status != "closed" or p.message != "both ends found"
+        ]
+        done = f"{len(every)} profiles in {self.seconds:.1f} s"
+        heads = ("parameter", "value", "95 % profile", "95 % covariance", "status", "unit")
+        rows = [
+            (p.name, significant(p.value, 4), open_ends(p.interval), open_ends(p.from_covariance),
+             str(p.status), p.unit)
+            for p in every
+        ]  # fmt: skip
+        return TextTable(
+            heads, tuple(rows), below=(*notes, *filter(None, [self.noise]), done),
+            numbers=heads[1:4],
+        )  # fmt: skip
 
 
 def profiles(

@@ -20,17 +20,22 @@ from surae.assessment.uncertainty.covariance import Covariance, covariance, half
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.filed import filed
+from surae.formatting import NO_NUMBER, open_ends, significant
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
 from surae.progress import Progress
 from surae.recording.frames import library
 from surae.records import Saved, to_plain
+from surae.tables import Tabular, TextTable
 from surae.units import FloatArray
 from surae.versions import versions
 
 Status = Literal["reliable", "not reliable"]
 #: Width of a posterior, as a part of its prior's, from which the data are said to add little.
 _LITTLE = 0.7
+#: Ends of intervals agree when they lie within this part of the credible interval's half-width;
+#: with enough draws, chance moves them by less than a third of it.
+_AGREE = 0.25
 #: Proposals.
 _ROUNDS = 6
 
@@ -78,8 +83,8 @@ class Marginal:
     "whole",
     inflation_reason="variance_inflation_reason",
 )
-@dataclass(frozen=True, slots=True, eq=False)
-class Posterior(Saved, Comparable):
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Posterior(Tabular, Saved, Comparable):
     """Draws from a posterior and what they say."""
 
     model: str  #: Name of the model.
@@ -114,6 +119,28 @@ class Posterior(Saved, Comparable):
     def noise(self) -> str:
         """What the noise was taken for, in a line."""
         return described({"all": self.variance_inflation}, self.inflation_reason)
+
+    def as_table(self) -> TextTable:
+        """The intervals of posterior and covariance beside each other, and whether they agree."""
+        heads = ("parameter", "median", "95 % credible", "95 % covariance", "unit")
+        rows = [
+            (name, NO_NUMBER if m.median is None else significant(m.median, 4),
+             open_ends(m.ci95), open_ends(m.from_covariance), m.unit)
+            for name, m in self.marginals.items()
+        ]  # fmt: skip
+        off = {name: m.off_covariance for name, m in self.marginals.items()}
+        known = {name: value for name, value in off.items() if value is not None}
+        apart = [f"{n} by {100 * value:.0f} %" for n, value in known.items() if value > _AGREE]
+        notes = []
+        if apart:
+            notes.append("other than the covariance (an end differs, in half-widths of the "
+                         f"credible interval): {', '.join(apart)}")  # fmt: skip
+        elif known:
+            notes.append(f"as the covariance: all ends within {100 * _AGREE:.0f} % of a half-width")
+        if prior := [name for name, m in self.marginals.items() if m.of_prior]:
+            notes.append(f"mostly from the prior, the recordings add little: {', '.join(prior)}")
+        end = f"{self.status}: {self.message} ({self.seconds:.1f} s)"
+        return TextTable(heads, tuple(rows), below=(*notes, self.noise, end), numbers=heads[1:4])
 
     def of(self, name: str) -> FloatArray:
         """All draws of one parameter."""

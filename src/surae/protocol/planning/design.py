@@ -10,6 +10,7 @@ import numpy as np
 
 from surae.filed import filed
 from surae.files import PathLike
+from surae.formatting import part
 from surae.frozen import Comparable, FrozenDict
 from surae.progress import SearchProgress
 from surae.protocol import Device, Trajectory, write_protocol
@@ -22,6 +23,7 @@ from surae.protocol.planning.ready import Ready
 from surae.protocol.planning.search import MEAN, SEARCH_RATE, WORST, make_aim, search
 from surae.protocol.planning.torque import within_torque
 from surae.records import to_plain
+from surae.tables import Tabular, TextTable
 from surae.units import FloatArray
 
 #: Part of the device's torque that the search keeps to, for legs stronger than those it sees.
@@ -31,8 +33,8 @@ _MISSED = 1e-6
 
 
 @filed("trajectory", "device", "aimed", "curve", "seconds", "stopped")
-@dataclass(frozen=True, slots=True, eq=False)
-class Design(Comparable):
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Design(Tabular, Comparable):
     """A designed protocol and what it will tell."""
 
     plan: Plan  #: The protocol as ramps, perturbations and bursts.
@@ -48,6 +50,14 @@ class Design(Comparable):
     curve: tuple[tuple[int, float, float], ...]
     seconds: float  #: Time that the search took [s].
     stopped: bool  #: Whether the user ended it: then this is the best plan until then.
+
+    def as_table(self) -> TextTable:
+        """What it will tell, and what was given up."""
+        table, found = self.expectation.as_table(), f"{self.curve[-1][0]:,} plans to the best"
+        aims = [f"{name} {part(sem)}" for name, sem in self.aimed.items()]
+        aimed = [f"standard error of what was aimed at: {', '.join(aims)}"] if aims else []
+        below = (*table.below, *self.notes, *aimed, f"{found}; {self.seconds:.0f} s")
+        return replace(table, below=below)
 
     def to_json(self) -> dict[str, Any]:
         """Give as plain data the plan, what it keeps, and what it will tell."""

@@ -48,6 +48,9 @@ class NextTrial(Comparable):
     repetitions: Mapping[str, int | None]
     trajectory: Trajectory | None  #: The trial.
 
+    def __repr__(self) -> str:
+        return "\n".join(self.sentences)
+
     def write(self, path: PathLike, *, without_limits: str | None = None) -> None:
         """Write the trial for a device, as `surae.protocol.planning.design.Design.write` does."""
         if self.trajectory is None:

@@ -24,28 +24,11 @@ with ignoring("matplotlibrc"):
     from matplotlib.figure import Figure as Figure
 
 __all__ = [
-    "BLUE",
-    "GREY",
-    "INK",
-    "MUTED",
-    "OCHRE",
-    "RED",
-    "WIDTH",
-    "Axes",
-    "Figure",
-    "data_url",
-    "dress",
-    "dress_degrees",
-    "heading",
-    "legend",
-    "new_figure",
-    "png",
-    "shade_excluded",
-    "shared_legend",
-    "svg",
-    "trace",
-    "write_figure",
+    "BLUE", "GREY", "INK", "MUTED", "OCHRE", "RED", "WIDTH", "Axes", "Figure", "data_url",
+    "dress", "dress_degrees", "heading", "legend", "new_figure", "png", "shade_excluded",
+    "shared_legend", "svg", "trace", "write_figure",
 ]  # fmt: skip
+
 
 #: Width of a figure [inch]: the printable width of A4 at 85 %.
 WIDTH = 8.4

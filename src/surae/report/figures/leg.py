@@ -13,7 +13,7 @@ from surae.report.language import Words
 from surae.units import FloatArray
 
 #: Width of a card's figure, so that its letters are read on a telephone too [inch].
-_WIDTH = 5.4
+_WIDTH = 4.6
 #: A band may reach so many times the measured range beyond it before it is cut off.
 _BEYOND = 0.5
 

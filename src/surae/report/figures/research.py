@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise, product
+from itertools import product
 from typing import Any
 
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch, Polygon, Rectangle
+from matplotlib.patches import Patch
 
 from surae.assessment import Whiteness
 from surae.model import GeometryTable, ModelOptions
@@ -42,15 +42,13 @@ def residual_figure(
     whiteness: Whiteness,
     excluded: Sequence[tuple[int, int]] = (),
 ) -> Figure:
-    """Residual against time, its autocorrelation with the white-noise band, and its histogram.
+    """Residual against time, and its autocorrelation with the white-noise band.
 
     The torque is in Nm; `excluded` are first and last sample of every stretch that the fit left
-    out, without which the histogram is.
+    out.
     """
-    figure = new_figure(4.6)
-    grid = figure.add_gridspec(2, 2, width_ratios=[1.4, 1.0], wspace=0.08)
-
-    axes = figure.add_subplot(grid[0, :])
+    figure = new_figure(4.2)
+    axes, correlated = figure.subplots(2)
     dress(axes, "Residual [Nm]", "Time [s]")
     axes.axhline(0.0, color=MUTED, linewidth=0.7)
     trace(axes, time, residual, color=INK, linewidth=0.7)
@@ -59,7 +57,7 @@ def residual_figure(
         shade_excluded(axes, time, excluded)
         legend(axes, 1)
 
-    axes = figure.add_subplot(grid[1, 0])
+    axes = correlated
     dress(axes, "Autocorrelation [-]", "Lag [s]")
     lags = np.arange(len(whiteness.correlation)) / whiteness.rate_hz
     axes.axhspan(
@@ -75,24 +73,6 @@ def residual_figure(
     axes.set_ylim(top=1.05)
     legend(axes, 1)
 
-    axes = figure.add_subplot(grid[1, 1])
-    dress(axes, "Density [1/Nm]", "Residual [Nm]")
-    counted = np.ones(len(residual), dtype=bool)
-    for first, last in excluded:
-        counted[first : last + 1] = False
-    residual = residual[counted]
-    with np.errstate(over="ignore", invalid="ignore"):
-        spread = float(residual.std())
-    if 0 < spread < np.inf:
-        density, edges = np.histogram(residual, bins=50, density=True)
-        axes.stairs(density, edges, fill=True, color=GREY)
-        x = np.linspace(edges[0], edges[-1], 200)
-        z = (x - residual.mean()) / spread
-        axes.plot(
-            x, np.exp(-0.5 * z**2) / (spread * np.sqrt(2 * np.pi)), color=RED, linewidth=1.3,
-            linestyle=(0, (4, 1.5)), label="normal of the same spread",
-        )  # fmt: skip
-        legend(axes, 1)
     return figure
 
 
@@ -100,57 +80,29 @@ def residual_figure(
 _MAP = LinearSegmentedColormap.from_list("correlation", ["#2b5c9e", "#ffffff", "#b4531b"])
 #: Correlation from which a cell is too dark for black figures.
 _DARK = 0.8
-#: Correlation below which the sign is of no interest.
-_SIGNED = 0.095
 
 
 def correlation_figure(
-    names: Sequence[str],
-    matrix: FloatArray,
-    passive: Sequence[str] = (),
-    active: Sequence[str] = (),
+    names: Sequence[str], matrix: FloatArray, figure: Figure | None = None
 ) -> Figure:
-    """Heat map of the correlations, values in the cells.
-
-    Negative cells carry a dark corner, so the sign is there without hues.
-
-    `passive` and `active` are rows and columns of the block that is outlined; of several blocks,
-    where they do not stand side by side in `names`.
-    """
+    """Heat map of the correlations, values in the cells; on a new figure, or the one given."""
     k = len(names)
     side = min(WIDTH, 1.4 + 0.46 * k)
-    figure = new_figure(side * 0.93)
-    figure.set_figwidth(side)
+    figure = new_figure(side) if figure is None else figure
+    figure.set_size_inches(side, 0.93 * side)
     axes = figure.add_subplot()
     dress(axes, "", grid=False)
     edges = np.arange(k + 1) - 0.5
     shades = axes.pcolormesh(
         edges, edges, matrix, cmap=_MAP, vmin=-1, vmax=1, edgecolors="white", linewidth=0.8
     )
-    for row in range(k):
-        for column in range(k):
-            value = float(matrix[row, column])
-            if value <= -_SIGNED:
-                corner = [(column - 0.47, row - 0.47), (column - 0.27, row - 0.47),
-                          (column - 0.47, row - 0.27)]  # fmt: skip
-                axes.add_patch(Polygon(corner, color=_ink(value), linewidth=0, in_layout=False))
-            axes.text(
-                column, row, _written(value, row == column), ha="center", va="center",
-                fontsize=7, color=_ink(value), in_layout=False,  # cells need no room of their own
-            )  # fmt: skip
-    for rows, columns in product(_runs(names, passive), _runs(names, active)):
-        axes.add_patch(
-            Rectangle(
-                (columns[0] - 0.5, rows[0] - 0.5),
-                len(columns),
-                len(rows),
-                fill=False,
-                edgecolor=INK,
-                linewidth=2.2,
-                joinstyle="miter",
-                zorder=5,
-            )
-        )
+    for row, column in product(range(k), repeat=2):
+        value = float(matrix[row, column])
+        axes.text(
+            column, row, _written(value, row == column), ha="center", va="center", fontsize=7,
+            color="white" if abs(value) > _DARK else INK,
+            in_layout=False,  # cells need no room of their own
+        )  # fmt: skip
     axes.set_xticks(range(k), names, rotation=90, fontsize=8)
     axes.set_yticks(range(k), names, fontsize=8)
     axes.set(xlim=(-0.5, k - 0.5), ylim=(k - 0.5, -0.5), aspect="equal")
@@ -162,17 +114,6 @@ def correlation_figure(
     bar.ax.tick_params(labelsize=8, length=3)
     bar.outline.set_visible(False)
     return figure
-
-
-def _runs(names: Sequence[str], some: Sequence[str]) -> list[range]:
-    """Positions of every run of `some` of the names that stand side by side."""
-    edges = [-1, *(index for index, name in enumerate(names) if name not in some), len(names)]
-    return [range(a + 1, b) for a, b in pairwise(edges) if b - a > 1]
-
-
-def _ink(value: float) -> str:
-    """Colour of letters that can be read on a cell."""
-    return "white" if abs(value) > _DARK else INK
 
 
 def _written(value: float, diagonal: bool) -> str:

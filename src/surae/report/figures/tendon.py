@@ -12,7 +12,6 @@ from surae.report.figures import (
     BLUE,
     GREY,
     INK,
-    MUTED,
     OCHRE,
     RED,
     WIDTH,
@@ -42,48 +41,34 @@ def tendon_figure(traces: Traces, state: TendonState) -> Figure:
     """
     figure = new_figure(10.2)
     grid = figure.add_gridspec(6, 2, height_ratios=[1.25, 1.1, 1.0, 1.35, 0.03, 1.75], wspace=0.05)
+    start, end = float(traces.time[0]), float(traces.time[-1])
     for row, name in enumerate(GROUPS):
         force = figure.add_subplot(grid[3, row])
-        length, velocity, elongation = (
-            figure.add_subplot(grid[i, row], sharex=force) for i in range(3)
-        )
-        _length(length, traces, state, row)
+        above = [figure.add_subplot(grid[i, row], sharex=force) for i in range(3)]
+        length, velocity, elongation = above
+        optimal = traces.optimal[row]
+        muscle, speed = state.muscle_length[row], state.muscle_velocity[row]
+        for axes, what, own, rigid in (
+            (length, "length\n[l0]", muscle, muscle + state.elongation[row]),
+            (velocity, "velocity\n[l0/s]", speed, speed + state.tendon_velocity[row]),
+        ):
+            dress(axes, f"Muscle {what}")
+            # A wide pale line below a thin dark one: what lies between the two is the tendon's.
+            trace(axes, traces.time, rigid / optimal, label="on a rigid tendon", color=GREY,
+                  linewidth=2.6)  # fmt: skip
+            trace(axes, traces.time, own / optimal, label="muscle", color=BLUE, linewidth=1.0)
         heading(length, name)
-        _velocity(velocity, traces, state, row)
-        _elongation(elongation, traces, state, row)
+        legend(velocity, 2)
+        dress(elongation, "Tendon\nelongation [mm]")
+        trace(elongation, traces.time, _MILLI * state.elongation[row], color=INK, linewidth=1.0)
+        elongation.set_ylim(bottom=min(0.0, elongation.get_ylim()[0]))
         _force(force, traces, state, row)
-        force.set_xlim(float(traces.time[0]), float(traces.time[-1]))
-        for axes in (length, velocity, elongation):
+        force.set_xlim(start, end)
+        for axes in above:
             axes.tick_params(labelbottom=False)
         _curve(figure.add_subplot(grid[5, row]), state.laws[row], state.elongation[row])
     figure.align_ylabels()
     return figure
-
-
-def _length(axes: Axes, traces: Traces, state: TendonState, row: int) -> None:
-    dress(axes, "Muscle length\n[l0]")
-    optimal = traces.optimal[row]
-    rigid = (state.muscle_length[row] + state.elongation[row]) / optimal
-    # A wide pale line below a thin dark one: what lies between the two is the tendon's.
-    trace(axes, traces.time, rigid, color=GREY, linewidth=2.6)
-    trace(axes, traces.time, state.muscle_length[row] / optimal, color=BLUE, linewidth=1.0)
-
-
-def _velocity(axes: Axes, traces: Traces, state: TendonState, row: int) -> None:
-    dress(axes, "Muscle velocity\n[l0/s]")
-    optimal = traces.optimal[row]
-    axes.axhline(0.0, color=MUTED, linewidth=0.7)
-    rigid = (state.muscle_velocity[row] + state.tendon_velocity[row]) / optimal
-    trace(axes, traces.time, rigid, label="on a rigid tendon", color=GREY, linewidth=2.6)
-    trace(axes, traces.time, state.muscle_velocity[row] / optimal, label="muscle", color=BLUE,
-          linewidth=1.0)  # fmt: skip
-    legend(axes, 2)
-
-
-def _elongation(axes: Axes, traces: Traces, state: TendonState, row: int) -> None:
-    dress(axes, "Tendon\nelongation [mm]")
-    trace(axes, traces.time, _MILLI * state.elongation[row], color=INK, linewidth=1.0)
-    axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
 
 
 def _force(axes: Axes, traces: Traces, state: TendonState, row: int) -> None:

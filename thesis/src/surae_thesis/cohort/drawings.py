@@ -25,8 +25,6 @@ from surae_thesis.cohort.members import (
 )
 from surae_thesis.cohort.results import Fits, Ways
 from surae_thesis.cohort.rules import (
-    ACTIVE,
-    PASSIVE,
     PROTOCOLS,
     example,
     points_of,
@@ -164,10 +162,10 @@ def trace_drawings(fits: Fits) -> Iterator[Drawing]:
             names, matrix = fit.covariance.names, fit.covariance.correlation
             yield Drawing(
                 "figure-28", "Figure 28: correlations of the estimates of model 2.0",
-                f"Subject {who.id}, multiple holds, the fit of Figure 25. Outlined: passive "
-                "against active parameters. Parameters at a bound have no covariance.",
+                f"Subject {who.id}, multiple holds, the fit of Figure 25. Parameters at a "
+                "bound have no covariance.",
                 "Heat map of the correlations of the estimates of model 2.0.",
-                correlation_figure(names, matrix, PASSIVE, ACTIVE),
+                correlation_figure(names, matrix),
             )  # fmt: skip
 
 

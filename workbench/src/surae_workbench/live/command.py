@@ -5,20 +5,21 @@ from pathlib import Path
 
 import click
 
-from surae.cli.options import Number, Range, Whole, server_options
+from surae.cli.options import Range
 from surae.errors import InputError
+from surae_workbench.options import server_options
 
 
 @click.command("live")
 @click.option("--rehearse", is_flag=True, help="Practise with a simulated manipulator and leg.")
 @click.option("--unattended", is_flag=True, help="With --rehearse: no person and no browser.")
-@click.option("--trials", type=Whole(1, 1000), default=1, show_default=True, metavar="N",
+@click.option("--trials", type=click.IntRange(1, 1000), default=1, show_default=True, metavar="N",
               help="With --unattended: how many.")  # fmt: skip
-@click.option("--seconds", type=Number(above=1.0, below=3600.0), default=35.0, show_default=True,
+@click.option("--seconds", type=click.FloatRange(1.0, 3600.0), default=35.0, show_default=True,
               metavar="S", help="With --unattended: how long each.")  # fmt: skip
 @click.option("--fault", "faults", multiple=True, metavar="KIND@SECONDS[@TRIAL]",
               help="With --unattended: a fault, e.g. electrode-off@12.")  # fmt: skip
-@click.option("--seed", type=Whole(0), default=1, show_default=True, metavar="N",
+@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, metavar="N",
               help="With --rehearse: whose leg it is.")  # fmt: skip
 @click.option("--mapping", metavar="MAP.toml", help="Which channel of the streams is which signal.")
 @click.option("--device", default="achilles", show_default=True, metavar="NAME|FILE.toml",

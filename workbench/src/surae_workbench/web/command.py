@@ -4,9 +4,9 @@ import os
 
 import click
 
-from surae.cli.options import Whole, server_options
 from surae.errors import InputError
 from surae.files import read_bytes
+from surae_workbench.options import server_options
 
 _MIB = 2**20
 
@@ -17,12 +17,12 @@ _MIB = 2**20
 @click.option("--token-file", metavar="FILE", help="A file that holds the token.")
 @click.option(
     "--workers",
-    type=Whole(1, 256),
+    type=click.IntRange(1, 256),
     metavar="N",
     help="Fits at a time.  [default: one for each core but one]",
 )
-@click.option("--max-upload", type=Whole(1, 4096), default=512, show_default=True, metavar="MIB",
-              help="Largest file that is taken.")  # fmt: skip
+@click.option("--max-upload", type=click.IntRange(1, 4096), default=512, show_default=True,
+              metavar="MIB", help="Largest file that is taken.")  # fmt: skip
 def command(
     project: str,
     host: str,
