@@ -100,3 +100,11 @@ def test_foreign_legs_that_stayed_as_they_were_have_not_changed(tmp_path) -> Non
             wrong += [(family, seed, told.changed)] if told.changed else []
     assert judged >= 3
     assert len(wrong) <= binom.ppf(0.95, judged, 0.05), wrong
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("family", "raw", "errs"), [("c", True, False), ("j", False, True)])
+def test_the_noise_of_raw_emg_is_no_error_of_the_drive(tmp_path, family, raw, errs) -> None:
+    """Rectified noise is loud under effort too; each size is judged with the noise it leaves."""
+    fit = surae.fit(make(family, 741, tmp_path, (1,), raw=raw), quality=())
+    assert (fit.result.family.sizes["drive"] > 0.0) == errs

@@ -334,7 +334,11 @@ class _Search:
         there = post.descend(point.z, point.c, evaluations=12, tolerance=0.1)
         if not sizes:
             return self._learnt(post, there, 1, evaluations=8)
-        tried = {0.0: (post.evidence(there), post, there)}
+        # the evidence of each is with the noise that it leaves itself
+        quiet = post.having(noise=learnt_noise(post, there, anew=True))
+        at = quiet.descend(there.z, there.c, there.w, evaluations=8, tolerance=0.1)
+        quiet = quiet.having(noise=learnt_noise(quiet, at, anew=True))
+        tried = {0.0: (quiet.evidence(quiet.again(at)), post, there)}
 
         def better(size: float) -> bool:
             """Whether this size is the best so far."""

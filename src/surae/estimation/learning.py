@@ -93,14 +93,14 @@ def learnt_films(posterior: LogPosterior, point: Point) -> tuple[Latents, ...]:
 
 
 def learnt_noise(
-    posterior: LogPosterior, point: Point, *, white: bool = False
+    posterior: LogPosterior, point: Point, *, white: bool = False, anew: bool = False
 ) -> tuple[NoiseModel, ...]:
     """The noise of each recording, of its residual and what estimates have taken of it.
 
     Fast gains can follow nearly all that is slow. What is seen of the EMG's noise leaves the
     torque's as it is, which counts some of it twice; of greater errors the noise is white.
     """
-    if posterior.fast == 0.0:
+    if posterior.fast == 0.0 and not anew:
         return posterior.noise
     V = root(_covariance(posterior, point))
     models = []

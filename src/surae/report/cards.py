@@ -29,7 +29,7 @@ AssessedFit = tuple[FitResult, Assessment]
 #: What a part of the torque is called, its share and the share's interval [%].
 Part = tuple[str, float, tuple[float, float] | None]
 #: What is compared between visits, chosen before any is seen; the first leads.
-COMPARED = ("passive_stiffness@{:g}deg", "slow_torque@{:g}deg", "neutral_angle")
+COMPARED = ("passive_stiffness@{:g}deg", "passive_torque@{:g}deg", "k_tri")
 #: A share that is known no better than this cannot be separated from the others [% of the torque].
 _UNSURE = 30.0
 #: Calf muscles among the channels of the EMG.
@@ -182,7 +182,8 @@ def change_card(change: Change | None, angle: float, _: Words) -> tuple[Block, .
             TextBlock(_("Add another visit of this leg to see what changed."), "choose"),
         )
     names = [name.format(angle) for name in COMPARED]
-    found = [change.measures[name] for name in names if name in change.measures]
+    every = {**change.measures, **change.parameters}
+    found = [every[name] for name in names if name in every]
     changed = [_.measure(d.name) for d in found if d.verdict is ChangeVerdict.CHANGED]
     about = ""
     if changed:

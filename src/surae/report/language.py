@@ -14,7 +14,7 @@ from surae.formatting import ends, of_interval
 from surae.names import LANGUAGES
 from surae.words import N_
 
-#: What measures are called, in the order in which they are shown.
+#: What measures, and one parameter, are called, in the order in which they are shown.
 MEASURES = {
     "passive_torque": N_("Torque at rest, {at}"),
     "passive_stiffness": N_("Stiffness at rest, {at}"),
@@ -27,6 +27,7 @@ MEASURES = {
     "optimal_angle_tri": N_("Best angle of the calf"),
     "activation_half_time": N_("Time to half of the force"),
     "delay": N_("Delay from EMG to force"),
+    "k_tri": N_("How steeply the calf stiffens"),
 }
 #: Parts of the torque: the measures of their shares.
 PARTS = {
