@@ -35,8 +35,8 @@ from .conftest import refused
         (["--starts", "1000000000"], ("starts is 1000000000; give at most 10000",)),
         (["--seed", "-1"], ("seed is -1; give at least 0",)),
         (["--geometry", "zz"], ("--geometry", "'zz'", "virtual-work")),
-        (["--theta-foot", "nan"], ("theta_foot is nan", "finite")),
-        (["--x-ref-tri", "-1"], ("x_ref_tri is -1.0; it must be positive",)),
+        (["--theta-foot", "nan"], ("theta_foot is nan", "give a number")),
+        (["--x-ref-tri", "-1"], ("x_ref_tri is -1.0; give more than 0",)),
     ],
 )
 def test_a_wrong_option(run, files, options, says) -> None:

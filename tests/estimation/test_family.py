@@ -147,7 +147,7 @@ def test_a_zero_of_one_recording_is_odd_though_their_mean_is_not(fitted):
     odd = replace(fitted, family=replace(fitted.family, zeros=(35.0, -30.0)))
     judged = judge_adequacy(odd)
     assert judged.grade == "doubtful"
-    assert judged.reasons[0].startswith("zero of the torque (torque_zero): farther")
+    assert judged.reasons[0].startswith("zero of the torque (torque_zero): implausible")
 
 
 def test_with_a_value_at_its_bound_nothing_is_identified_and_that_is_why(fitted):

@@ -77,7 +77,7 @@ def _every(change: Change, at: float, _: Words) -> SectionBlock:
     measures = [
         d
         for name in MEASURES
-        for d in change.measures.values()
+        for d in (*change.measures.values(), *change.parameters.values())
         if d.name.partition("@")[0] == name
         and (not d.name.endswith("deg") or d.name.endswith(f"@{at:g}deg"))
         and (d.before, d.after) != (None, None)
