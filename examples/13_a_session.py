@@ -50,4 +50,4 @@ print(table[["k_tri", "k_tri_low", "k_tri_high", "k_tri_verdict"]])
 
 figure, (left, right) = pyplot.subplots(1, 2, figsize=(10, 4), layout="constrained")
 result.joint.plot.torque(0, ax=left)
-result.joint.plot.parameters(ax=right)
+result.joint.plot.parts(0, ax=right)
