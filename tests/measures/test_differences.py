@@ -37,7 +37,7 @@ def test_where_nothing_changed_few_comparisons_claim_something() -> None:
     assert np.mean(claims) <= 0.05
 
 
-def test_torque_at_rest_has_half_of_the_level_to_itself() -> None:
+def test_torque_at_rest_has_most_of_the_level_to_itself() -> None:
     before, after = side(many()), many()
     by = 4.4  # p = 0.0096: enough for one of two, not for one of 80
     told = compare_sessions(before, side({**after, LEADING: 10.0 + by}))
@@ -55,6 +55,15 @@ def test_the_smallest_change_is_found_in_four_of_five() -> None:
         told = compare_sessions(side(many()), side({**many(), LEADING: 10 + smallest + noise}))
         found.append(told.measures[LEADING].verdict is ChangeVerdict.CHANGED)
     assert 0.74 <= np.mean(found) <= 0.86
+
+
+def test_torque_leads_where_the_angle_is_greatest() -> None:
+    """Of three angles that are as well known one shares the level that is fixed beforehand."""
+    torques = {f"passive_torque@{angle}deg": 10.0 for angle in (-10, 0, 10)}
+    told = compare_sessions(side({**many(), **torques}), side({**many(), **torques})).measures
+    low, neutral, high = (told[name].smallest for name in torques)
+    assert low == neutral == told["m3"].smallest
+    assert high < 0.9 * neutral
 
 
 def test_between_two_legs_nothing_cancels() -> None:

@@ -240,11 +240,8 @@ def holm(p: Mapping[_Key, float], weights: Mapping[_Key, float]) -> dict[_Key, f
 
 def _weights(names: Sequence[str]) -> dict[str, float]:
     """Part of the level that each of these has; 1 in all."""
-    at = {name: float(name.partition("@")[2].removesuffix("deg") or 0.0) for name in names
-          if name.partition("@")[0] in LEADING}  # fmt: skip
-    leading = list(
-        {name.partition("@")[0]: name for name in sorted(at, key=at.__getitem__)}.values()
-    )
+    at = sorted(names, key=lambda name: float(name.partition("@")[2].rstrip("degNms%") or 0.0))
+    leading = {of: name for name in at if (of := name.partition("@")[0]) in LEADING}.values()
     rest = [name for name in names if name not in leading]
     share = (_SHARE if rest else 1.0) if leading else 0.0
     parts = ((leading, share), (rest, 1.0 - share))
