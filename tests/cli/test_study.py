@@ -200,7 +200,7 @@ def until_some(folder: Path, process: "subprocess.Popen[str]", least: int) -> in
 
 @pytest.mark.slow
 def test_status_tells_of_a_run_at_work_and_a_second_run_is_refused(study, undisturbed) -> None:
-    (study / "study.toml").write_text(STUDY.replace("subjects = 12", "subjects = 2000"))
+    (study / "study.toml").write_text(STUDY.replace("subjects = 6", "subjects = 2000"))
     with start(study, "--workers", "2") as process:
         try:
             until_some(study, process, 5)
