@@ -98,7 +98,8 @@ def learnt_noise(
     """The noise of each recording, of its residual and what estimates have taken of it.
 
     Fast gains can follow nearly all that is slow. What is seen of the EMG's noise leaves the
-    torque's as it is, which counts some of it twice; of greater errors the noise is white.
+    torque's as it is, which counts some of it twice, unless it is learnt `anew`, for evidence; of
+    greater errors the noise is white.
     """
     if posterior.fast == 0.0 and not anew:
         return posterior.noise
