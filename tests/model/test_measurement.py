@@ -49,6 +49,7 @@ VALUES = {
     "length_zero_tib": -0.004,
     "emg_power": -0.25,
     "release": 0.04,
+    "emg_lag": 0.02,
     **{name: 0.01 for group in OPTIONAL if group.startswith("film_") for name in OPTIONAL[group]},
 }
 CURVES = {

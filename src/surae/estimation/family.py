@@ -114,7 +114,9 @@ class _Search:
                 mounted=not problem.of_inverse_dynamics,
                 joint=problem.options.anatomy,
             ).items()
-            if name not in held and not _needless(name, self._silent, filmed)
+            if name not in held
+            and not _needless(name, self._silent, filmed)
+            and not (name == "emg_lag" and all(r.own_envelopes for r in problem.inputs))
         }
         self._options = problem.options
         if self._options.emg_ref is None:

@@ -10,10 +10,11 @@ tibialis of the gastrocnemius lateralis), and a force that does not grow as EMG 
 Lloyd and Besier 2003; −3 to 0 there, 0 is linear; and `emg_power` P, 0 is linear) and falls later
 than it rises, by ρ (`release`; Zajac 1989):
 
-    u = M⁻¹·(e − r)
+    u = M⁻¹·(e + λ·de/dt − r)
     ê = u·e_ref/s·(exp(A·s/e_ref) − 1)/(exp(A) − 1)·(s/e_ref)^P + ½·ρ·|dε/dt|
 
-M is 1 on its diagonal; s is u made of envelopes that are as smooth as effort is
+An envelope that lags the EMG as a filter of the first order does is led by its time constant λ
+(`emg_lag`). M is 1 on its diagonal; s is u made of envelopes that are as smooth as effort is
 (`surae.signals.smooth_effort`): rectified EMG fluctuates by as much as itself, and force is curved
 over effort, not over noise. ε is the electrode's own smooth envelope: to first order force is half
 of ρ ahead where it grows, and as much behind where it falls. Nothing
@@ -96,9 +97,15 @@ class Excitation:
             self._by_release = 0.5 * np.abs(np.gradient(smooth, 1.0 / inputs.rate_hz, axis=1))
         if curved:
             emg = np.concatenate([emg, smooth_effort(emg, inputs.rate_hz)], axis=1)
+        #: de/dt, of envelopes and of smooth ones behind them; None where there is no lag.
+        self._rate: FloatArray | None = None
+        if "emg_lag" in at:
+            parts = emg.reshape(len(emg), -1, inputs.n)
+            rate = np.asarray(np.gradient(parts, 1.0 / inputs.rate_hz, axis=2))
+            self._rate = rate.reshape(emg.shape)
         self._emg = np.array(emg, dtype=np.float64, order="C")
         self._at, self._weights = at, [at[name] for name in weights]
-        corrections = (*_RESTS, *CROSSTALK.values())
+        corrections = ("emg_lag", *_RESTS, *CROSSTALK.values())
         self._corrections = {at[name] for name in corrections if name in at}
         self._present = np.array([m not in inputs.missing_emg for m in MUSCLES], dtype=float)
         self._reference = _reference(inputs, options, self._present) if curved else None
@@ -124,6 +131,8 @@ class Excitation:
 
     def _envelopes(self, values: FloatArray) -> _Envelopes:
         own: FloatArray = self._emg
+        if self._rate is not None:
+            own = own + self._value(values, "emg_lag") * self._rate
         unmixing: FloatArray = np.eye(4)
         if _RESTS[0] in self._at:
             rest = np.array([self._value(values, name) for name in _RESTS])
@@ -188,6 +197,8 @@ class Excitation:
                 for (hears, of), name in CROSSTALK.items()
                 if at.get(name, -1) in wanted
             ]
+            if self._rate is not None:
+                taken.append(("emg_lag", -np.einsum("in,in->n", heard, self._rate)))
             # by way of the envelopes and, behind them, of the smooth ones
             slopes += [
                 (at[name], by.reshape(-1, n).sum(axis=0))

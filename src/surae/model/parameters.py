@@ -364,6 +364,10 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
         _M("release", "s", "time by which force falls later than it rises", -0.05, 0.15,
            "bursts of effort that end as fast as they begin"),
     ),
+    "emg_lag": (
+        _M("emg_lag", "s", "time constant by which envelopes lag the EMG", -0.05, 0.1,
+           "give the raw EMG, or envelopes of a filter that does not delay"),
+    ),
     **{
         f"film_{at}": tuple(
             _M(f"film_{name}_{at}", unit, f"{meaning}, {muscle}", -limit, limit,

@@ -182,6 +182,15 @@ _SOURCES = (
         ),
     ),
     UncertaintySource(
+        "emg_lag", "lag of the EMG", "how far an envelope is behind its EMG",
+        N_("Give the raw EMG instead of envelopes."),
+        Fill("series-3", "/"),
+        Nuisance(
+            "lag", OPTIONAL["emg_lag"], Gaussian(0.02, 0.015), "s",
+            "a low-pass of 3 to 10 Hz lags by 16 to 53 ms, by nothing if it is run both ways",
+        ),
+    ),
+    UncertaintySource(
         "tendon", "tendons", "how far they stretch, and where their force curve becomes straight",
         N_("Measure the tendon’s strain by ultrasound."),
         Fill("surface", "\\"),

@@ -47,7 +47,7 @@ class Film(Comparable):
     length: FloatArray  #: Its length [m], shape (k,).
 
 
-@filed(n="n", sparse=("films", "second"))
+@filed(n="n", sparse=("films", "second", "own_envelopes"))
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelInputs(Comparable):
     """Prepared signals of one recording, arrays read-only.
@@ -92,6 +92,8 @@ class ModelInputs(Comparable):
         Fascicles that were filmed while it was recorded.
     measured : tuple of str
         Which of ``"velocity"`` and ``"acceleration"`` were measured: no filter went over them.
+    own_envelopes : bool
+        Whether the envelopes were made of raw EMG here, by filters that do not delay.
     second : tuple of two ndarray, shape (n,), or of none
         Angle [rad] and velocity [rad/s] of a second joint that the muscles cross too.
     """
@@ -116,6 +118,7 @@ class ModelInputs(Comparable):
     lowpass: tuple[float, int] | None = None
     measured: tuple[str, ...] = ()
     films: tuple[Film, ...] = ()
+    own_envelopes: bool = False
     second: tuple[FloatArray, ...] = ()
 
     def __post_init__(self) -> None:

@@ -113,6 +113,7 @@ def prepare(
             for role, channel in recording.films.items()
             if role.startswith("fascicle_")
         ),
+        own_envelopes=recording.emg == "raw" and not prepared,
         measured=tuple(name for name, role in _DERIVATIVES.items() if role in signals),
         second=tuple(map(read_only, second)),
         lowpass=None if cutoff is None else (cutoff, settings.bessel_order),
