@@ -23,7 +23,13 @@ from surae.estimation.film import names_of_film
 from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.latent import SOURCES, Latents
-from surae.estimation.learning import effort_ratio, learnt_films, learnt_noise, learnt_sizes
+from surae.estimation.learning import (
+    effort_ratio,
+    followed,
+    learnt_films,
+    learnt_noise,
+    learnt_sizes,
+)
 from surae.estimation.least_squares import Outcome
 from surae.estimation.noise import NoiseModel
 from surae.estimation.population import WIDENED, wide_priors
@@ -61,6 +67,9 @@ _ENDS = 0.01
 #: Slow residual under effort over that at rest from which errors of the drive are sought, and their
 #: standard deviations that are tried.
 _LOUDER, _ERRORS = 1.6, (0.06, 0.11, 0.15, 0.21)
+#: Part of the torque's changes that parameters alone have to follow before: of a model that follows
+#: less, what is left is not the EMG's.
+_FOLLOWED = 0.8
 #: Odds beforehand that a leg or laboratory has a departure.
 _ODDS = 0.3
 #: How far EMG at rest may be from what is expected, in standard deviations.
@@ -306,7 +315,8 @@ class _Search:
         full, point = self._learnt(full, point, _ROUNDS)
         # which departures there are would hide behind it; what muscles do that no electrode hears
         # is loud under effort as well, and no error of another's EMG
-        if not self._original.has_unheard and effort_ratio(full, point) > _LOUDER:
+        louder = not self._original.has_unheard and effort_ratio(full, point) > _LOUDER
+        if louder and followed(full, point) > _FOLLOWED:
             full, point = self._with_drive_errors(full, point, _ERRORS)
         positions: dict[str, list[int]] = {}
         off: dict[int, float] = {}

@@ -54,6 +54,15 @@ def effort_ratio(posterior: LogPosterior, point: Point) -> float:
     return float(np.sqrt(np.mean(under**2) / max(np.mean(at_rest**2), 1e-300)))
 
 
+def followed(posterior: LogPosterior, point: Point) -> float:
+    """Part of the variance of the torque that parameters alone follow, latents left out."""
+    left = whole = 0.0
+    for number, recording in enumerate(posterior.problem.inputs):
+        left += float(np.sum(posterior.observed.plain_residual(point.z, recording, number) ** 2))
+        whole += recording.n * float(np.var(measured(recording)))
+    return 1.0 - left / max(whole, 1e-300)
+
+
 def learnt_sizes(
     posterior: LogPosterior, point: Point, beforehand: Mapping[str, float]
 ) -> dict[str, float]:
