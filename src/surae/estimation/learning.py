@@ -125,7 +125,8 @@ def learnt_noise(
         model = noise_behind(e, U, 0 if white or posterior.fast else min(_ORDER, len(e) // 10))
         # samples count for as little as the slow part says, in which parameters act: a noise
         # model that is correlated itself lets the torque go where the model is wrong
-        slow = level_where_filtered(model, recording).below(_COUNTED / recording.rate_hz)
+        model = level_where_filtered(model, recording)
+        slow = model.below(_COUNTED / recording.rate_hz)
         least = (_EXACT * float(np.std(measured(recording)))) ** 2
         level = max(slow, model.variance, least, 1e-30)
         models.append(replace(model, coefficients=np.zeros(0), variance=level))
