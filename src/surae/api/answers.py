@@ -128,20 +128,7 @@ def cohort(
 
 
 def write_cohort_page(path: PathLike, cohort: Cohort) -> None:
-    """Write the page of a cohort: groups, differences, changes, and every leg.
-
-    Parameters
-    ----------
-    path : path
-        HTML, or a PDF where it ends in ``.pdf``.
-    cohort : Cohort
-        As `cohort` made it.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-    """
+    """Write the page of a cohort, HTML or by its ending PDF: groups, changes, and every leg."""
     from surae.report.cohort import cohort_report  # matplotlib
 
     cohort_report(cohort, created=datetime.now().astimezone()).write(path)
@@ -156,27 +143,10 @@ def write_change_page(
     language: str = "en",
     angle: float | None = None,
 ) -> None:
-    """Write the page of what changed: three measures fixed beforehand, then every measure.
+    """Write the page of what changed, HTML or by its ending PDF.
 
-    Parameters
-    ----------
-    path : path
-        HTML, or a PDF where it ends in ``.pdf``.
-    change : Change
-        As `change` made it.
-    fits : sequence of Fit
-        Both that were compared.
-    baselines : sequence of Fit
-        Further sessions from before anything changed.
-    language : {"en", "nl", "de", "fr"}
-        The reader's.
-    angle : float, optional
-        Where torque and stiffness are given [deg]; by default 10, or what was measured near it.
-
-    Raises
-    ------
-    InputError
-        The language is not known, or the page cannot be written.
+    `fits` are both that were compared, `baselines` further sessions from before anything changed;
+    torque and stiffness are given at `angle` [deg], by default 10, or what was measured near it.
     """
     from surae.report.change import change_report  # matplotlib
 
@@ -188,23 +158,7 @@ def write_change_page(
 
 
 def change_part(before: Fit | PathLike, after: Fit | PathLike) -> str:
-    """What changed between two visits, as a part of the leg's page.
-
-    Parameters
-    ----------
-    before, after : Fit or path
-        Of the leg: fits, files of fits, or folders of sessions.
-
-    Returns
-    -------
-    str
-        HTML.
-
-    Raises
-    ------
-    InputError
-        A file cannot be read.
-    """
+    """What changed between two visits of a leg, as HTML for a part of its page."""
     from surae.report import part_of
     from surae.report.cards import change_card
     from surae.report.language import words_in
@@ -216,20 +170,7 @@ def change_part(before: Fit | PathLike, after: Fit | PathLike) -> str:
 
 
 def predictions_part(fit: Fit, predictions: "Sequence[Prediction]") -> str:
-    """How other recordings are predicted, as a part of a page.
-
-    Parameters
-    ----------
-    fit : Fit
-        Whose parameters predict.
-    predictions : sequence of Prediction
-        As `validate` makes them.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+    """How a fit predicts other recordings, as HTML for a part of a page."""
     from surae.report import part_of
     from surae.report.fit import predictions_report  # matplotlib
 
@@ -237,13 +178,7 @@ def predictions_part(fit: Fit, predictions: "Sequence[Prediction]") -> str:
 
 
 def fit_of(given: Fit | PathLike) -> Fit:
-    """A fit that is given as itself, as its file, or as the folder of a session.
-
-    Raises
-    ------
-    InputError
-        There is none, or a folder has several and no joint one.
-    """
+    """A fit that is given as itself, as its file, or as the folder of a session."""
     return given if isinstance(given, Fit) else load(_file_of(given))
 
 

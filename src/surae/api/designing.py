@@ -193,18 +193,7 @@ def _range_of(
 
 
 def as_device(device: str | PathLike | Device | None) -> Device | None:
-    """The device of a name or a TOML file; None is none.
-
-    Parameters
-    ----------
-    device : str, path, Device or None
-        Which.
-
-    Raises
-    ------
-    InputError
-        There is no such device, or its file cannot be read.
-    """
+    """The device of a name or a TOML file; None is none."""
     if device is None or isinstance(device, Device):
         return device
     if str(device) in DEVICES or not str(device).lower().endswith(".toml"):
@@ -295,11 +284,6 @@ def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:
 
 def protocol_trajectory(settings: Protocol) -> Trajectory:
     """The movement and the effort of a protocol, unless it is longer than anybody can mean.
-
-    Parameters
-    ----------
-    settings : Protocol
-        The requested protocol.
 
     Raises
     ------

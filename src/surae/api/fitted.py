@@ -27,21 +27,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Fit(Tabular):
-    """A fit and what it is worth.
+    """A fit and what it is worth."""
 
-    Attributes
-    ----------
-    result : FitResult
-        What was found: values, residuals, every start.
-    assessment : Assessment
-        What it is worth: intervals, correlations, verdicts.
-    quality : tuple of Quality
-        What was found in each recording before it was fitted.
-    """
-
-    result: FitResult
-    assessment: Assessment
-    quality: tuple[Quality, ...] = ()
+    result: FitResult  #: What was found: values, residuals, every start.
+    assessment: Assessment  #: What it is worth: intervals, correlations, verdicts.
+    quality: tuple[Quality, ...] = ()  #: What was found in each recording before it was fitted.
 
     def as_table(self) -> TextTable:
         """The fit on one screen, as texts.

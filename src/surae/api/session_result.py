@@ -38,43 +38,23 @@ if TYPE_CHECKING:
 @filed("session", "fits", "joint")
 @dataclass(frozen=True, slots=True)
 class SessionResult:
-    """What came of a session.
+    """What came of a session."""
 
-    Attributes
-    ----------
-    session : Session
-        Its trials; of a result that was read from a folder without their signals.
-    fits : mapping of str to Fit
-        By trial.
-    joint : Fit or None
-        Of all trials in `joined` together.
-    joined : tuple of str
-        Trials of the joint fit.
-    failed : mapping of str to str
-        Trials without a fit, and fits that were left out of the joint one: why. ``"joint"``: why
-        there is none.
-    quality : mapping of str to Quality
-        What was found in each trial.
-    predictions : mapping of str to (mapping of str to Crossed)
-        How the fit of a trial (the first name) follows another.
-    joint_predictions : mapping of str to Crossed
-        How the joint fit follows each trial.
-    settings : FitSettings
-        The settings of every fit.
-    interrupted : bool
-        Whether the user stopped it.
-    """
-
-    session: TrialSet
-    settings: FitSettings
-    fits: Mapping[str, Fit] = field(default_factory=FrozenDict)
-    joint: Fit | None = None
+    session: TrialSet  #: Its trials; of a result read from a folder without their signals.
+    settings: FitSettings  #: Of every fit.
+    fits: Mapping[str, Fit] = field(default_factory=FrozenDict)  #: By trial.
+    joint: Fit | None = None  #: Of all trials in `joined` together.
     joined: tuple[str, ...] = ()
+    #: Trials without a fit, and fits that were left out of the joint one: why. ``"joint"``: why
+    #: there is none.
     failed: Mapping[str, str] = field(default_factory=FrozenDict)
+    #: What was found in each trial.
     quality: Mapping[str, Quality] = field(default_factory=FrozenDict)
+    #: How the fit of a trial (the first name) follows another.
     predictions: Mapping[str, Mapping[str, Crossed]] = field(default_factory=FrozenDict)
+    #: How the joint fit follows each trial.
     joint_predictions: Mapping[str, Crossed] = field(default_factory=FrozenDict)
-    interrupted: bool = False
+    interrupted: bool = False  #: Whether the user stopped it.
 
     def __post_init__(self) -> None:
         """Make the mappings read-only."""

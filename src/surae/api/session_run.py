@@ -38,25 +38,14 @@ _JOINT_COST = 1.5
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Where a run is.
+    """Where a run is."""
 
-    Attributes
-    ----------
-    what : str
-        What is being done, or was.
-    done, total : int
-        Steps that are complete, and all.
-    left_s : float or None
-        About how many seconds it still takes; None while nobody knows.
-    outcome : str
-        What came of it, in a few words; empty before the step.
-    """
-
-    what: str
+    what: str  #: What is being done, or was.
+    #: `done`, `total`: steps that are complete, and all.
     done: int
     total: int
-    left_s: float | None = None
-    outcome: str = ""
+    left_s: float | None = None  #: About how many seconds it still takes; None while nobody knows.
+    outcome: str = ""  #: What came of it, in a few words; empty before the step.
 
 
 StepProgress = Callable[[Step], None]

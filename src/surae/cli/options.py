@@ -200,10 +200,7 @@ _WEIGHTS = (
 
 
 def options_of(request: Any, *without: str) -> list[Callable[[Any], Any]]:
-    """Options of all settings of a request that have a help, but for those that a command leaves.
-
-    Each arrives under the name of its field; what is not given as None, or nothing.
-    """
+    """Options of all settings of a request that have a help, under the names of their fields."""
     made: list[Callable[[Any], Any]] = []
     for each, record in settings_of(request):
         if each.name == "weights":

@@ -40,10 +40,9 @@ def spare_fits(outputs: Mapping[str, str | None]) -> None:
 
 
 def check_outputs(outputs: Mapping[str, str | None], inputs: Iterable[str]) -> None:
-    """Refuse outputs that cannot be written, before the work instead of after it.
+    """Refuse outputs, by option, that cannot be written, before the work instead of after it.
 
-    `outputs` are paths by option, None where it is not given; `inputs` are files that are read, and
-    must not be replaced by results.
+    `inputs` are files that are read, and must not be replaced by results.
     """
     taken = {os.path.realpath(path): "is read by this command" for path in inputs}
     for option, path in outputs.items():

@@ -54,10 +54,7 @@ class Commanded(Comparable):
 
 
 def recognised(channel: Channel) -> Commanded | None:
-    """The known protocol that an angle follows, or None.
-
-    The angle may be in any unit and on any zero.
-    """
+    """The known protocol that an angle follows, in any unit and on any zero; or None."""
     step = max(1, round(channel.rate_hz / _RATE))
     seconds = channel.time[::step] - channel.time[0]
     angle = channel.values[::step]

@@ -171,10 +171,7 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
 def _ringing(
     angle: FloatArray, time: FloatArray, rate: float
 ) -> tuple[int, list[tuple[float, float, float]]]:
-    """How many fast movements end in a hold, and of those that shot past it: by how much [rad].
-
-    With it stand the first and last time [s].
-    """
+    """How many fast movements end in a hold; of those that shot past it: how far [rad], when."""
     velocity = np.gradient(smooth(angle, round(0.05 * rate)), 1.0 / rate)
     still = smooth(np.abs(velocity), round(0.3 * rate)) < 0.05
     holds, shot = 0, []

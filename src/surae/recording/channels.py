@@ -79,10 +79,7 @@ def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str
 
 
 def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channel:
-    """Check a column's samples and bring them to SI.
-
-    Of a film the frames are left out in which its tracker found nothing: no number, or 0.
-    """
+    """Check samples and bring them to SI; frames in which a film shows nothing are left out."""
     shown = f"column {column.name!r}"
     times, raw, position = column.time, column.values, column.position
     if role in FILM_ROLES:

@@ -74,10 +74,7 @@ def look_of(time: FloatArray, values: FloatArray) -> Look:
 
 
 def emg_contradictions(recording: Recording) -> dict[str, str]:
-    """Sentences on EMG channels, by role, that are declared raw but look like envelopes or reverse.
-
-    Inspect, check and fit say it in these words.
-    """
+    """What inspect, check and fit say of EMG, by role, that is not what it is declared to be."""
     looks = {
         role: look_of(channel.time, channel.values)
         for role, channel in recording.channels.items()

@@ -51,24 +51,8 @@ def inspect_trials(
 ) -> Inspection | InspectedTrials:
     """Describe data files, and tell parts of one recording from trials of one layout.
 
-    Files of the same names in several folders, and files that each hold an angle, are trials.
-
-    Parameters
-    ----------
-    paths : sequence of paths
-        Data files.
-    side : {"left", "right"}, optional
-        The leg, where the files hold both.
-
-    Returns
-    -------
-    Inspection or InspectedTrials
-        Of one recording, or of many.
-
-    Raises
-    ------
-    InputError
-        A file cannot be read; see `inspect`.
+    Files of the same names in several folders, and files that each hold an angle, are trials. All
+    else is as of `inspect`.
     """
     folders: dict[Path, list[Path]] = {}
     for path in map(Path, paths):
@@ -89,15 +73,7 @@ def inspect_trials(
 
 
 def trials_text(inspected: InspectedTrials, folder: PathLike) -> str:
-    """The mapping of all trials: without files, or with ``{trial}``; what differs in a line each.
-
-    Parameters
-    ----------
-    inspected : InspectedTrials
-        What was inspected.
-    folder : path
-        Where the mapping will be.
-    """
+    """The mapping of all trials, to be in `folder`; what differs is a line each."""
     text = mapping_text(inspected.typical, folder, inspected.files, inspected.folder)
     lines = [text.rstrip("\n"), *(f"# {text}" for text in inspected.directions), ""]
     if own := [difference for difference in inspected.differences if difference.line]:

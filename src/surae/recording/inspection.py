@@ -60,41 +60,21 @@ class InspectedChannel:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Inspection(Tabular):
-    """What data files hold; `surae.recording.mapping_text` writes it as a mapping.
+    """What data files hold; `surae.recording.mapping_text` writes it as a mapping."""
 
-    Attributes
-    ----------
-    channels : tuple of InspectedChannel
-        Every channel, file by file.
-    formats : mapping of str to str
-        Format by file.
-    roles : mapping of str to InspectedChannel
-        The one channel that each role was found for.
-    open : mapping of str to tuple of InspectedChannel
-        Roles of which several channels, or only a vague one, could be it: the user decides.
-    missing : tuple of str
-        Roles of angle, torque and EMG of which there is no channel.
-    side, side_rule : {"left", "right"} or None, str
-        The leg, and how it is known; empty where there is no side.
-    emg, emg_rule : {"raw", "envelope"} or None, str
-        What the EMG seems to be, None where it is unclear, and why; empty where there is no EMG.
-    direction : str
-        How the torque goes with the angle, where it does.
-    advice : tuple of str
-        What to do, one line each.
-    """
-
-    channels: tuple[InspectedChannel, ...]
-    formats: Mapping[str, str]
-    roles: Mapping[str, InspectedChannel]
+    channels: tuple[InspectedChannel, ...]  #: Every channel, file by file.
+    formats: Mapping[str, str]  #: Format by file.
+    roles: Mapping[str, InspectedChannel]  #: The one channel of each role that was found.
+    #: Roles of which several channels, or only a vague one, could be it: the user decides.
     open: Mapping[str, tuple[InspectedChannel, ...]]
-    missing: tuple[str, ...]
-    side: Side | None = None
-    side_rule: str = ""
+    missing: tuple[str, ...]  #: Roles of angle, torque and EMG of which there is no channel.
+    side: Side | None = None  #: The leg.
+    side_rule: str = ""  #: How it is known; empty where there is no side.
+    #: What the EMG seems to be; None where it is unclear.
     emg: Literal["raw", "envelope"] | None = None
-    emg_rule: str = ""
-    direction: str = ""
-    advice: tuple[str, ...] = ()
+    emg_rule: str = ""  #: Why; empty where there is no EMG.
+    direction: str = ""  #: How the torque goes with the angle, where it does.
+    advice: tuple[str, ...] = ()  #: What to do, one line each.
 
     def as_table(self) -> TextTable:
         """The channels as a table, then what was found and what is left to say.

@@ -85,38 +85,24 @@ class Channel(Comparable):
 class Recording:
     """One trial of one leg.
 
-    Attributes
-    ----------
-    name : str
-        Name shown in tables and figures.
-    channels : mapping of str to Channel
-        By role, in the order of `ROLES`; angle is always there.
-    emg : {"raw", "envelope"}
-        Whether the EMG channels are raw (the EMG chain applies) or already envelopes.
-    fixed : mapping of str to float
-        Parameter values that this recording prescribes, e.g. ``{"m": 0.0}``.
-    prepare : mapping
-        Settings of the preparation that the recording's description overrides.
-    files : tuple of SourceFile
-        What it was read from; empty for a simulated recording.
-    side : {"left", "right"} or None
-        The leg, where its description says so.
-    device : mapping
-        What its description says of the measuring device.
-
     Raises
     ------
     InputError
         Some EMG is in volts and some normalised: their weights would not compare.
     """
 
-    name: str
+    name: str  #: Shown in tables and figures.
+    #: By role, in the order of `ROLES`; angle is always there.
     channels: Mapping[str, Channel]
+    #: Whether the EMG is raw (the EMG chain applies) or envelopes already.
     emg: Literal["raw", "envelope"] = "raw"
+    #: Parameter values that it prescribes, such as ``{"m": 0.0}``.
     fixed: Mapping[str, float] = field(default_factory=dict)
+    #: Settings of the preparation that its description overrides.
     prepare: Mapping[str, Any] = field(default_factory=dict)
-    files: tuple[SourceFile, ...] = ()
-    side: str | None = None
+    files: tuple[SourceFile, ...] = ()  #: What it was read from; empty for a simulated one.
+    side: str | None = None  #: "left", "right", where its description says so.
+    #: What its description says of the measuring device.
     device: Mapping[str, Any] = field(default_factory=dict)
 
     @property

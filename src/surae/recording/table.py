@@ -34,8 +34,7 @@ def check_samples(
 ) -> None:
     """Check that a signal has two finite samples or more, at times that increase.
 
-    `where` is the file or object that the signal belongs to, the beginning of the message; `names`
-    are those of the time and of the signal there; `position` says where a sample is.
+    `where` begins the message; `names` are those of the time and of the signal there.
     """
     for name, array in zip(names, (time, values), strict=True):
         if array.ndim != 1:

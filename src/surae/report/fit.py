@@ -67,11 +67,9 @@ def fit_report(
     created: datetime,
     quality: Sequence[Quality] = (),
 ) -> Report:
-    """The report of a fit.
+    """The report of a fit; the same arguments give the same report.
 
-    `versions` are those of the programs that made the fit, `created` is when the report is made,
-    `predictions` are of other recordings, `quality` is what was found in each recording before it
-    was fitted. The same arguments give the same report.
+    `predictions` are of other recordings, `quality` is what was found in each before it was fitted.
     """
     traces, budget = traces_of(result), budget_of(result, assessment)
     names = [recording.name for recording in assessment.recordings]

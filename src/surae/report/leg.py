@@ -131,8 +131,8 @@ def compared(
 ) -> Change:
     """The three measures that two visits, or two legs, are compared in.
 
-    `baselines` are further visits from before anything changed; torque and stiffness are compared
-    at `angle` [deg], by default where the second visit measured.
+    `baselines` are visits from before anything changed; `angle` [deg] is by default where the
+    second visit measured.
     """
     at = visit_angle(after) if angle is None else angle
     names = [name.format(at) for name in COMPARED]

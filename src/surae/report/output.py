@@ -72,25 +72,10 @@ def paper_of(document: Mapping[str, Any], images: Mapping[str, bytes]) -> bytes:
 def write_blocks(
     path: PathLike, *, images: Mapping[str, str], signals: str = "", **document: Any
 ) -> None:
-    """Write a report that is plain data, its images SVG: a PDF where `path` ends so, or a page.
+    """Write a report that is plain data: a PDF where `path` ends so, or a page.
 
-    Parameters
-    ----------
-    path : path
-        Where to.
-    images : mapping of str to str
-        Data URLs by name.
-    signals : str
-        What can be zoomed into.
-    **document
-        The fields of `surae.report.document.Document`.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written, or a PDF needs typst.
-    ComputationError
-        Typst cannot set the PDF.
+    `images` are data URLs of SVG by name; `document` has the fields of
+    `surae.report.document.Document`.
     """
     check_report(path)
     if is_pdf(path):

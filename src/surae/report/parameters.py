@@ -32,10 +32,7 @@ _GROUPS = {
 def parameters_section(
     result: FitResult, assessment: Assessment, *, next_anchor: str
 ) -> SectionBlock:
-    """The table of all parameters, by the part of the torque they act on.
-
-    Weak verdicts lead to `next_anchor`, where it says what to measure.
-    """
+    """All parameters by the part of the torque they act on; weak ones lead to `next_anchor`."""
     priors, interval = result.problem.priors, assessment.interval
     marginal = interval is Interval.MARGINAL
     groups: dict[str, list[tuple[AnyCell, ...]]] = {}

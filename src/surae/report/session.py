@@ -83,10 +83,7 @@ class FittedLeg:
 def session_report(
     leg: FittedLeg, *, created: datetime, before: AssessedFit | None = None, language: str = "en"
 ) -> Report:
-    """The leg's page: four answers, then details and research, which are in English alone.
-
-    `before` is the fit of an earlier visit.
-    """
+    """The leg's page: four answers, then details and research, which are in English alone."""
     _, shown = words_in(language), leg.shown
     contradicted = contradictions(leg.alone, leg.together)
     answers = leg_answers(leg.trials, leg.fits, shown, _, contradicted=tuple(contradicted),

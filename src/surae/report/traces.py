@@ -101,19 +101,9 @@ POINTS = 4000
 def min_max(
     time: FloatArray, values: FloatArray, points: int = POINTS
 ) -> tuple[FloatArray, FloatArray]:
-    """The smallest and the largest sample of each of `points`/2 equal stretches, and both ends.
+    """The least and greatest sample of each of `points`/2 equal stretches, and both ends.
 
-    Parameters
-    ----------
-    time, values : ndarray, shape (n,)
-        A signal.
-    points : int
-        A signal of no more samples is returned as it is.
-
-    Returns
-    -------
-    tuple of ndarray
-        Times and values of the samples that were kept, in order; at most `points` + 2 of them.
+    A signal of no more samples is returned as it is.
     """
     if len(values) <= points:
         return time, values
@@ -124,18 +114,8 @@ def min_max(
 def extremes(signals: Sequence[FloatArray], points: int = POINTS) -> IndexArray:
     """Which samples to show of signals with common instants, so that none loses a peak.
 
-    Parameters
-    ----------
-    signals : sequence of ndarray, shape (n,)
-        The signals whose peaks must stay; others can be shown at the same samples.
-    points : int
-        Of signals of no more samples all are shown.
-
-    Returns
-    -------
-    ndarray of int
-        Where any signal is smallest or largest within each of equal stretches, and both ends; in
-        order, at most `points` + 2.
+    Where any signal is least or greatest within each of equal stretches, and both ends: at most
+    `points` + 2.
     """
     n = len(signals[0])
     if n <= points:

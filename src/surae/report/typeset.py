@@ -28,10 +28,9 @@ def require_typst() -> None:
 
 
 def typeset(template: bytes, folder: Path, content: Mapping[str, Any]) -> bytes:
-    """The PDF that a template makes of plain data.
+    """The PDF that a template makes of plain data, with the images in `folder`.
 
-    The template is Typst's markup; it reads `content`, what JSON can hold, as data: no text in it
-    is ever markup. Its images are in `folder`.
+    The template is Typst's markup; it reads `content` as data: no text in it is ever markup.
 
     Raises
     ------
@@ -59,11 +58,6 @@ def is_pdf(path: PathLike) -> bool:
 
 def check_report(path: PathLike | None) -> None:
     """Refuse a report that could not be made, before the work instead of after it.
-
-    Parameters
-    ----------
-    path : path or None
-        Where it shall be written; None: nowhere.
 
     Raises
     ------

@@ -93,12 +93,7 @@ def emg_reference(
 def normalised(recording: ModelInputs, reference: EmgReference | None) -> ModelInputs:
     """A recording's EMG in parts of a reference, as the recordings of a fit have it.
 
-    Parameters
-    ----------
-    recording : ModelInputs
-        The recording; one that has this reference already is returned as it is.
-    reference : EmgReference or None
-        None: nothing is to be done.
+    One that has the reference already, or is given none, is returned as it is.
 
     Raises
     ------

@@ -348,10 +348,7 @@ def refuse_not_raw(channel: Channel, source: Uniform, settings: Preparation) -> 
 
 
 def refuse_negative(channel: Channel, where: str, declared: str) -> None:
-    """Raise InputError where an envelope is negative by more than a tenth of its maximum.
-
-    `declared` is what the recording says that its EMG is.
-    """
+    """Refuse an envelope that is negative by more than a tenth of its maximum."""
     at = int(np.argmin(channel.values))
     lowest, highest = float(channel.values[at]), float(channel.values.max())
     if lowest < -NEGATIVE_FRACTION * max(highest, 0.0):

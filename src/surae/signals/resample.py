@@ -98,18 +98,11 @@ def _spline(x: FloatArray, y: FloatArray, at: FloatArray, where: str) -> FloatAr
 
 
 def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
-    """Every `factor`-th sample of the inputs.
+    """Every `factor`-th sample of the inputs; those that do not fill the last group are left out.
 
     EMG is averaged over the samples around each kept instant, which a low-pass activation filter
     cannot tell from the whole, and which comes neither early nor late; motion and torque are taken
     as they are at the kept instants.
-
-    Parameters
-    ----------
-    inputs : ModelInputs
-        Prepared signals.
-    factor : int
-        At least 1; samples that do not fill the last group are left out.
     """
     from scipy.ndimage import correlate1d
 
@@ -137,22 +130,7 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
 
 
 def thinning_factor(inputs: ModelInputs, rate_hz: float, samples: int) -> int:
-    """The largest factor by which a recording may be thinned.
-
-    Parameters
-    ----------
-    inputs : ModelInputs
-        The recording.
-    rate_hz : float
-        Rate that must be left [Hz].
-    samples : int
-        Number of samples that must be left.
-
-    Returns
-    -------
-    int
-        1 where nothing may be left out.
-    """
+    """The largest factor that leaves a recording this rate [Hz] and so many samples; at least 1."""
     return max(1, min(int(np.floor(inputs.rate_hz / rate_hz)), inputs.n // samples))
 
 

@@ -60,10 +60,7 @@ def forest_figure(pooled: Pooled) -> Figure:
 def sessions_figure(
     label: str, sessions: Sequence[str], legs: Sequence[tuple[str, Sequence[tuple[str, float]]]]
 ) -> Figure:
-    """Each leg as a line over its sessions.
-
-    `legs` are the group of each, and its value by session.
-    """
+    """Each leg, its group and values by session, as a line over its sessions."""
     figure = new_figure(2.6, width=7.2)
     axes = figure.subplots()
     groups = list(dict.fromkeys(group for group, _ in legs))

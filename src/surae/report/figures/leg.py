@@ -25,10 +25,7 @@ def stiffness_figure(
     norms: Sequence[tuple[Norm, float]],
     _: Words,
 ) -> Figure:
-    """Measured torque of a relaxed ankle over its angle, the model over it, a norm behind.
-
-    Torques [Nm] have the session's zero taken off; `norms` are groups, each at an angle [deg].
-    """
+    """Measured torque [Nm] of a relaxed ankle over its angle, the model over it, norms behind."""
     figure = new_figure(2.9, width=_WIDTH)
     axes = figure.subplots()
     drawn: list[FloatArray] = []

@@ -26,15 +26,7 @@ _EFFORT_HZ = 40.0
 def protocol_figure(trajectory: Trajectory) -> Figure:
     """What a protocol asks of the device and the subject (thesis Figures 2, 6, 8, 9, 36, 37).
 
-    Parameters
-    ----------
-    trajectory : Trajectory
-        The protocol.
-
-    Returns
-    -------
-    Figure
-        Angle; velocity, with the device's limit; target effort, one strip for each muscle.
+    Angle; velocity, with the device's limit; target effort, one strip for each muscle.
     """
     figure = new_figure(6.4)
     grid = figure.add_gridspec(6, 1, height_ratios=[1.9, 1.5, 0.42, 0.42, 0.42, 0.42])

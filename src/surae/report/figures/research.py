@@ -42,11 +42,7 @@ def residual_figure(
     whiteness: Whiteness,
     excluded: Sequence[tuple[int, int]] = (),
 ) -> Figure:
-    """Residual against time, and its autocorrelation with the white-noise band.
-
-    The torque is in Nm; `excluded` are first and last sample of every stretch that the fit left
-    out.
-    """
+    """Residual [Nm] against time, hatched where a fit left it out, and its autocorrelation."""
     figure = new_figure(4.2)
     axes, correlated = figure.subplots(2)
     dress(axes, "Residual [Nm]", "Time [s]")
@@ -171,10 +167,7 @@ _POINTS = 200
 
 
 def geometry_figure(options: ModelOptions, names: tuple[str, ...]) -> Figure:
-    """Moment arm and change of length of both muscle groups, called so, over the angle.
-
-    With a second angle for its ends and its middle.
-    """
+    """Moment arm and change of length of both groups over the angle, and over a second one."""
     table = options.geometry
     assert isinstance(table, GeometryTable)
     angle = np.linspace(*table.range, _POINTS)

@@ -35,9 +35,7 @@ _POINTS = 200
 def tendon_figure(traces: Traces, state: TendonState) -> Figure:
     """Muscle and tendon of both groups over time, and the tendons' curves (thesis Figure 39).
 
-    Triceps surae left, tibialis anterior right: muscle length and velocity in optimal lengths,
-    tendon elongation, tendon force, and force against elongation with the range that the recording
-    used.
+    Triceps surae left, tibialis anterior right; lengths and velocities in optimal lengths.
     """
     figure = new_figure(10.2)
     grid = figure.add_gridspec(6, 2, height_ratios=[1.25, 1.1, 1.0, 1.35, 0.03, 1.75], wspace=0.05)
@@ -124,8 +122,7 @@ _MODEL: dict[str, Any] = {"color": BLUE, "linewidth": 1.1, "label": "model"}
 def film_figure(traces: Traces, film: Fascicles, figure: Figure | None = None) -> Figure:
     """Torque, fascicle length and tendon stretch over time, and force over both lengths.
 
-    What the film shows is wide and pale, the model thin and dark; force is the model's. It is drawn
-    on a new figure, or the one given.
+    What the film shows is wide and pale, the model thin and dark; force is the model's.
     """
     figure = new_figure(_HEIGHT) if figure is None else figure
     figure.set_size_inches(WIDTH, _HEIGHT)

@@ -54,9 +54,8 @@ _MODELLED: _Look = {"color": BLUE, "linewidth": 1.0}
 def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None = None) -> Figure:
     """Figure like 18–20 of the thesis: what went in, what came out, and what it is made of.
 
-    The EMG that was recorded, a strip each on one scale; angle; torque; torque parts. A movement
-    that repeats itself has a second column, where there is room (`width` [inch]): mean and standard
-    deviation over the cycle. It is drawn on a new figure, or the one given.
+    A movement that repeats itself has a second column, where there is room (`width` [inch]): mean
+    and standard deviation over the cycle.
     """
     cycles = find_cycles(traces.angle, traces.rate_hz, traces.counted)
     muscles = [muscle for muscle in MUSCLES if muscle not in traces.missing_emg]
@@ -211,10 +210,7 @@ class TorquePanel:
 def torques_figure(
     panels: Sequence[TorquePanel], who: str = "modelled", *, width: float = WIDTH
 ) -> Figure:
-    """A panel for each recording, all on one scale of torque.
-
-    `who` is what the thin dark line is: ``"modelled"`` or ``"predicted"``; `width` is in inches.
-    """
+    """A panel for each recording on one scale; `who` is what the thin dark line is."""
     columns = min(_COLUMNS, len(panels)) if width > 0.6 * WIDTH else 1
     rows = -(-len(panels) // columns)
     figure = new_figure(_ROW * rows + 0.5, width=width)
@@ -239,10 +235,7 @@ def torques_figure(
 
 
 def fit_figure(result: FitResult, notes: Sequence[str] = (), *, width: float = WIDTH) -> Figure:
-    """The figure of a fit: of one recording all its signals, of several their torque.
-
-    `notes` are a few letters on each recording, such as its R²; `width` is in inches.
-    """
+    """The figure of a fit: of one recording all its signals, of several torque with `notes`."""
     traces = traces_of(result)
     if len(traces) == 1:
         return torque_figure(traces[0], width=width)
