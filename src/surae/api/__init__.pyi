@@ -102,6 +102,7 @@ from surae.protocol.profiles import smooth_step as smooth_step
 from surae.quality import Finding as Finding
 from surae.quality import Quality as Quality
 from surae.quality import commanded_file as commanded_file
+from surae.quality import recording_of as recording_of
 from surae.recording import MUSCLES as MUSCLES
 from surae.recording import ROLES as ROLES
 from surae.recording import Channel as Channel

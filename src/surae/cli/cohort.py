@@ -7,7 +7,7 @@ import click
 
 from surae import api
 from surae.cli.options import DASK, engine_of, settings_options, workers_option
-from surae.cli.paths import check_outputs, spare_fits
+from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_answer, show_files
 from surae.requests import CohortSettings
@@ -35,9 +35,7 @@ def command(
     much as its interval allows; legs left out, and why, are listed.
     """
     engine = engine_of(dask, workers)
-    outputs = {"--output": output, "--report": report}
-    check_outputs(outputs, [table])
-    spare_fits(outputs)
+    check_outputs({"--output": output, "--report": report}, [table], spare_fits=True)
 
     api.check_report(report)
     with work() as progress, compilation_notice():

@@ -70,37 +70,17 @@ def _films_of_another_clock(recording: "api.Recording") -> list[str]:
 
 
 def _prepared(recording: "api.Recording") -> "api.Recording":
-    """The recording as a model reads it."""
-    from surae.units import SI, kind
-
-    inputs = api.prepare(recording)
-    values = {
-        "angle": inputs.angle,
-        "torque": inputs.torque,
-        **{
-            f"emg_{muscle}": inputs.emg[:, i]
-            for i, muscle in enumerate(api.MUSCLES)
-            if muscle not in inputs.missing_emg
-        },
-        "angular_velocity": inputs.velocity,
-        "angular_acceleration": inputs.acceleration,
-        "second_angle": inputs.second[0] if inputs.second else None,
-    }
+    """The recording as a model reads it; films as they came, on their own clock."""
+    made = api.recording_of(api.prepare(recording), derivatives=True)
     channels = {
-        role: api.Channel(
-            role=role,
-            time=inputs.time,
-            values=signal,
-            unit=inputs.emg_unit if role.startswith("emg_") else SI[kind(role)],
+        role: replace(
+            channel,
             source=f"prepared from {recording.channels[role].source}"
             if role in recording.channels
             else "computed from the angle",
         )
-        for role, signal in values.items()
-        if signal is not None
+        for role, channel in made.channels.items()
     }
-    channels |= recording.films  # on their own clock, as they came
-    prepared = api.Recording(
-        name=recording.name, channels=channels, emg="envelope", fixed=recording.fixed
+    return replace(
+        made, channels={**channels, **recording.films}, side=recording.side, device=recording.device
     )
-    return replace(prepared, side=recording.side, device=recording.device, files=recording.files)

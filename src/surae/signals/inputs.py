@@ -45,7 +45,7 @@ class ModelInputs(Comparable):
     name: str  #: Name of the recording.
     rate_hz: float  #: Sampling rate [Hz].
     time: FloatArray  #: Uniform time axis [s].
-    #: `angle`, `velocity`, `acceleration`: of the ankle, dorsiflexion positive [rad, rad/s, rad/s²].
+    #: `angle`, `velocity`, `acceleration`: of the ankle, dorsiflexion positive [rad, rad/s, …].
     angle: FloatArray
     velocity: FloatArray
     acceleration: FloatArray
