@@ -11,7 +11,7 @@ import pytest
 import surae
 from surae.api import session_run
 from surae.errors import InputError
-from surae.report.document import TableCell
+from surae.report import block
 from surae.report.trials import crossings
 from surae.trials import Crossed
 
@@ -54,7 +54,7 @@ def test_a_passive_trial_predicts_no_active_one(done):
         assert result.predictions["passive"][active] == Crossed(reason="no effort here")
     assert result.predictions["walk 1"]["passive"].bias is not None
     shown = crossings(result.predictions, {}, result.session.trials)
-    assert dict(shown)["passive"][1] == TableCell("—", "no effort here")
+    assert dict(shown)["passive"][1] == block.Cell("—", "no effort here")
 
 
 def test_the_folder_holds_everything(done):

@@ -7,15 +7,7 @@ from datetime import datetime
 from surae.files import natural_order
 from surae.formatting import of_interval
 from surae.measures.cohort import Cohort, CohortMember, Contrast, sessions_of
-from surae.report.document import (
-    Document,
-    PictureBlock,
-    SectionBlock,
-    TableBlock,
-    TextBlock,
-    columns,
-    rows_of,
-)
+from surae.report import block
 from surae.report.figures.cohort import forest_figure, sessions_figure
 from surae.report.output import Report
 
@@ -62,7 +54,11 @@ def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
         ("Groups", [head.capitalize() for head in groups.heads], groups.rows),
     )  # fmt: skip
     missing, differences, *others = (
-        (SectionBlock(title, (TableBlock(title, columns(*heads), rows_of(map(_texts, rows))),)),)
+        (
+            block.Section(
+                title, (block.Table(title, block.columns(*heads), block.rows(map(_texts, rows))),)
+            ),
+        )
         if rows
         else ()
         for title, heads, rows in tables
@@ -77,15 +73,17 @@ def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
             f" Every leg was fitted again with its population, {cohort.rounds} round(s); means and "
             "differences are of fits without it."
         )
-    note = (TextBlock(f"{cohort.note}.", lead="Note:"),) if cohort.note else ()
-    pictures = (PictureBlock(title, title, f"{title}: {caption}.") for title, _, caption in figures)
-    document = Document(
+    note = (block.Text(f"{cohort.note}.", lead="Note:"),) if cohort.note else ()
+    pictures = (
+        block.Picture(title, title, f"{title}: {caption}.") for title, _, caption in figures
+    )
+    document = block.Document(
         kicker="Ankle muscle parameters",
         heading=legs,
         under=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
         title=legs,
         blocks=(
-            TextBlock(about),
+            block.Text(about),
             *note,
             *missing,
             *differences,

@@ -12,20 +12,8 @@ from surae.estimation import FitResult
 from surae.formatting import NO_NUMBER, estimate, percentage, short, significant
 from surae.model import GeometryTable
 from surae.quality import Quality
+from surae.report import block
 from surae.report.budget import NEXT, BudgetTable, budget_of, budget_section
-from surae.report.document import (
-    Block,
-    Document,
-    KeyFigures,
-    SectionBlock,
-    TableBlock,
-    TableCell,
-    TextBlock,
-    columns,
-    paragraphs,
-    rows_of,
-    verdict,
-)
 from surae.report.figures import Figure
 from surae.report.figures.research import (
     budget_figure,
@@ -96,7 +84,7 @@ def fit_report(
         *geometry_section(result),
         provenance_section(result, versions),
     )
-    document = Document(
+    document = block.Document(
         kicker="Ankle muscle parameters",
         heading=" + ".join(names),
         under=(
@@ -107,8 +95,8 @@ def fit_report(
         blocks=(
             _summary(result, assessment, traces),
             *predictions_section(assessment, predictions),
-            SectionBlock("Details", details, "details", "more"),
-            SectionBlock("Research", research, "research", "more"),
+            block.Section("Details", details, "details", "more"),
+            block.Section("Research", research, "research", "more"),
         ),
         footer=(
             "Made by surae for research. VAF is the part of the torque’s mean square that the "
@@ -126,7 +114,9 @@ def fit_report(
 def predictions_report(assessment: Assessment, predictions: Sequence[Prediction]) -> Report:
     """How other recordings are predicted, to be a part of a page."""
     drawn = [("predictions", predictions_figure(predictions))]
-    return Report(Document("", "", "", "", predictions_section(assessment, predictions)), drawn)
+    return Report(
+        block.Document("", "", "", "", predictions_section(assessment, predictions)), drawn
+    )
 
 
 def _figures(
@@ -153,27 +143,27 @@ def _figures(
         yield "correlation", correlation_figure(estimated.names, estimated.correlation)
 
 
-def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]) -> SectionBlock:
+def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]) -> block.Section:
     """What a reader sees first: what the fit is worth, a few numbers, and its parameters."""
     torque = np.concatenate([trial.measured[trial.counted] for trial in traces])
     rms = float(np.sqrt(np.mean(torque**2)))
     message = result.message if result.message.endswith(".") else f"{result.message}."
-    status = TextBlock(
+    status = block.Text(
         f"{message[:1].upper()}{message[1:]}",
         f"status {result.status}",
         lead=f"Fit {_STATUS.get(result.status, result.status)}.",
     )
-    blocks: tuple[Block, ...] = (
+    blocks: tuple[block.Block, ...] = (
         adequacy_words(assessment.adequacy),
         status,
         _key(result, assessment, rms),
-        *paragraphs(summary(result, assessment)),
+        *block.paragraphs(summary(result, assessment)),
         _glance(assessment),
     )
-    return SectionBlock("Summary", blocks, "summary")
+    return block.Section("Summary", blocks, "summary")
 
 
-def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
+def _key(result: FitResult, assessment: Assessment, rms: float) -> block.KeyFigures:
     parameters = assessment.parameters.values()
     free = sum(p.free for p in parameters)
     identified = sum(p.verdict is Verdict.IDENTIFIED for p in parameters)
@@ -190,7 +180,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
         agreeing = f"{result.agreeing} of {len(result.starts)}"
         last = ("Starts that agree", agreeing, "on the best minimum")
     r2, rmse = percentage(assessment.adequacy.r2), significant(assessment.rmse, 3)
-    return KeyFigures((
+    return block.KeyFigures((
         ("Torque’s changes followed, R²", f"{r2} %", "no minimum reached" if failed else vaf),
         ("Root mean square error", f"{rmse} Nm", f"torque itself {significant(rms, 3)} Nm"),
         ("Parameters identified", NO_NUMBER if failed else f"{identified} of {free}",
@@ -199,7 +189,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
     ))  # fmt: skip
 
 
-def _glance(assessment: Assessment) -> TableBlock:
+def _glance(assessment: Assessment) -> block.Table:
     """The parameters by verdict, each with its value and unit."""
     by_verdict: dict[Verdict, list[tuple[str, str]]] = {}
     for p in shown_parameters(assessment):
@@ -209,9 +199,9 @@ def _glance(assessment: Assessment) -> TableBlock:
             text = value if p.unit == "-" else f"{value} {p.unit}"
         by_verdict.setdefault(p.verdict, []).append((p.name, text))
     rows = (
-        (verdict(each), TableCell(pairs=tuple(by_verdict[each])))
+        (block.verdict(each), block.Cell(pairs=tuple(by_verdict[each])))
         for each in Verdict
         if each in by_verdict
     )
-    heads = columns("", "", wide=(1,))
-    return TableBlock("Parameters by verdict", heads, rows_of(rows), "glance", titled=True)
+    heads = block.columns("", "", wide=(1,))
+    return block.Table("Parameters by verdict", heads, block.rows(rows), "glance", titled=True)

@@ -21,6 +21,7 @@ from surae.measures.measured import (
 from surae.measures.norms import Norm, read_norms
 from surae.measures.quantity import Quantities, quantities
 from surae.model.joint import ANKLE
+from surae.report import block
 from surae.report.cards import (
     COMPARED,
     AssessedFit,
@@ -35,7 +36,6 @@ from surae.report.cards import (
     stiffness_picture,
     trust,
 )
-from surae.report.document import SectionBlock
 from surae.report.figures import Figure
 from surae.report.figures.leg import shares_bar, stiffness_figure
 from surae.report.language import Words, words_in
@@ -51,7 +51,7 @@ _PASSIVE = {"k_tri", "x0_tri", "k_tib", "x0_tib", "k_rel"}
 class LegAnswers:
     """The four answers as sections, their figures by name, and the measures they rest on."""
 
-    cards: tuple[SectionBlock, ...]
+    cards: tuple[block.Section, ...]
     figures: Mapping[str, Figure]
     measures: Measures | None
     at: float  #: The angle of torque and stiffness [deg].
@@ -99,7 +99,7 @@ def leg_answers(
         # a group's torque lies beside the leg's only where its zero is known
         healthy = [each for each in norms if "healthy" in each[0].group and model is not None]
         figures["stiffness"] = stiffness_figure(holds, stretches, model, healthy, _)
-    if any(block.kind == "picture" for block in made):
+    if any(each.kind == "picture" for each in made):
         figures["made"] = shares_bar([(_(name), value, ci) for name, value, ci in parts])
     picture = stiffness_picture(len(holds), len(stretches), zero, _)
     cards = (
@@ -109,7 +109,7 @@ def leg_answers(
         (_("Can I trust it?"), (*trust(joint, contradicted, follows=follows, _=_),
                                 *next_trial(joint, holds, stretches, _)), "trust"),
     )  # fmt: skip
-    return LegAnswers(tuple(SectionBlock(*card, "card") for card in cards), figures, of_fit, at)
+    return LegAnswers(tuple(block.Section(*card, "card") for card in cards), figures, of_fit, at)
 
 
 def first_answer(trials: Sequence[Trial]) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from surae.files import PathLike, template, write_atomic
-from surae.report.document import Document
+from surae.report import block
 from surae.report.figures import Figure, data_url, png, svg
 from surae.report.traces import Traces, explorer, signals_of
 from surae.report.typeset import check_report, is_pdf, typeset
@@ -26,7 +26,7 @@ _MANY_LINES = ("torque-", "residual-", "tendon-", "predictions")
 class Report:
     """A report: a page that asks nothing of the outside, a PDF, or a part of another page."""
 
-    document: Document
+    document: block.Document
     figures: Iterable[tuple[str, Figure]]  #: By name; drawn one by one, and only once.
     traces: tuple[Traces, ...] = ()  #: Signals to zoom into; on paper there are none.
 
@@ -52,7 +52,7 @@ class Report:
 
 
 def page_of(
-    document: Document | Mapping[str, Any], images: Mapping[str, str], signals: str = ""
+    document: block.Document | Mapping[str, Any], images: Mapping[str, str], signals: str = ""
 ) -> str:
     """A document as a page, its images data URLs; what `signals` holds can be zoomed into."""
     return template("page.html.j2", "surae.report").render(
@@ -75,7 +75,7 @@ def write_blocks(
     """Write a report that is plain data: a PDF where `path` ends so, or a page.
 
     `images` are data URLs of SVG by name; `document` has the fields of
-    `surae.report.document.Document`.
+    `surae.report.block.Document`.
     """
     check_report(path)
     if is_pdf(path):

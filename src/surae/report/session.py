@@ -9,21 +9,9 @@ from surae.formatting import percentage
 from surae.measures import Measure, Measures
 from surae.model.joint import ANKLE
 from surae.quality import Quality
+from surae.report import block
 from surae.report.budget import budget_of, budget_section
 from surae.report.cards import AssessedFit, is_known, titled
-from surae.report.document import (
-    Document,
-    PictureBlock,
-    SectionBlock,
-    SignalsBlock,
-    TableBlock,
-    TableCell,
-    TableRow,
-    TextBlock,
-    columns,
-    paragraphs,
-    rows_of,
-)
 from surae.report.figures import WIDTH, Figure
 from surae.report.figures.research import budget_figure
 from surae.report.figures.tendon import film_figure
@@ -99,14 +87,14 @@ def session_report(
     footer = _("Made by surae for research.")
     if language != "en":
         footer += " " + _("Trials, checks and fits are in the report in English.")
-    document = Document(
+    document = block.Document(
         kicker=_about(leg.about, _),
         heading=leg.name,
         under=f"{_summary(leg, _)} {written}",
         title=leg.name,
         blocks=(
-            *paragraphs(_warnings(leg, _), "warning"),
-            SectionBlock("", answers.cards, look="leg"),
+            *block.paragraphs(_warnings(leg, _), "warning"),
+            block.Section("", answers.cards, look="leg"),
             *rest,
         ),
         footer=footer,
@@ -124,18 +112,18 @@ def _details(
     answers: LegAnswers,
     contradicted: Mapping[str, list[str]],
     figures: dict[str, Figure],
-) -> tuple[SectionBlock, ...]:
+) -> tuple[block.Section, ...]:
     """Details and research; their figures are added to `figures`."""
     shown, _ = leg.shown, words_in("en")
     details = [
         trials_section(leg.trials, leg.alone, leg.failed, leg.quality, leg.joint_predictions)
     ]
-    research: list[SectionBlock] = []
+    research: list[block.Section] = []
     if shown is not None:
         r2 = [f"R² {percentage(each.r2)} %" for each in shown[1].recordings]
         figures["torques"] = fit_figure(shown[0], r2)
         details.append(_torques_section())
-        details.append(SectionBlock("The fit", (adequacy_words(shown[1].adequacy),), "fit"))
+        details.append(block.Section("The fit", (adequacy_words(shown[1].adequacy),), "fit"))
         if answers.measures is not None:
             details.append(_in_words(answers.measures, answers.at, _))
             research.append(_other_measures(answers.measures))
@@ -156,31 +144,31 @@ def _details(
         research.append(crossed_section(leg.predictions, leg.joint_predictions, leg.trials))
     if leg.joined:
         blocks = tuple(
-            SignalsBlock(number, f"Signals of {name}, and the model’s torque", summary=name)
+            block.Signals(number, f"Signals of {name}, and the model’s torque", summary=name)
             for number, name in enumerate(leg.joined)
         )
-        research.append(SectionBlock("Signals", blocks, "signals", "explorer"))
+        research.append(block.Section("Signals", blocks, "signals", "explorer"))
     return (
-        SectionBlock("Details", tuple(details), "details", "more"),
-        SectionBlock("Research", tuple(research), "research", "more"),
+        block.Section("Details", tuple(details), "details", "more"),
+        block.Section("Research", tuple(research), "research", "more"),
     )
 
 
-def _torques_section() -> SectionBlock:
-    picture = PictureBlock(
+def _torques_section() -> block.Section:
+    picture = block.Picture(
         "torques",
         "Measured torque of each trial, and the model’s.",
         "Measured torque (wide, pale) and the model’s (thin, dark), with its R².",
         "here",
     )
-    return SectionBlock("Torque", (picture,), "torques")
+    return block.Section("Torque", (picture,), "torques")
 
 
 def _has_words(m: Measure) -> bool:
     return m.name.partition("@")[0] in MEASURES
 
 
-def _in_words(of_fit: Measures, at: float, _: Words) -> SectionBlock:
+def _in_words(of_fit: Measures, at: float, _: Words) -> block.Section:
     """The measures that a clinician reads, at an angle [deg] or at none."""
     order = list(MEASURES)
     chosen = [
@@ -192,22 +180,22 @@ def _in_words(of_fit: Measures, at: float, _: Words) -> SectionBlock:
     rows = (
         (
             titled(m, _),
-            TableCell(*_.estimate(m.value or 0.0, m.ci95)),
+            block.Cell(*_.estimate(m.value or 0.0, m.ci95)),
             _(JUDGEMENTS[m.verdict].plain),
         )
         for m in chosen
     )
-    heads = columns("", _("Value (95 %)"), _("Judgement"), numbers=(1,), wide=(0,))
-    table = TableBlock(_("The numbers"), heads, rows_of(rows))
-    return SectionBlock(_("The numbers"), (table,), "measures")
+    heads = block.columns("", _("Value (95 %)"), _("Judgement"), numbers=(1,), wide=(0,))
+    table = block.Table(_("The numbers"), heads, block.rows(rows))
+    return block.Section(_("The numbers"), (table,), "measures")
 
 
-def _other_measures(of_fit: Measures) -> SectionBlock:
+def _other_measures(of_fit: Measures) -> block.Section:
     """Every other measure that is known, and how many are not."""
     every, _ = list(of_fit.values()), words_in("en")
-    rows: Iterator[TableRow] = (
+    rows: Iterator[block.Row] = (
         (
-            TableCell(m.name, kind="code", meaning=m.meaning),
+            block.Cell(m.name, kind="code", meaning=m.meaning),
             *_.estimate(m.value or 0.0, m.ci95),
             "" if m.unit == "-" else m.unit,
             _(JUDGEMENTS[m.verdict].plain),
@@ -215,11 +203,13 @@ def _other_measures(of_fit: Measures) -> SectionBlock:
         for m in every
         if is_known(m) and not _has_words(m)
     )
-    heads = columns("Measure", "Value", "95 % interval", "Unit", "", numbers=(1, 2), wide=(0,))
+    heads = block.columns(
+        "Measure", "Value", "95 % interval", "Unit", "", numbers=(1, 2), wide=(0,)
+    )
     unknown = sum(not is_known(m) for m in every)
     note = f"{unknown} measures are not known from these trials; surae measures lists why."
-    table = TableBlock("Other measures that are known", heads, rows_of(rows))
-    return SectionBlock("Other measures", (table, TextBlock(note, "note")), "other-measures")
+    table = block.Table("Other measures that are known", heads, block.rows(rows))
+    return block.Section("Other measures", (table, block.Text(note, "note")), "other-measures")
 
 
 def _about(about: Mapping[str, str | None], _: Words) -> str:
