@@ -261,7 +261,7 @@ def test_trials_that_contradict_each_other_are_told(done, leg, other_leg, tmp_pa
     session = surae.session(tmp_path)
     alone = {name: session.fit(name, **QUICK) for name in session.fitted}
     joined = ("walk 1", "walk 2")
-    joint = session.fit_together(names=joined, **QUICK)
+    joint = session.fit(joined, **QUICK)
     surae.SessionResult(session, joint.settings, alone, joint, joined).report(tmp_path / "x.html")
     page = (tmp_path / "x.html").read_text()
     assert "contradict each other" in page

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from surae.api.fitted import Fit
 from surae.api.fitting import load
@@ -20,17 +20,13 @@ from surae.files import PathLike
 from surae.measures.change import Change, compare_sessions
 from surae.measures.cohort import Cohort, borrowed, pool
 from surae.measures.members import measured, read_table, refitted
-from surae.measures.quantity import Quantities, quantities
+from surae.measures.quantity import quantities
 from surae.progress import NamedProgress, Progress
 from surae.requests import ChangeSettings, CohortSettings, PosteriorSettings, ProfileSettings
 from surae.runner import Engine
 from surae.setting import takes
 from surae.signals import ModelInputs, Weighting, weighted
 from surae.trials.folder import fit_in
-
-if TYPE_CHECKING:
-    from surae.assessment import Prediction
-
 
 #: Angles of changes by default [deg].
 CHANGE_ANGLES = (0.0, 10.0)
@@ -77,7 +73,8 @@ def change(
     if places[0] == places[1]:
         raise InputError("before and after are the same fit; give two sessions, or two legs")
     angles = settings.angles or CHANGE_ANGLES
-    sides = [_quantities(each, angles) for each in (before, after, *baselines)]
+    fits = map(fit_of, (before, after, *baselines))
+    sides = [quantities(fit.result, fit.assessment, angles) for fit in fits]
     return compare_sessions(sides[0], sides[1], sides[2:], legs=settings.legs)
 
 
@@ -169,7 +166,7 @@ def change_part(before: Fit | PathLike, after: Fit | PathLike) -> str:
     return part_of(card, {})
 
 
-def predictions_part(fit: Fit, predictions: "Sequence[Prediction]") -> str:
+def predictions_part(fit: Fit, predictions: Sequence[Prediction]) -> str:
     """How a fit predicts other recordings, as HTML for a part of a page."""
     from surae.report import part_of
     from surae.report.fit import predictions_report  # matplotlib
@@ -186,11 +183,6 @@ def _file_of(place: PathLike) -> Path:
     """A file of a fit, or that of the folder of a session."""
     path = Path(place)
     return fit_in(path) if path.is_dir() else path
-
-
-def _quantities(given: Fit | PathLike, angles: Sequence[float]) -> Quantities:
-    fit = fit_of(given)
-    return quantities(fit.result, fit.assessment, angles)
 
 
 @takes(ProfileSettings)
@@ -312,8 +304,7 @@ def validate(
     --------
     >>> surae.validate(surae.load("fit.json"), ["other.csv"])[0].adequacy.grade
     """
-    inputs: Sequence[ModelInputs]
-    inputs = as_in_fit(fitted.result.problem, recordings, prepared)
+    inputs: Sequence[ModelInputs] = as_in_fit(fitted.result.problem, recordings, prepared)
     return predict_others(fitted.result, inputs if weights is None else weighted(inputs, weights))
 
 

@@ -99,17 +99,6 @@ class SessionResult:
         units = {n: p.unit for fit in every for n, p in fit.parameters.items()}
         return frame(self.rows(), units)
 
-    def write_table(self, path: PathLike) -> None:
-        """Write the table of `rows` as CSV.
-
-        Parameters
-        ----------
-        path : path
-            Where to.
-        """
-        rows = self.rows()
-        write_table(path, list(dict.fromkeys(name for row in rows for name in row)), rows)
-
     def report(
         self, path: PathLike, *, before: "SessionResult | None" = None, language: str = "en"
     ) -> None:
@@ -161,27 +150,16 @@ class SessionResult:
     def _report(self, before: "SessionResult | None", language: str) -> "Report":
         from surae.report.session import FittedLeg, session_report  # matplotlib
 
-        about = ("side", "date", "condition", "notes")
+        fits = {name: (fit.result, fit.assessment) for name, fit in self.fits.items()}
+        joint = None if self.joint is None else (self.joint.result, self.joint.assessment)
         leg = FittedLeg(
-            name=self.session.name,
-            about={key: getattr(self.session, key) for key in about},
-            trials=self.session.trials,
-            fits={name: (fit.result, fit.assessment) for name, fit in self.fits.items()},
-            joint=None if self.joint is None else (self.joint.result, self.joint.assessment),
-            joined=self.joined,
-            failed=self.failed,
-            quality=self.quality,
-            predictions=self.predictions,
-            joint_predictions=self.joint_predictions,
-            interrupted=self.interrupted,
-        )
+            self.session, fits, joint, self.joined, self.failed, self.quality, self.predictions,
+            self.joint_predictions, self.interrupted,
+        )  # fmt: skip
         earlier = None if before is None else before.main
-        return session_report(
-            leg,
-            created=datetime.now().astimezone(),
-            before=None if earlier is None else (earlier.result, earlier.assessment),
-            language=language,
-        )
+        first = None if earlier is None else (earlier.result, earlier.assessment)
+        now = datetime.now().astimezone()
+        return session_report(leg, created=now, before=first, language=language)
 
     def save(self, folder: PathLike) -> None:
         """Write the folder that `load_session` reads: fits, tables, report and index.
@@ -232,7 +210,8 @@ def write_summary(result: SessionResult, root: Path) -> None:
     """Write index, tables and report; fits of earlier runs go to the trash."""
     set_aside(root, _results(result))
     write_index(result, root)
-    result.write_table(root / TABLE)
+    rows = result.rows()
+    write_table(root / TABLE, list(dict.fromkeys(name for row in rows for name in row)), rows)
     result.report(root / REPORT)
 
 

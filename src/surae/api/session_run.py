@@ -61,7 +61,7 @@ def run(
     root = None if output is None else claimed(output, session.trials)
     if root is not None:
         write_index(SessionResult(session, settings), root, begun=True)
-    work = _Run(session, settings, root, progress or _silent)
+    work = _Run(session, settings, root, progress or (lambda _: None))
     with ExitStack() as stack:
         beside = stack.enter_context(_Beside()) if (workers or cores()) > 1 else None
         try:
@@ -74,10 +74,6 @@ def run(
     if root is not None:
         write_summary(result, root)
     return result
-
-
-def _silent(step: Step) -> None:
-    del step
 
 
 class _Run:

@@ -17,21 +17,7 @@ from surae.recording.recording import (
 from surae.recording.writing import csv_columns, write_csv
 
 __all__ = [
-    "FILMED",
-    "FILM_ROLES",
-    "MUSCLES",
-    "MUSCLE_NAMES",
-    "ROLES",
-    "Channel",
-    "InspectedChannel",
-    "Inspection",
-    "Recording",
-    "SourceFile",
-    "csv_columns",
-    "inspect",
-    "mapping_text",
-    "read",
-    "write_csv",
-    "write_hdf5",
-    "write_mapping",
-]
+    "FILMED", "FILM_ROLES", "MUSCLES", "MUSCLE_NAMES", "ROLES", "Channel", "InspectedChannel",
+    "Inspection", "Recording", "SourceFile", "csv_columns", "inspect", "mapping_text", "read",
+    "write_csv", "write_hdf5", "write_mapping",
+]  # fmt: skip

@@ -179,24 +179,6 @@ class Recording:
 
         return channels_frame(self.channels, {"name": self.name, "emg": self.emg})
 
-    def to_xarray(self) -> Any:
-        """The channels as an xarray Dataset, by role.
-
-        Returns
-        -------
-        xarray.Dataset
-            Channels of other times have a dimension of their own: ``time``, ``time_2``, …
-
-        Raises
-        ------
-        InputError
-            The package xarray is not installed.
-        """
-        from surae.recording.frames import channels_dataset
-
-        about = {"name": self.name, "emg": self.emg, "side": self.side or ""}
-        return channels_dataset(self.channels, about)
-
     @classmethod
     def from_arrays(
         cls,

@@ -4,9 +4,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.units import FloatArray
+
+IndexArray = npt.NDArray[np.intp]
 
 #: Says where sample `index` is, in the terms of its source: "row 12", "sample 12".
 Position = Callable[[int], str]
@@ -15,6 +18,11 @@ Position = Callable[[int], str]
 def sample(index: int) -> str:
     """Position of a sample in an array or a binary file; the first is sample 1."""
     return f"sample {index + 1}"
+
+
+def in_row(rows: Sequence[int] | IndexArray) -> Position:
+    """Position of samples that stand in these rows."""
+    return lambda index: f"row {rows[index]}"
 
 
 def instants(start_s: float, rate_hz: float, n: int) -> FloatArray:

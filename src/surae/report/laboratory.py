@@ -110,27 +110,19 @@ def family_section(result: FitResult, assessment: Assessment) -> tuple[block.Sec
     models = [chosen, *(other for other in others if other.model != chosen.model)]
     variants = [other for other in others if other.model == chosen.model]
     heads = block.columns("Model", "Imperfections in it", "Probability", numbers=(2,), wide=(1,))
-    tables = (
-        block.Table(
-            caption,
-            heads,
-            block.rows(
-                (
-                    get_model(each.model).title,
-                    ", ".join(NUISANCES[group].label for group in each.groups) or "none",
-                    _chance(each.weight),
-                )
-                for each in candidates
-            ),
-            "family",
-            titled=True,
-        )
-        for caption, candidates in (
-            ("Models that were weighed", models),
-            ("Other sets of imperfections, in the intervals by their probability", variants),
-        )
-        if candidates
-    )
+    tables = []
+    for caption, candidates in (
+        ("Models that were weighed", models),
+        ("Other sets of imperfections, in the intervals by their probability", variants),
+    ):
+        rows = block.rows(
+            (get_model(each.model).title,
+             ", ".join(NUISANCES[group].label for group in each.groups) or "none",
+             _chance(each.weight))
+            for each in candidates
+        )  # fmt: skip
+        if candidates:
+            tables.append(block.Table(caption, heads, rows, "family", titled=True))
     blocks: tuple[block.Block, ...] = (block.Text(family_text(result, assessment)), *tables)
     return (block.Section("Which model the data support", blocks, "family", "together"),)
 

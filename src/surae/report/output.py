@@ -11,7 +11,7 @@ from typing import Any
 from surae.files import PathLike, template, write_atomic
 from surae.report import block
 from surae.report.figures import Figure, data_url, png, svg
-from surae.report.traces import Traces, explorer, signals_of
+from surae.report.traces import Traces, plots, signals_of
 from surae.report.typeset import check_report, is_pdf, typeset
 
 __all__ = ["Report", "page_of", "paper_of", "write_blocks"]
@@ -56,7 +56,7 @@ def page_of(
 ) -> str:
     """A document as a page, its images data URLs; what `signals` holds can be zoomed into."""
     return template("page.html.j2", "surae.report").render(
-        document=document, images=images, explore=explorer(signals) if signals else None
+        document=document, images=images, explore={**plots(), "data": signals} if signals else None
     )
 
 

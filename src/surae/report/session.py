@@ -32,7 +32,7 @@ from surae.report.trials import (
     trials_section,
 )
 from surae.report.wording import adequacy_words
-from surae.trials import Crossed, Trial, common_errors
+from surae.trials import Crossed, TrialSet, common_errors
 from surae.words import JUDGEMENTS
 
 
@@ -40,9 +40,7 @@ from surae.words import JUDGEMENTS
 class FittedLeg:
     """What a leg's page is made of."""
 
-    name: str  #: Of the session.
-    about: Mapping[str, str | None]  #: Side, date, condition, notes.
-    trials: Sequence[Trial]  #: All of them.
+    session: TrialSet  #: Its trials.
     fits: Mapping[str, AssessedFit]  #: Each trial's own.
     joint: AssessedFit | None  #: That of all together.
     joined: Sequence[str]  #: Trials of the joint fit.
@@ -74,7 +72,7 @@ def session_report(
     """The leg's page: four answers, then details and research, which are in English alone."""
     _, shown = words_in(language), leg.shown
     contradicted = contradictions(leg.alone, leg.together)
-    answers = leg_answers(leg.trials, leg.fits, shown, _, contradicted=tuple(contradicted),
+    answers = leg_answers(leg.session.trials, leg.fits, shown, _, contradicted=tuple(contradicted),
                           before=before)  # fmt: skip
     figures = dict(answers.figures)
     if language == "en":
@@ -88,10 +86,10 @@ def session_report(
     if language != "en":
         footer += " " + _("Trials, checks and fits are in the report in English.")
     document = block.Document(
-        kicker=_about(leg.about, _),
-        heading=leg.name,
+        kicker=_about(leg.session, _),
+        heading=leg.session.name,
         under=f"{_summary(leg, _)} {written}",
-        title=leg.name,
+        title=leg.session.name,
         blocks=(
             *block.paragraphs(_warnings(leg, _), "warning"),
             block.Section("", answers.cards, look="leg"),
@@ -116,13 +114,19 @@ def _details(
     """Details and research; their figures are added to `figures`."""
     shown, _ = leg.shown, words_in("en")
     details = [
-        trials_section(leg.trials, leg.alone, leg.failed, leg.quality, leg.joint_predictions)
+        trials_section(
+            leg.session.trials, leg.alone, leg.failed, leg.quality, leg.joint_predictions
+        )
     ]
     research: list[block.Section] = []
     if shown is not None:
         r2 = [f"R² {percentage(each.r2)} %" for each in shown[1].recordings]
         figures["torques"] = fit_figure(shown[0], r2)
-        details.append(_torques_section())
+        picture = block.Picture(
+            "torques", "Measured torque of each trial, and the model’s.",
+            "Measured torque (wide, pale) and the model’s (thin, dark), with its R².", "here",
+        )  # fmt: skip
+        details.append(block.Section("Torque", (picture,), "torques"))
         details.append(block.Section("The fit", (adequacy_words(shown[1].adequacy),), "fit"))
         if answers.measures is not None:
             details.append(_in_words(answers.measures, answers.at, _))
@@ -141,7 +145,7 @@ def _details(
         figures["trials"] = agreement_figure(leg.alone, leg.together, width=WIDTH)
         research.append(agreement_section(contradicted))
     if leg.predictions:
-        research.append(crossed_section(leg.predictions, leg.joint_predictions, leg.trials))
+        research.append(crossed_section(leg.predictions, leg.joint_predictions, leg.session.trials))
     if leg.joined:
         blocks = tuple(
             block.Signals(number, f"Signals of {name}, and the model’s torque", summary=name)
@@ -152,16 +156,6 @@ def _details(
         block.Section("Details", tuple(details), "details", "more"),
         block.Section("Research", tuple(research), "research", "more"),
     )
-
-
-def _torques_section() -> block.Section:
-    picture = block.Picture(
-        "torques",
-        "Measured torque of each trial, and the model’s.",
-        "Measured torque (wide, pale) and the model’s (thin, dark), with its R².",
-        "here",
-    )
-    return block.Section("Torque", (picture,), "torques")
 
 
 def _has_words(m: Measure) -> bool:
@@ -212,11 +206,10 @@ def _other_measures(of_fit: Measures) -> block.Section:
     return block.Section("Other measures", (table, block.Text(note, "note")), "other-measures")
 
 
-def _about(about: Mapping[str, str | None], _: Words) -> str:
+def _about(session: TrialSet, _: Words) -> str:
     """Which leg, when and how."""
-    sides = {"left": _("left leg"), "right": _("right leg")}
-    side = sides.get(about.get("side") or "", "")
-    return ", ".join(filter(None, (side, *(v for key, v in about.items() if key != "side"))))
+    side = {"left": _("left leg"), "right": _("right leg")}.get(session.side or "", "")
+    return ", ".join(filter(None, (side, session.date, session.condition, session.notes)))
 
 
 def _warnings(leg: FittedLeg, _: Words) -> Iterable[str]:
@@ -242,11 +235,11 @@ def _summary(leg: FittedLeg, _: Words) -> str:
     if leg.joined:
         uses[0] += " " + _("({n} together)", n=str(len(leg.joined)))
     for message, count in (
-        (_("{n} held still"), sum(t.use == "hold" for t in leg.trials)),
-        (_("{n} of maximal effort"), sum(t.effort == "maximal" for t in leg.trials)),
-        (_("{n} not used"), sum(bool(t.problem) for t in leg.trials)),
+        (_("{n} held still"), sum(t.use == "hold" for t in leg.session.trials)),
+        (_("{n} of maximal effort"), sum(t.effort == "maximal" for t in leg.session.trials)),
+        (_("{n} not used"), sum(bool(t.problem) for t in leg.session.trials)),
     ):
         if count:
             uses.append(message.format(n=count))
-    return _.many("{n} trial: {uses}.", "{n} trials: {uses}.", len(leg.trials),
+    return _.many("{n} trial: {uses}.", "{n} trials: {uses}.", len(leg.session.trials),
                   uses=", ".join(uses))  # fmt: skip

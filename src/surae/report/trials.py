@@ -1,7 +1,6 @@
 """The trials of a session as tables: what each is, how fits follow it, what was found in it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,21 +21,10 @@ _USES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class TrialWords:
-    """One trial in words."""
-
-    what: str
-    why: str
-    use: str
-    problem: str
-
-
-def trial_words(trial: Trial) -> TrialWords:
-    """What a trial is and is used for; what is not known is left open."""
+def trial_words(trial: Trial) -> tuple[str, str]:
+    """What a trial is, a dash where that is not known, and what it is used for."""
     what = f"{trial.effort}, {'moves' if trial.moves else 'holds still'}"
-    what = what if trial.why else NO_NUMBER
-    return TrialWords(what, trial.why, _USES[trial.use], trial.problem)
+    return what if trial.why else NO_NUMBER, _USES[trial.use]
 
 
 def trials_section(
@@ -76,7 +64,7 @@ def _trial(
     failed: str,
     checked: Quality | None,
 ) -> block.Row:
-    words, worst = trial_words(trial), "" if checked is None else checked.worst
+    (what, use), worst = trial_words(trial), "" if checked is None else checked.worst
     badge = (f"severity {worst}", worst) if worst in ("error", "warning") else None
     r2 = block.Cell(NO_NUMBER)
     if alone is not None:
@@ -84,8 +72,8 @@ def _trial(
         r2 = block.Cell(percentage(alone.adequacy.r2), grade, grade)
     return (
         trial.name,
-        block.Cell(words.what, meaning=words.problem or failed or words.why),
-        words.use,
+        block.Cell(what, meaning=trial.problem or failed or trial.why),
+        use,
         block.Cell(badge=badge, meaning=NO_NUMBER if checked is None else checked.summary),
         r2,
         _cell(joint),

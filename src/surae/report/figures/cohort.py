@@ -105,7 +105,7 @@ def trials_figure(
     rows = -(-len(names) // columns)
     figure = new_figure(rows * (0.75 + _HEIGHT * max(len(fits), 2)), width=width)
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True)
-    trials = list(fits)
+    trials, every = list(fits), [*fits.values(), *([] if joint is None else [joint])]
     for axes, name in zip(panels.flat, names, strict=False):
         dress(axes, "")
         heading(axes, name)
@@ -118,15 +118,11 @@ def trials_figure(
         axes.set_ylim(len(trials) - 0.4, -0.6)
         axes.locator_params(axis="x", nbins=4)
         axes.xaxis.get_offset_text().set(fontsize=7, color=MUTED)
-        unit = next(p.unit for a in _every(fits, joint) if (p := a.parameters.get(name)))
+        unit = next(p.unit for a in every if (p := a.parameters.get(name)))
         axes.set_xlabel("" if unit == "-" else unit, fontsize=8, color=MUTED)
     for axes in panels.flat[len(names) :]:
         axes.set_visible(False)
     return figure
-
-
-def _every(fits: Mapping[str, Assessment], joint: Assessment | None) -> list[Assessment]:
-    return [*fits.values(), *([] if joint is None else [joint])]
 
 
 def _band(axes: Axes, p: ParameterEstimate) -> None:

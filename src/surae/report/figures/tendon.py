@@ -75,7 +75,7 @@ def _force(axes: Axes, traces: Traces, state: TendonState, row: int) -> None:
     trace(axes, traces.time, force, label="tendon", color=INK, linewidth=1.0)
     trace(axes, traces.time, state.tissue_force[row], label="passive tissue", color=RED,
           linewidth=1.6, linestyle=(0, (4, 1.5)))  # fmt: skip
-    highest, room = _highest(force), 1.12
+    highest, room = float(np.max(force[np.isfinite(force)], initial=0.0)), 1.12
     if toe <= _ROOM * highest:
         axes.axhline(toe, color=OCHRE, linewidth=1.2, linestyle=(0, (1, 1.5)), label="end of toe")
         highest = max(highest, toe)
@@ -105,11 +105,6 @@ def _curve(axes: Axes, law: TendonLaw, elongation: FloatArray) -> None:
     axes.set_xlim(_MILLI * float(e[0]), _MILLI * end)
     axes.set_ylim(bottom=-0.03 * float(law.force(e[-1:])[0]))
     legend(axes, 3)
-
-
-def _highest(values: FloatArray) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.max()) if known.size else 0.0
 
 
 #: Of the figure [inch].

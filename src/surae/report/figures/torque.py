@@ -61,7 +61,7 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
     muscles = [muscle for muscle in MUSCLES if muscle not in traces.missing_emg]
     heights = [_STRIP] * len(muscles) + [_ANGLE, _TORQUE, _TORQUE]
     both = cycles is not None and width > _BOTH
-    height = (_ROOM + sum(heights)) * _height(width)
+    height = (_ROOM + sum(heights)) * (0.6 * WIDTH + 0.4 * width) / WIDTH  # narrower, if less so
     figure = new_figure(height, width=width) if figure is None else figure
     figure.set_size_inches(width, height)
     grid = figure.subplots(
@@ -83,11 +83,6 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
         rows[-1][1].set_xlim(0.0, 100.0)
     figure.align_ylabels(grid[:, 0])
     return figure
-
-
-def _height(width: float) -> float:
-    """How much lower a narrower figure is."""
-    return (0.6 * WIDTH + 0.4 * width) / WIDTH
 
 
 def _shown(traces: Traces, cycles: Cycles | None) -> tuple[float, float]:

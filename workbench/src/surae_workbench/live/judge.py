@@ -177,7 +177,7 @@ def together(
     `device` and `span` as ``device`` and ``range`` of `surae.measure_next`. Said are grade, vaf,
     reasons, parameters, measures; and next, sentences on what to measure next, which is `proposed`.
     """
-    fit = _session(recordings, efforts).fit_together()
+    fit = _session(recordings, efforts).fit()
     fit.save(output)
     measures = fit.measures(angles=(0.0, 10.0))
     return {
