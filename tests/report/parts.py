@@ -8,9 +8,9 @@ from surae.report.block import (
     Cell,
     Document,
     Facts,
+    Grid,
     KeyFigures,
     Section,
-    Table,
     Text,
 )
 
@@ -35,7 +35,7 @@ def text(of: Document | Section) -> str:
 
 def rows(of: Document | Section, number: int = 0) -> dict[str, dict[str, Cell]]:
     """The rows of a table by their first cell, and their cells by the headings."""
-    table = [b for b in blocks(of) if isinstance(b, Table)][number]
+    table = [b for b in blocks(of) if isinstance(b, Grid)][number]
     heads = [column.head for column in table.columns]
     every = [
         [cell if isinstance(cell, Cell) else Cell(cell) for cell in row]

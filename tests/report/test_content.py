@@ -109,7 +109,7 @@ def test_a_parameter_without_influence_says_so(silent):
         assert (rows[name]["SEM (34)"].text, rows[name]["95 % interval"].text) == ("—", "—")
         assert rows[name]["Verdict"].why == silent.assessment.parameters[name].note
         assert rows[name]["Verdict"].why.startswith("no interval: ")
-    glance = next(b for b in parts.blocks(content) if isinstance(b, block.Table))
+    glance = next(b for b in parts.blocks(content) if isinstance(b, block.Grid))
     by_verdict = {row[0].badge[1]: row[1].pairs for _, group in glance.groups for row in group}
     assert ("g1", "undetermined") in by_verdict["undetermined"]
 

@@ -219,7 +219,7 @@ def test_a_fit_without_imperfections_says_that_it_was_asked_for(make_trial):
     assert "data support" not in result.message  # that is for the judged fit to say
     (section,) = laboratory_section(result, assess(result))
     assert "assume a perfect laboratory" in parts.text(section)
-    assert not any(isinstance(each, block.Table) for each in section.blocks)
+    assert not any(isinstance(each, block.Grid) for each in section.blocks)
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -12,7 +12,7 @@ import surae
 from surae.api import session_run
 from surae.errors import InputError
 from surae.report import block
-from surae.report.trials import crossings
+from surae.report.trials import crossed_section
 from surae.trials import Crossed
 
 pytestmark = pytest.mark.usefixtures("few")
@@ -53,8 +53,9 @@ def test_a_passive_trial_predicts_no_active_one(done):
     for active in ("walk 1", "walk 2"):
         assert result.predictions["passive"][active] == Crossed(reason="no effort here")
     assert result.predictions["walk 1"]["passive"].bias is not None
-    shown = crossings(result.predictions, {}, result.session.trials)
-    assert dict(shown)["passive"][1] == block.Cell("—", "no effort here")
+    _, table = crossed_section(result.predictions, {}, result.session.trials).blocks
+    rows = {row[0]: row for row in table.groups[0][1]}
+    assert rows["passive"][2] == block.Cell("—", "no effort here")
 
 
 def test_the_folder_holds_everything(done):

@@ -115,7 +115,6 @@ from surae.recording import mapping_text as mapping_text
 from surae.recording import read as read
 from surae.recording import write_csv as write_csv
 from surae.recording import write_hdf5 as write_hdf5
-from surae.recording import write_mapping as write_mapping
 from surae.recording.described import toml_text as toml_text
 from surae.recording.formats import data_files as data_files
 from surae.recording.formats import open_table as open_table

@@ -132,14 +132,9 @@ def write_cohort_page(path: PathLike, cohort: Cohort) -> None:
 
 
 def write_change_page(
-    path: PathLike,
-    change: Change,
-    fits: Sequence[Fit],
-    *,
-    baselines: Sequence[Fit] = (),
-    language: str = "en",
-    angle: float | None = None,
-) -> None:
+    path: PathLike, change: Change, fits: Sequence[Fit], *, baselines: Sequence[Fit] = (),
+    language: str = "en", angle: float | None = None,
+) -> None:  # fmt: skip
     """Write the page of what changed, HTML or by its ending PDF.
 
     `fits` are both that were compared, `baselines` further sessions from before anything changed;

@@ -304,14 +304,9 @@ def ready_trajectory(
 
 
 def requested_legs(
-    settings: LegSettings,
-    fit: Fit | None,
-    count: int,
-    options: ModelOptions,
-    rate_hz: float,
-    *,
+    settings: LegSettings, fit: Fit | None, count: int, options: ModelOptions, rate_hz: float, *,
     first: int = 0,
-) -> tuple[Legs, float]:
+) -> tuple[Legs, float]:  # fmt: skip
     """Whose legs are meant, so many of them, and the noise of their torque."""
     if fit is None:
         who = population_legs(

@@ -185,15 +185,10 @@ class SessionResult:
 
 def _row(name: str, effort: str, fit: Fit) -> dict[str, Any]:
     row: dict[str, Any] = {
-        "trial": name,
-        "effort": effort,
-        "model": fit.result.problem.spec.name,
-        "status": fit.status,
-        "grade": str(fit.adequacy.grade),
-        "r2": finite(fit.adequacy.r2),
-        "vaf": finite(fit.vaf),
-        "rmse_Nm": finite(fit.assessment.rmse),
-    }
+        "trial": name, "effort": effort, "model": fit.result.problem.spec.name,
+        "status": fit.status, "grade": str(fit.adequacy.grade), "r2": finite(fit.adequacy.r2),
+        "vaf": finite(fit.vaf), "rmse_Nm": finite(fit.assessment.rmse),
+    }  # fmt: skip
     for p in fit.parameters.values():
         low, high = p.ci95 or (None, None)
         row |= {p.name: p.value, f"{p.name}_low": low, f"{p.name}_high": high}

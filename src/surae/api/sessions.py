@@ -155,7 +155,11 @@ def session(
         first = readings[0]
         more = f" (and {len(readings) - 1} more files)" if len(readings) > 1 else ""
         raise InputError(f"no trial can be read: {first.problem}{more}")
-    _check_named(description, names)
+    if description is not None and (slips := set(description.trials) - set(names)):
+        raise InputError(
+            f"{description.source.shown}: trials.{min(slips)}: there is no such trial; trials: "
+            f"{', '.join(names)}"
+        )
     sides = {r.recording.side for r in readings if r.recording is not None and r.recording.side}
     if side is None and len(sides) > 1:
         raise InputError("the trials are of both legs; a session is of one: give side")
@@ -180,18 +184,6 @@ def _reading(name: str, path: Path, description: Description | None) -> Reading:
     except InputError as error:
         return Reading(name, str(path), None, str(error), about)
     return Reading(name, str(path), replace(recording, name=name), description=about)
-
-
-def _check_named(description: Description | None, names: Sequence[str]) -> None:
-    """Refuse what differs in a trial that is not there: a slip would go unseen."""
-    if description is None:
-        return
-    for trial in description.trials:
-        if trial not in names:
-            raise InputError(
-                f"{description.source.shown}: trials.{trial}: there is no such trial; trials: "
-                f"{', '.join(names)}"
-            )
 
 
 def _folder_name(paths: Sequence[Any]) -> str:

@@ -22,14 +22,9 @@ from surae.requests import ChangeSettings
 @click.option("--report", metavar="C.html", help="Write a page of it: HTML or PDF.")
 @LANGUAGE
 def command(
-    before: str,
-    after: str,
-    baselines: tuple[str, ...],
-    output: str | None,
-    report: str | None,
-    language: str,
-    options: dict[str, Any],
-) -> None:
+    before: str, after: str, baselines: tuple[str, ...], output: str | None, report: str | None,
+    language: str, options: dict[str, Any],
+) -> None:  # fmt: skip
     """Compare a leg between two sessions, or the two legs of a person.
 
     BEFORE and AFTER are files of fits or folders of sessions. What both sessions of a leg are wrong

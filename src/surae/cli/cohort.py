@@ -21,13 +21,9 @@ from surae.requests import CohortSettings
 @click.option("--output", metavar="C.json", help="Write the cohort.")
 @click.option("--report", metavar="C.html", help="Write a page with its tables and figures.")
 def command(
-    table: str,
-    workers: int | None,
-    dask: str | None,
-    output: str | None,
-    report: str | None,
+    table: str, workers: int | None, dask: str | None, output: str | None, report: str | None,
     options: dict[str, Any],
-) -> None:
+) -> None:  # fmt: skip
     """Compare groups of legs, sessions of each leg, and every leg with its group.
 
     COHORT.csv has the columns fit (a FIT.json or the folder of a session) and subject, and as far

@@ -41,7 +41,10 @@ def command(recording: str, output: str, mapping: str | None, prepared: bool) ->
         if prepared:
             progress.describe(f"preparing {recording}")
             measured = _prepared(measured)
-        left_out = _films_of_another_clock(measured) if suffix == ".csv" else []
+        # Films that have not a frame at every sample of the first channel.
+        time = next(iter(measured.channels.values())).time.tolist()
+        films = measured.films.items() if suffix == ".csv" else ()
+        left_out = [role for role, film in films if film.time.tolist() != time]
         if left_out:
             kept = {role: c for role, c in measured.channels.items() if role not in left_out}
             measured = replace(measured, channels=kept)
@@ -61,12 +64,6 @@ def command(recording: str, output: str, mapping: str | None, prepared: bool) ->
     lost += left_out
     if lost and suffix not in (".h5", ".hdf5"):
         show_line(f"not kept in this format: {', '.join(lost)}; .h5 keeps all")
-
-
-def _films_of_another_clock(recording: "api.Recording") -> list[str]:
-    """Films that have not a frame at every sample of the first channel."""
-    time = next(iter(recording.channels.values())).time.tolist()
-    return [role for role, film in recording.films.items() if film.time.tolist() != time]
 
 
 def _prepared(recording: "api.Recording") -> "api.Recording":

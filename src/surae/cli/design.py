@@ -25,15 +25,9 @@ from surae.requests import DesignSettings
 @click.option("--target", metavar="T.csv", help="Where the target for the subject's screen goes.")
 @click.option("--figure", type=PICTURE, metavar="P.svg|pdf|png", help="Draw it.")
 def command(
-    fitted: str | None,
-    after: str | None,
-    device: str,
-    without_limits: str | None,
-    output: str,
-    target: str | None,
-    figure: str | None,
-    options: dict[str, Any],
-) -> None:
+    fitted: str | None, after: str | None, device: str, without_limits: str | None, output: str,
+    target: str | None, figure: str | None, options: dict[str, Any],
+) -> None:  # fmt: skip
     """Design the most informative protocol within a device's limits: movement and effort.
 
     The same options find the same protocol. Ctrl-C keeps the best so far.

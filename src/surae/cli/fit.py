@@ -30,16 +30,9 @@ from surae.files import shown
 @click.option("--width", type=click.FloatRange(40.0, 500.0), default=170.0, metavar="MM",
               help="Width of the figure.  [default: 170]")  # fmt: skip
 def command(
-    recordings: tuple[str, ...],
-    mapping: str | None,
-    options: dict[str, Any],
-    mvc: tuple[str, ...],
-    strict: bool,
-    output: str | None,
-    report: str | None,
-    figure: str | None,
-    width: float,
-) -> None:
+    recordings: tuple[str, ...], mapping: str | None, options: dict[str, Any], mvc: tuple[str, ...],
+    strict: bool, output: str | None, report: str | None, figure: str | None, width: float,
+) -> None:  # fmt: skip
     """Estimate a model's parameters from one recording, or jointly from several.
 
     REC is a CSV with named channels, a TOML that maps the channels of other files, or with

@@ -1,7 +1,7 @@
 """Types of options, and the options that several commands share."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -240,8 +240,12 @@ def engine_of(dask: str | None, workers: int | None) -> "Engine":
     return Engine("dask", address=dask)
 
 
-def _collected(options: Sequence[Callable[[Any], Any]]) -> Callable[[F], F]:
-    """Add options; those that are used arrive together, by name, as the keyword `options`."""
+def settings_options(*requests: Any) -> Callable[[F], F]:
+    """Add options of all settings of requests; those that are used arrive as `options`."""
+    options, seen = list[Callable[[Any], Any]](), list[str]()
+    for request in requests:
+        options += options_of(request, *seen)
+        seen += [each.name for each, _ in settings_of(request)]
 
     def decorate(function: F) -> F:
         def command(**values: Any) -> Any:
@@ -258,15 +262,6 @@ def _collected(options: Sequence[Callable[[Any], Any]]) -> Callable[[F], F]:
         return command  # type: ignore[return-value]
 
     return decorate
-
-
-def settings_options(*requests: Any, without: Sequence[str] = ()) -> Callable[[F], F]:
-    """Add options of all settings of requests; those that are used arrive as `options`."""
-    made, seen = list[Callable[[Any], Any]](), list(without)
-    for request in requests:
-        made += options_of(request, *seen)
-        seen += [each.name for each, _ in settings_of(request)]
-    return _collected(made)
 
 
 def request(options: Mapping[str, Any]) -> "api.FitSettings":

@@ -50,14 +50,9 @@ def device_options(function: Command) -> Command:
 @click.option("--output", required=True, metavar="P.csv|P.mat", help="Where the protocol goes.")
 @click.option("--figure", type=PICTURE, metavar="P.svg|pdf|png", help="Draw it.")
 def command(
-    name: str,
-    chirp_factor: float | None,
-    device: str,
-    without_limits: str | None,
-    output: str,
-    figure: str | None,
-    options: dict[str, Any],
-) -> None:
+    name: str, chirp_factor: float | None, device: str, without_limits: str | None, output: str,
+    figure: str | None, options: dict[str, Any],
+) -> None:  # fmt: skip
     """Make a measurement protocol."""
     own = sorted(
         f"--{flag_of(each, record)}"

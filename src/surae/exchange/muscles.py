@@ -52,13 +52,11 @@ class PolynomialPath:
 
     def length(self, angle: FloatArray) -> FloatArray:
         """Length at angles of the ankle [m]."""
-        length: FloatArray = np.polynomial.Polynomial(self.coefficients)(angle)
-        return length
+        return np.asarray(np.polynomial.Polynomial(self.coefficients)(angle))
 
     def arm(self, angle: FloatArray) -> FloatArray:
         """Its derivative by the angle, the signed moment arm [m]."""
-        arm: FloatArray = np.polynomial.Polynomial(self.coefficients).deriv()(angle)
-        return arm
+        return np.asarray(np.polynomial.Polynomial(self.coefficients).deriv()(angle))
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,8 +95,7 @@ class WrappedPath:
         """Length at angles of the ankle [m]."""
         away, toward = self._seen(angle)
         turned = self.last + self.sign * angle + toward - np.arccos(self.radius / away)
-        length: FloatArray = np.sqrt(away**2 - self.radius**2) + self.radius * turned + _END
-        return length
+        return np.asarray(np.sqrt(away**2 - self.radius**2) + self.radius * turned + _END)
 
     def arm(self, angle: FloatArray) -> FloatArray:
         """Its derivative by the angle, the line's signed distance from the axis [m]."""
@@ -218,7 +215,8 @@ class DeGrooteMuscle:
         low, high = np.zeros_like(length), np.full_like(length, FECC)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
-            fibre = (length - self.slack * (1.0 + self._stretched(middle))) / self.optimal
+            stretch = self.strain * np.log1p(middle / _TENDON) / np.log1p(1.0 / _TENDON)
+            fibre = (length - self.slack * (1.0 + stretch)) / self.optimal
             more = moving * self._held(fibre) > middle
             low, high = np.where(more, middle, low), np.where(more, high, middle)
         return self.peak * 0.5 * (low + high)
@@ -228,13 +226,7 @@ class DeGrooteMuscle:
         bells = (
             b1 * np.exp(-0.5 * ((fibre - b2) / (b3 + b4 * fibre)) ** 2) for b1, b2, b3, b4 in _FL
         )
-        held: FloatArray = sum(bells, start=np.zeros_like(fibre))
-        return held
-
-    def _stretched(self, force: FloatArray) -> FloatArray:
-        """Strain of the tendon at a part of the largest force."""
-        strain: FloatArray = self.strain * np.log1p(force / _TENDON) / np.log1p(1.0 / _TENDON)
-        return strain
+        return np.asarray(sum(bells, start=np.zeros_like(fibre)))
 
 
 @dataclass(frozen=True, slots=True)

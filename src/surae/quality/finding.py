@@ -236,16 +236,9 @@ CODES = tuple(KINDS)
 
 
 def make_finding(
-    code: str,
-    channel: str | None,
-    span: tuple[float, float],
-    value: float | None,
-    message: str,
-    *,
-    severity: Severity | None = None,
-    unit: str | None = None,
-    advice: str | None = None,
-) -> Finding:
+    code: str, channel: str | None, span: tuple[float, float], value: float | None, message: str, *,
+    severity: Severity | None = None, unit: str | None = None, advice: str | None = None,
+) -> Finding:  # fmt: skip
     """A finding; what is not given is as of its kind."""
     kind = KINDS[code]
     return Finding(

@@ -112,7 +112,7 @@ def _faulty(source: Source, table: Table) -> Quality | None:
         findings += axis_findings(axis)
     if not findings:
         return None
-    recording = _left(table, columns, units)
+    recording = _whole_samples(table, columns, units)
     if recording is not None:
         rest = check_recording(replace(recording, files=(source.file,)))
         codes = {finding.code for finding in findings}
@@ -138,7 +138,7 @@ def _missing(role: str, column: Column, wrong: BoolArray) -> Iterator[Finding]:
         )  # fmt: skip
 
 
-def _left(
+def _whole_samples(
     table: Table, columns: Mapping[str, Column], units: Mapping[str, str]
 ) -> Recording | None:
     """A recording of the samples that are whole, in the order of time; None if they are few."""

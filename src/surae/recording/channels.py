@@ -101,10 +101,6 @@ def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channe
     if values is not raw:
         check_finite(values, where=table.file, name=f"{shown} scaled to SI", position=position)
     remark = f"; {text}" if (text := table.remarks.get(column.name)) else ""
-    return Channel(
-        role=role,
-        time=times,
-        values=freeze(values),
-        unit="1" if scaling.unit == "1" else SI[kind(role)],
-        source=f"{Path(table.file).name}: {column.name} {scaling.describe()}{remark}",
-    )
+    si_unit = "1" if scaling.unit == "1" else SI[kind(role)]
+    source = f"{Path(table.file).name}: {column.name} {scaling.describe()}{remark}"
+    return Channel(role, times, freeze(values), si_unit, source)

@@ -5,7 +5,6 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from surae.files import PathLike, shown
 from surae.recording.described import toml_value
@@ -13,7 +12,6 @@ from surae.recording.inspection import Inspection, inspect
 from surae.recording.mapping import TRIAL
 from surae.recording.mapping_text import mapping_text
 from surae.recording.table import some
-from surae.records import to_plain
 
 #: Rates [Hz] that are the same but for rounding, relatively.
 _SAME_RATE = 1e-3
@@ -40,10 +38,6 @@ class InspectedTrials:
     differences: tuple[TrialDifference, ...]  #: Where trials are not like that one.
     directions: tuple[str, ...]  #: How torque goes with the angle, in the trials in which it does.
     folder: str = "session"  #: Name of the folder that all of them are in.
-
-    def to_json(self) -> dict[str, Any]:
-        """Give all of it as plain data."""
-        return dict(to_plain(self))
 
 
 def inspect_trials(

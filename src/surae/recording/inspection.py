@@ -182,18 +182,12 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
     if {"angle", "torque"} <= roles.keys():
         pair = (columns[roles[r].file][roles[r].column] for r in ("angle", "torque"))
         direction = relation(*(column for column in pair if isinstance(column, Column)))
+    formats = FrozenDict((path, table.format) for path, table in tables.items())
+    missing = tuple(r for r in ROLES[:6] if r not in roles and r not in open_roles)
     inspection = Inspection(
-        channels=tuple(channels),
-        formats=FrozenDict((path, table.format) for path, table in tables.items()),
-        roles=FrozenDict(roles),
-        open=FrozenDict(open_roles),
-        missing=tuple(r for r in ROLES[:6] if r not in roles and r not in open_roles),
-        side=leg,
-        side_rule=rule,
-        emg=emg,
-        emg_rule=emg_rule,
-        direction=direction,
-    )
+        tuple(channels), formats, FrozenDict(roles), FrozenDict(open_roles), missing, leg, rule,
+        emg, emg_rule, direction,
+    )  # fmt: skip
     return replace(inspection, advice=tuple(_advice(inspection)))
 
 
@@ -236,22 +230,14 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
     if role is not None:  # a file may state one unit for all signals of a kind
         unit = written_unit(table, name, role)
     emg = role is not None and role.startswith("emg_")
+    known_unit = None if role is None else stated_unit(table, role, name)
+    end_s = None if sampling.start_s is None else float(column.time[-1])
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (None, None)
     return InspectedChannel(
-        file=path,
-        column=name,
-        unit=unit,
-        known_unit=None if role is None else stated_unit(table, role, name),
-        n=sampling.n,
-        rate_hz=sampling.rate_hz,
-        start_s=sampling.start_s,
-        end_s=float(column.time[-1]) if sampling.start_s is not None else None,
-        low=float(finite.min()) if len(finite) else None,
-        high=float(finite.max()) if len(finite) else None,
-        guess=guess,
-        look=look_of(column.time, column.values) if emg else None,
-        remark="; ".join(filter(None, remarks)),
-        usable=usable and sampling.n > 1,
-    )
+        path, name, unit, known_unit, sampling.n, sampling.rate_hz, sampling.start_s, end_s,
+        low, high, guess, look_of(column.time, column.values) if emg else None,
+        "; ".join(filter(None, remarks)), usable and sampling.n > 1,
+    )  # fmt: skip
 
 
 def _of_their_joint(channels: Sequence[InspectedChannel]) -> list[InspectedChannel]:

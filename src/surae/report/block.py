@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 __all__ = [
-    "AdequacyWords", "AnyCell", "Block", "Cell", "Column", "Document", "Facts", "Group",
-    "IntervalBar", "KeyFigures", "Picture", "Points", "Row", "Section", "Signals", "Table", "Text",
+    "AdequacyWords", "AnyCell", "Block", "Cell", "Document", "Explorer", "Facts", "Grid", "Group",
+    "Heading", "IntervalBar", "KeyFigures", "Picture", "Points", "Row", "Section", "Text",
     "columns", "facts", "paragraphs", "rows", "verdict",
 ]  # fmt: skip
 
@@ -47,7 +47,7 @@ class Cell:
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class Heading:
     """The heading of a column, and how its cells are shown."""
 
     head: str
@@ -62,11 +62,11 @@ Group: TypeAlias = tuple[str, tuple[Row, ...]]
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class Grid:
     """A table; the first cell of each row is its heading."""
 
     caption: str
-    columns: tuple[Column, ...]
+    columns: tuple[Heading, ...]
     #: Rows by the title that stands above them, empty where there is but one group; the only cell
     #: of a row spans all columns.
     groups: tuple[Group, ...]
@@ -141,7 +141,7 @@ class Picture:
 
 
 @dataclass(frozen=True, slots=True)
-class Signals:
+class Explorer:
     """The signals of the recording of this number, to zoom into; on paper there is nothing."""
 
     number: int
@@ -163,7 +163,7 @@ class Section:
 
 
 Block: TypeAlias = (
-    Table | Text | Points | Facts | KeyFigures | AdequacyWords | Picture | Signals | Section
+    Grid | Text | Points | Facts | KeyFigures | AdequacyWords | Picture | Explorer | Section
 )
 
 
@@ -185,10 +185,10 @@ def columns(
     numbers: Collection[int] = (),
     wide: Collection[int] = (),
     looks: Mapping[int, str] | None = None,
-) -> tuple[Column, ...]:
+) -> tuple[Heading, ...]:
     """Columns of these headings; by place, which hold numbers, are wide, or have other looks."""
     return tuple(
-        Column(head, (looks or {}).get(k, "number" if k in numbers else ""), k in wide)
+        Heading(head, (looks or {}).get(k, "number" if k in numbers else ""), k in wide)
         for k, head in enumerate(heads)
     )
 

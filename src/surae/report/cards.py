@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.assessment import Adequacy, Assessment, Grade, Verdict
 from surae.estimation import FitResult
-from surae.formatting import significant
+from surae.formatting import NO_NUMBER, significant
 from surae.measures import Measure, Measures
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.measured import HeldPoint, MeasuredSlope, Stretch
@@ -188,10 +188,10 @@ def change_card(change: Change | None, angle: float, _: Words) -> tuple[block.Bl
         headline = _("Cannot compare")
     else:
         headline = _("Not shown")
-    rows = [_differing(d, _) for d in found]
+    rows = [differing(d, 2, _) for d in found]
     heads = block.columns(_("Measure"), *sides(change, _), _("Difference (95 %)"), numbers=(1, 2),
                           wide=(0,))  # fmt: skip
-    table = block.Table(_("Three measures, fixed beforehand"), heads, block.rows(rows), "small")
+    table = block.Grid(_("Three measures, fixed beforehand"), heads, block.rows(rows), "small")
     blocks: list[block.Block] = [block.Text(about, "say", headline), table]
     lead = change.measures.get(names[0])
     if lead is not None and lead.smallest is not None:
@@ -208,13 +208,14 @@ def sides(change: Change, _: Words) -> tuple[str, str]:
     return (_("First leg"), _("Second leg")) if change.legs else (_("Before"), _("After"))
 
 
-def _differing(d: Difference, _: Words) -> tuple[str | block.Cell, ...]:
-    both = ["—" if v is None else _.number(significant(v, 2)) for v in (d.before, d.after)]
-    name = titled(d, _)
-    if d.difference is None or d.ci95 is None:
-        return (name, *both, "—")
-    value, span = _.estimate(d.difference, d.ci95)
-    return (name, *both, block.Cell(value, under=span))
+def differing(d: Difference, digits: int, _: Words) -> tuple[str | block.Cell, ...]:
+    """A row of a comparison: what is compared, both values, the difference."""
+    both = [NO_NUMBER if v is None else _.number(significant(v, digits))
+            for v in (d.before, d.after)]  # fmt: skip
+    difference = block.Cell(NO_NUMBER)
+    if d.difference is not None and d.ci95 is not None:
+        difference = block.Cell(*_.estimate(d.difference, d.ci95))
+    return (titled(d, _), *both, difference)
 
 
 def titled(m: Measure | Difference, _: Words) -> str:

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from datetime import datetime
 
 from surae.assessment import Grade
-from surae.formatting import NO_NUMBER, significant
+from surae.formatting import NO_NUMBER
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.measured import torque_curve
 from surae.report import block
-from surae.report.cards import AssessedFit, change_card, light, reason_of, sides, titled
+from surae.report.cards import AssessedFit, change_card, differing, light, reason_of, sides
 from surae.report.figures.leg import visits_figure
 from surae.report.joint import relabelled, reworded
 from surae.report.language import MEASURES, Words, words_in
@@ -18,14 +18,9 @@ from surae.words import JUDGEMENTS
 
 
 def change_report(
-    change: Change,
-    fits: Sequence[AssessedFit],
-    *,
-    created: datetime,
-    baselines: Sequence[AssessedFit] = (),
-    language: str = "en",
-    angle: float | None = None,
-) -> Report:
+    change: Change, fits: Sequence[AssessedFit], *, created: datetime,
+    baselines: Sequence[AssessedFit] = (), language: str = "en", angle: float | None = None,
+) -> Report:  # fmt: skip
     """The page of a comparison: three measures fixed beforehand, then every measure.
 
     `fits` are both that were compared, `baselines` further visits from before anything changed;
@@ -74,8 +69,8 @@ def _every(change: Change, at: float, _: Words) -> block.Section:
     ]
     heads = block.columns("", *sides(change, _), _("Difference (95 %)"), _("Judgement"),
                           numbers=(1, 2), wide=(0,))  # fmt: skip
-    table = block.Table(_("The numbers"), heads, block.rows(_row(d, change, _) for d in measures))
-    blocks: tuple[block.Table | block.Text, ...] = (table,)
+    table = block.Grid(_("The numbers"), heads, block.rows(_row(d, change, _) for d in measures))
+    blocks: tuple[block.Grid | block.Text, ...] = (table,)
     if not change.is_withheld:
         every = (*change.measures.values(), *change.parameters.values())
         count = sum(d.p is not None for d in every)
@@ -86,13 +81,9 @@ def _every(change: Change, at: float, _: Words) -> block.Section:
 
 
 def _row(d: Difference, change: Change, _: Words) -> block.Row:
-    both = [NO_NUMBER if v is None else _.number(significant(v, 3)) for v in (d.before, d.after)]
-    difference = block.Cell(NO_NUMBER)
-    if d.difference is not None and d.ci95 is not None:
-        difference = block.Cell(*_.estimate(d.difference, d.ci95))
     verdict = NO_NUMBER
     if d.smallest is not None or d.difference is None:
         verdict = _(JUDGEMENTS[d.verdict].plain)
         if change.legs and d.verdict is ChangeVerdict.CHANGED:
             verdict = _("different")
-    return (titled(d, _), *both, difference, verdict)
+    return (*differing(d, 3, _), verdict)

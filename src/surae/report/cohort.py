@@ -1,6 +1,5 @@
 """The page of a cohort: groups, differences and changes in tables, every leg in figures."""
 
-import itertools
 from datetime import datetime
 
 from surae.files import natural_order
@@ -53,12 +52,12 @@ def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
         ("Clinical scales", ("Of", "Scale", "Legs", "Spearman’s ρ", "p"), scales),
         ("Groups", [head.capitalize() for head in groups.heads], groups.rows),
     )  # fmt: skip
-    sections = []
+    sections: list[block.Section | None] = []
     for title, heads, rows in tables:
         texts = block.rows(tuple(map(str, row)) for row in rows)
-        table = block.Table(title, block.columns(*heads), texts)
-        sections.append((block.Section(title, (table,)),) if rows else ())
-    missing, differences, *others = sections
+        table = block.Grid(title, block.columns(*heads), texts)
+        sections.append(block.Section(title, (table,)) if rows else None)
+    first, later = filter(None, sections[:2]), filter(None, sections[2:])
     legs = f"Cohort of {len({m.leg for m in cohort.members})} legs"
     about = (
         "Every leg counts as much as its interval allows (random effects, REML; intervals of means "
@@ -78,14 +77,7 @@ def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
         heading=legs,
         under=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
         title=legs,
-        blocks=(
-            block.Text(about),
-            *note,
-            *missing,
-            *differences,
-            *pictures,
-            *itertools.chain(*others),
-        ),
+        blocks=(block.Text(about), *note, *first, *pictures, *later),
     )
     return Report(document, [(title, figure) for title, figure, _ in figures])
 

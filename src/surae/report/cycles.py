@@ -93,5 +93,4 @@ def _likeness(movement: FloatArray, template: FloatArray) -> FloatArray:
     total, squares = (np.r_[0.0, np.cumsum(movement**power)] for power in (1, 2))
     mean = (total[length:] - total[:-length]) / length
     spread = np.sqrt(np.maximum((squares[length:] - squares[:-length]) / length - mean**2, 1e-12))
-    likeness: FloatArray = sums / spread
-    return likeness
+    return np.asarray(sums / spread)

@@ -39,22 +39,13 @@ from surae.report.traces import Traces, traces_of
 from surae.report.trials import findings_section
 from surae.report.wording import adequacy_words, summary
 
-_STATUS = {
-    "converged": "converged",
-    "at-bounds": "converged, with parameters at a bound",
-    "failed": "failed",
-}
+_BOUNDS = "converged, with parameters at a bound"
 
 
 def fit_report(
-    result: FitResult,
-    assessment: Assessment,
-    predictions: Sequence[Prediction] = (),
-    *,
-    versions: Mapping[str, str],
-    created: datetime,
-    quality: Sequence[Quality] = (),
-) -> Report:
+    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction] = (), *,
+    versions: Mapping[str, str], created: datetime, quality: Sequence[Quality] = (),
+) -> Report:  # fmt: skip
     """The report of a fit; the same arguments give the same report.
 
     `predictions` are of other recordings, `quality` is what was found in each before it was fitted.
@@ -151,7 +142,7 @@ def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]
     status = block.Text(
         f"{message[:1].upper()}{message[1:]}",
         f"status {result.status}",
-        lead=f"Fit {_STATUS.get(result.status, result.status)}.",
+        lead=f"Fit {_BOUNDS if result.status == 'at-bounds' else result.status}.",
     )
     blocks: tuple[block.Block, ...] = (
         adequacy_words(assessment.adequacy),
@@ -189,7 +180,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> block.KeyFigu
     ))  # fmt: skip
 
 
-def _glance(assessment: Assessment) -> block.Table:
+def _glance(assessment: Assessment) -> block.Grid:
     """The parameters by verdict, each with its value and unit."""
     by_verdict: dict[Verdict, list[tuple[str, str]]] = {}
     for p in shown_parameters(assessment):
@@ -204,4 +195,4 @@ def _glance(assessment: Assessment) -> block.Table:
         if each in by_verdict
     )
     heads = block.columns("", "", wide=(1,))
-    return block.Table("Parameters by verdict", heads, block.rows(rows), "glance", titled=True)
+    return block.Grid("Parameters by verdict", heads, block.rows(rows), "glance", titled=True)

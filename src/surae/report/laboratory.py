@@ -47,7 +47,7 @@ def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[block
                 "what stays unknown of it is in every interval of this report."
             ),
             block.Text(f"{'; '.join(groups)}.", "note"),
-            block.Table(title, heads, rows, "laboratory"),
+            block.Grid(title, heads, rows, "laboratory"),
         ]
         if len(inputs) > 1 and len(family.zeros) == len(inputs):
             zeros = ", ".join(
@@ -122,7 +122,7 @@ def family_section(result: FitResult, assessment: Assessment) -> tuple[block.Sec
             for each in candidates
         )  # fmt: skip
         if candidates:
-            tables.append(block.Table(caption, heads, rows, "family", titled=True))
+            tables.append(block.Grid(caption, heads, rows, "family", titled=True))
     blocks: tuple[block.Block, ...] = (block.Text(family_text(result, assessment)), *tables)
     return (block.Section("Which model the data support", blocks, "family", "together"),)
 
@@ -159,7 +159,7 @@ def trials_section(result: FitResult, assessment: Assessment) -> tuple[block.Sec
     heads = block.columns("Parameter", "Unit", "Together", *names, "Spread",
                           numbers=range(2, 4 + len(names)))  # fmt: skip
     title = "Every parameter by recording, and its spread between trials"
-    table = block.Table(
+    table = block.Grid(
         title, heads, block.rows(rows), "starts", repeated=2 if len(names) > 6 else 0
     )
     return (

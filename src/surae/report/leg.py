@@ -45,14 +45,9 @@ class LegAnswers:
 
 
 def leg_answers(
-    trials: Sequence[Trial],
-    fits: Mapping[str, AssessedFit],
-    joint: AssessedFit | None,
-    _: Words,
-    *,
-    contradicted: Sequence[str] = (),
-    before: AssessedFit | None = None,
-) -> LegAnswers:
+    trials: Sequence[Trial], fits: Mapping[str, AssessedFit], joint: AssessedFit | None, _: Words,
+    *, contradicted: Sequence[str] = (), before: AssessedFit | None = None,
+) -> LegAnswers:  # fmt: skip
     """Answer the four questions of a leg.
 
     `fits` are of each trial by itself, `joint` of all together or of the only trial that was
@@ -109,13 +104,9 @@ def first_answer(trials: Sequence[Trial]) -> str:
 
 
 def compared(
-    before: AssessedFit,
-    after: AssessedFit,
-    *,
-    baselines: Sequence[AssessedFit] = (),
-    legs: bool = False,
-    angle: float | None = None,
-) -> Change:
+    before: AssessedFit, after: AssessedFit, *, baselines: Sequence[AssessedFit] = (),
+    legs: bool = False, angle: float | None = None,
+) -> Change:  # fmt: skip
     """The three measures that two visits, or two legs, are compared in.
 
     `baselines` are visits from before anything changed; `angle` [deg] is by default where the

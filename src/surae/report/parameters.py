@@ -50,14 +50,14 @@ def parameters_section(
     if priors:
         note += " Thin line below: the prior, one standard deviation to either side."
     heads = [
-        block.Column("Parameter"), block.Column("Value", "number value"),
-        block.Column("95 % interval", "number"),
-        block.Column("SEM (34)", "number value" if interval is Interval.THESIS else "number"),
-        block.Column("Robust SEM", "number value" if interval is Interval.ROBUST else "number"),
-        block.Column("Unit", "unit"), block.Column("Between its bounds", "where"),
-        block.Column("Repeatable", "repeat"), block.Column("Verdict", "judgement", wide=True),
+        block.Heading("Parameter"), block.Heading("Value", "number value"),
+        block.Heading("95 % interval", "number"),
+        block.Heading("SEM (34)", "number value" if interval is Interval.THESIS else "number"),
+        block.Heading("Robust SEM", "number value" if interval is Interval.ROBUST else "number"),
+        block.Heading("Unit", "unit"), block.Heading("Between its bounds", "where"),
+        block.Heading("Repeatable", "repeat"), block.Heading("Verdict", "judgement", wide=True),
     ]  # fmt: skip
-    table = block.Table(
+    table = block.Grid(
         "Estimates of all parameters with their uncertainty",
         tuple(heads[:3] + heads[5:] if marginal else heads),
         tuple((_GROUPS.get(group, group), tuple(rows)) for group, rows in groups.items()),
@@ -126,12 +126,7 @@ def _bar(p: ParameterEstimate, prior: Prior | None) -> block.IntervalBar:
     if p.ci95 is None:
         return block.IntervalBar(value, None, None, False, False, known, f"{alt}, no interval")
     low, high = p.ci95
+    alt += f", interval from {100 * place(low):.0f} to {100 * place(high):.0f} %"
     return block.IntervalBar(
-        value,
-        place(low),
-        place(high),
-        low < p.lower,
-        high > p.upper,
-        known,
-        f"{alt}, interval from {100 * place(low):.0f} to {100 * place(high):.0f} %",
+        value, place(low), place(high), low < p.lower, high > p.upper, known, alt
     )

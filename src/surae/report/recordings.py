@@ -79,7 +79,9 @@ def recording_section(
     blocks: list[block.Block] = [
         block.facts(facts),
         *block.paragraphs(warnings_of(traces), "warning"),
-        block.Signals(number, torque_alt, " Grey: left out of the fit." if traces.excluded else ""),
+        block.Explorer(
+            number, torque_alt, " Grey: left out of the fit." if traces.excluded else ""
+        ),
         block.Picture(
             f"torque-{number}",
             torque_alt,

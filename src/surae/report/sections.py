@@ -74,7 +74,7 @@ def predictions_section(
             " The parameters carry over only in part: they describe the recordings they were "
             "fitted to better than the leg."
         )
-    table = block.Table(
+    table = block.Grid(
         "How well other recordings are predicted",
         block.columns(
             "Recording", "VAF [%]", "RMSE [Nm]", "Bias [Nm]", numbers=(1, 2, 3), wide=(0,)
@@ -126,7 +126,7 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> block.
     own = [p for p in identified.parameters.values() if p.name in assessment.parameters]
     text = f"Condition number of the scaled information matrix: {condition}."
     text += _noise(inflation.common, inflation.reason)
-    directions = block.Table(
+    directions = block.Grid(
         "Combinations of parameters that are known least",
         block.columns("Together", "Known to ±", "A change that this torque cannot show",
                       numbers=(1,), wide=(0, 2)),
@@ -134,7 +134,7 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> block.
         "directions",
         titled=True,
     )  # fmt: skip
-    sensitivity = block.Table(
+    sensitivity = block.Grid(
         "Influence of every estimated parameter, and what to do about those that are not "
         "identified",
         block.columns("Parameter", "Influence δ", "SEM alone", "Widened ×", "Verdict", "What to do",

@@ -9,10 +9,11 @@ from surae.formatting import percentage
 from surae.measures import Measure, Measures
 from surae.model.joint import ANKLE
 from surae.quality import Quality
-from surae.report import block
+from surae.report import block, trials
 from surae.report.budget import budget_of, budget_section
 from surae.report.cards import AssessedFit, is_known, titled
-from surae.report.figures import WIDTH, Figure
+from surae.report.figures import Figure
+from surae.report.figures.cohort import trials_figure
 from surae.report.figures.research import budget_figure
 from surae.report.figures.tendon import film_figure
 from surae.report.figures.torque import fit_figure
@@ -23,14 +24,6 @@ from surae.report.output import Report
 from surae.report.parameters import parameters_section
 from surae.report.recordings import film_block
 from surae.report.traces import traces_of
-from surae.report.trials import (
-    agreement_figure,
-    agreement_section,
-    contradictions,
-    crossed_section,
-    findings_section,
-    trials_section,
-)
 from surae.report.wording import adequacy_words
 from surae.trials import Crossed, TrialSet, common_errors
 from surae.words import JUDGEMENTS
@@ -71,7 +64,7 @@ def session_report(
 ) -> Report:
     """The leg's page: four answers, then details and research, which are in English alone."""
     _, shown = words_in(language), leg.shown
-    contradicted = contradictions(leg.alone, leg.together)
+    contradicted = trials.contradictions(leg.alone, leg.together)
     answers = leg_answers(leg.session.trials, leg.fits, shown, _, contradicted=tuple(contradicted),
                           before=before)  # fmt: skip
     figures = dict(answers.figures)
@@ -114,7 +107,7 @@ def _details(
     """Details and research; their figures are added to `figures`."""
     shown, _ = leg.shown, words_in("en")
     details = [
-        trials_section(
+        trials.trials_section(
             leg.session.trials, leg.alone, leg.failed, leg.quality, leg.joint_predictions
         )
     ]
@@ -140,15 +133,17 @@ def _details(
         if budget.rows:
             figures["budget"] = budget_figure(budget)
         research += [parameters_section(*shown, next_anchor=""), budget_section(budget)]
-    details.append(findings_section(leg.quality))
+    details.append(trials.findings_section(leg.quality))
     if leg.fits:
-        figures["trials"] = agreement_figure(leg.alone, leg.together, width=WIDTH)
-        research.append(agreement_section(contradicted))
+        figures["trials"] = trials_figure(leg.alone, leg.together, disputed=contradicted)
+        research.append(trials.agreement_section(contradicted))
     if leg.predictions:
-        research.append(crossed_section(leg.predictions, leg.joint_predictions, leg.session.trials))
+        research.append(
+            trials.crossed_section(leg.predictions, leg.joint_predictions, leg.session.trials)
+        )
     if leg.joined:
         blocks = tuple(
-            block.Signals(number, f"Signals of {name}, and the model’s torque", summary=name)
+            block.Explorer(number, f"Signals of {name}, and the model’s torque", summary=name)
             for number, name in enumerate(leg.joined)
         )
         research.append(block.Section("Signals", blocks, "signals", "explorer"))
@@ -180,7 +175,7 @@ def _in_words(of_fit: Measures, at: float, _: Words) -> block.Section:
         for m in chosen
     )
     heads = block.columns("", _("Value (95 %)"), _("Judgement"), numbers=(1,), wide=(0,))
-    table = block.Table(_("The numbers"), heads, block.rows(rows))
+    table = block.Grid(_("The numbers"), heads, block.rows(rows))
     return block.Section(_("The numbers"), (table,), "measures")
 
 
@@ -202,7 +197,7 @@ def _other_measures(of_fit: Measures) -> block.Section:
     )
     unknown = sum(not is_known(m) for m in every)
     note = f"{unknown} measures are not known from these trials; surae measures lists why."
-    table = block.Table("Other measures that are known", heads, block.rows(rows))
+    table = block.Grid("Other measures that are known", heads, block.rows(rows))
     return block.Section("Other measures", (table, block.Text(note, "note")), "other-measures")
 
 

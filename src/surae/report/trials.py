@@ -8,9 +8,6 @@ from surae.assessment import Assessment
 from surae.formatting import NO_NUMBER, percentage, signed
 from surae.quality import SEVERITIES, Finding, Quality
 from surae.report import block
-from surae.report.figures import Figure
-from surae.report.figures.cohort import trials_figure
-from surae.report.parameters import shown_parameters
 from surae.trials import Crossed, Trial
 
 _USES = {
@@ -46,14 +43,14 @@ def trials_section(
         "R² says how well changes of the torque are followed; a hold has none. Shaded: the trial "
         "was in the fit, so that following it proves nothing."
     )
-    table = block.Table("What each trial is, and how it is followed", heads, rows)
+    table = block.Grid("What each trial is, and how it is followed", heads, rows)
     holds = [t for t in trials if t.hold is not None]
     blocks: list[block.Block] = [table, block.Text(note, "note")]
     if holds:
         heads = block.columns("Held", "Effort", "Angle [°]", "Torque [Nm]", "Predicted [Nm]",
                               numbers=(2, 3, 4))  # fmt: skip
         points = block.rows(_hold(t, joint.get(t.name)) for t in holds)
-        blocks.append(block.Table("Torque of trials that hold still", heads, points))
+        blocks.append(block.Grid("Torque of trials that hold still", heads, points))
     return block.Section("Trials", tuple(blocks), "trials")
 
 
@@ -108,27 +105,14 @@ def crossed_section(
     moving = [trial.name for trial in trials if trial.moves and not trial.problem]
     heads = block.columns("Parameters of", *moving, looks={0: "column"} | {
         k + 1: "number column" for k in range(len(moving))})  # fmt: skip
-    rows = block.rows((name, *cells) for name, cells in crossings(predictions, joint, trials))
-    table = block.Table("Cross-prediction", heads, rows, "small", repeated=1)
+    every = {**predictions, **({"all together": joint} if joint else {})}
+    rows = block.rows(
+        (name, *(_cell(row.get(predicted)) for predicted in moving)) for name, row in every.items()
+    )
+    table = block.Grid("Cross-prediction", heads, rows, "small", repeated=1)
     return block.Section(
         "Each predicted by the others", (block.Text(note, "note"), table), "crossed"
     )
-
-
-def crossings(
-    predictions: Mapping[str, Mapping[str, Crossed]],
-    joint: Mapping[str, Crossed],
-    trials: Sequence[Trial],
-) -> tuple[tuple[str, tuple[block.Cell, ...]], ...]:
-    """Whose fit, and how it follows each trial that moves."""
-    names = [trial.name for trial in trials if trial.moves and not trial.problem]
-    rows = [
-        (n, tuple(_cell(row.get(predicted)) for predicted in names))
-        for n, row in predictions.items()
-    ]
-    if joint:
-        rows.append(("all together", tuple(_cell(joint.get(predicted)) for predicted in names)))
-    return tuple(rows)
 
 
 def _cell(crossed: Crossed | None) -> block.Cell:
@@ -159,7 +143,7 @@ def findings_section(quality: Mapping[str, Quality]) -> block.Section:
         badge = (f"severity {first.severity}", first.severity)
         mark = block.Cell(code, kind="code", badge=badge, under=where, meaning=first.channel or "")
         rows.append((mark, block.Cell(f"{first.message}{more}", why=first.advice)))
-    table = block.Table("What was found in the recordings", block.columns("", "", wide=(1,)),
+    table = block.Grid("What was found in the recordings", block.columns("", "", wide=(1,)),
                        block.rows(rows), "findings")  # fmt: skip
     blocks: list[block.Block] = [table if rows else block.Text("Nothing was found.")]
     skipped = {
@@ -191,17 +175,6 @@ def agreement_section(contradicted: Mapping[str, list[str]]) -> block.Section:
         "warning",
     )
     return block.Section("Parameters by trial", (*warnings, picture), "by-trial", "page")
-
-
-def agreement_figure(
-    alone: Mapping[str, Assessment], joint: Assessment | None, *, width: float
-) -> Figure:
-    """Every parameter by trial, with its interval; that of all together as a band."""
-    every = (*([] if joint is None else [joint]), *alone.values())
-    names = dict.fromkeys(p.name for fit in every for p in shown_parameters(fit) if p.free)
-    return trials_figure(
-        list(names), alone, joint, disputed=contradictions(alone, joint), width=width
-    )
 
 
 def contradictions(

@@ -37,15 +37,9 @@ _HALF = math.sqrt(2.0) - 1.0
 
 
 def zero_phase(
-    kind: Kind,
-    values: FloatArray,
-    rate_hz: float,
-    cutoff_hz: float,
-    order: int,
-    *,
-    ends: Ends = "odd",
-    where: str = "signal",
-) -> FloatArray:
+    kind: Kind, values: FloatArray, rate_hz: float, cutoff_hz: float, order: int, *,
+    ends: Ends = "odd", where: str = "signal",
+) -> FloatArray:  # fmt: skip
     """A Butterworth filter, or a Bessel low-pass, which does not overshoot at a step.
 
     `cutoff_hz` is the −3 dB point of both passes together, `order` that of one; `ends` says how the
@@ -65,18 +59,13 @@ def zero_phase(
             f"{where}: {len(values)} samples ({len(values) / rate_hz:.3g} s) are too few for a "
             f"filter at {cutoff_hz:g} Hz; record at least {(memory + 1) / rate_hz:.3g} s"
         )
-    filtered: FloatArray = sosfiltfilt(sections, values, padtype=ends, padlen=memory)
-    return filtered
+    return np.asarray(sosfiltfilt(sections, values, padtype=ends, padlen=memory))
 
 
 def antialias(
-    values: FloatArray,
-    rate_hz: float,
-    target_hz: float,
-    *,
-    ends: Ends = "odd",
+    values: FloatArray, rate_hz: float, target_hz: float, *, ends: Ends = "odd",
     where: str = "signal",
-) -> FloatArray:
+) -> FloatArray:  # fmt: skip
     """Low-pass before the signal is sampled at `target_hz`; ends and errors as of `zero_phase`.
 
     Gain of the 10th-order Butterworth, both passes, as a fraction of the target rate: within 1e-6

@@ -108,16 +108,10 @@ class ModelInputs(Comparable):
 
 
 def inputs_as_given(
-    name: str,
-    rate_hz: float,
-    time: FloatArray,
-    motion: tuple[FloatArray, FloatArray, FloatArray],
-    emg: FloatArray,
-    *,
-    emg_unit: str = "V",
-    torque: FloatArray | None = None,
+    name: str, rate_hz: float, time: FloatArray, motion: tuple[FloatArray, FloatArray, FloatArray],
+    emg: FloatArray, *, emg_unit: str = "V", torque: FloatArray | None = None,
     steps: tuple[str, ...] = (),
-) -> ModelInputs:
+) -> ModelInputs:  # fmt: skip
     """Inputs of signals that are used as they are: simulated ones, or a protocol's.
 
     `motion` is angle, velocity and acceleration [rad, rad/s, rad/s²]; all else is as of

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -93,8 +94,7 @@ def _spline(x: FloatArray, y: FloatArray, at: FloatArray, where: str) -> FloatAr
             f"{where}: {len(x)} samples are too few to interpolate; at least {_DEGREE + 1} "
             f"are needed"
         )
-    interpolated: FloatArray = make_interp_spline(x, y, k=_DEGREE)(at)
-    return interpolated
+    return np.asarray(make_interp_spline(x, y, k=_DEGREE)(at))
 
 
 def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
@@ -114,16 +114,14 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
     def kept(signal: FloatArray) -> FloatArray:
         return read_only(signal[factor // 2 : used : factor])
 
+    names = ("time", "angle", "velocity", "acceleration", "torque", "weight")
+    given = {name: getattr(inputs, name) for name in names}
+    thin: dict[str, Any] = {name: kept(each) for name, each in given.items() if each is not None}
     return replace(
         inputs,
+        **thin,
         rate_hz=inputs.rate_hz / factor,
-        time=kept(inputs.time),
-        angle=kept(inputs.angle),
-        velocity=kept(inputs.velocity),
-        acceleration=kept(inputs.acceleration),
         emg=kept(correlate1d(inputs.emg, around / factor, axis=0, mode="nearest")),
-        torque=None if inputs.torque is None else kept(inputs.torque),
-        weight=None if inputs.weight is None else kept(inputs.weight),
         second=tuple(map(kept, inputs.second)),
         steps=(*inputs.steps, f"Thinned to every {factor}th sample."),
     )

@@ -12,11 +12,11 @@ from surae.report.block import (
     Block,
     Cell,
     Document,
+    Grid,
     KeyFigures,
     Picture,
     Points,
     Row,
-    Table,
     Text,
     columns,
     paragraphs,
@@ -93,7 +93,7 @@ def _chapter(section: Section, result: Result) -> Shown:
             looks={0: "where", 3 + len(result.views): "judged"},
         )  # fmt: skip
         claims = [row for f in result.findings for row in _claim_rows(f, result.views)]
-        blocks.append(Table("Claims of the thesis and ours", heads, rows(claims), "claims"))
+        blocks.append(Grid("Claims of the thesis and ours", heads, rows(claims), "claims"))
     for drawing in result.figures:
         picture = Picture(drawing.name, drawing.alt, drawing.caption, "here", width=100)
         blocks.append(Shown(drawing.title, (picture,), drawing.name))
@@ -106,7 +106,7 @@ def _chapter(section: Section, result: Result) -> Shown:
             if k and all(isinstance(row[k], float | int | None) for row in table.rows)
         ]  # fmt: skip
         cells = (tuple(map(cell_text, row)) for row in table.rows)
-        shown = Table(table.title, columns(*table.columns, numbers=numbers), rows(cells))
+        shown = Grid(table.title, columns(*table.columns, numbers=numbers), rows(cells))
         blocks.append(Shown(table.title, (shown,)))
     return Shown(section.title, tuple(blocks), section.name, "page")
 
