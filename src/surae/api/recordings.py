@@ -95,12 +95,9 @@ def example(path: PathLike | None = None, *, trial: int = 1) -> Recording:
     >>> recording = surae.example("trial.csv")
     """
     protocol = Protocol(
-        profile="multiple-holds",
-        chirp_amplitude=0.2,
-        chirp_rate=0.159,
-        rate_hz=_RATE,
+        profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.159, rate_hz=_RATE,
         device=named_device("achilles"),
-    )
+    )  # fmt: skip
     simulated = virtual_recording(
         virtual_subject(seed=1), generate(protocol), seed=trial, imperfections=_NOISE
     )

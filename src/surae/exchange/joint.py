@@ -36,7 +36,6 @@ class Tissue:
 
     rest: float  #: Length of the path at which s is 0 [m].
     coefficients: tuple[float, ...]
-    ends: tuple[float, float]  #: Shortest and longest length of the path that was measured [m].
 
     @classmethod
     def fitted(cls, length: FloatArray, force: FloatArray) -> "Tissue":
@@ -45,8 +44,7 @@ class Tissue:
         scaled = np.polynomial.Polynomial.fit(
             length - rest, np.log(force), _DEGREE, w=np.sqrt(force / force.max()) + 1e-3
         )
-        ends = float(length.min()), float(length.max())
-        return cls(rest, tuple(scaled.convert().coef.tolist()), ends)
+        return cls(rest, tuple(scaled.convert().coef.tolist()))
 
     def force(self, length: FloatArray) -> FloatArray:
         """Force at lengths of the path [N]."""
