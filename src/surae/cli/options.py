@@ -128,13 +128,13 @@ NUMBER, RANGE, PICTURE = Typed(number), Typed(motion), Typed(picture)
 class OneOf(click.Choice):  # type: ignore[type-arg]  # generic since click 8.2 alone
     """One of several names, those of plugins too; help lists only what it is known to be."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Give the name."""
-        return value if value in self.known else super().convert(value, param, ctx)
-
     def __init__(self, known: tuple[str, ...]) -> None:
         super().__init__(known)
         self.known = known
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Give the name."""
+        return value if value in self.known else super().convert(value, param, ctx)
 
 
 def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, Any]:
