@@ -96,8 +96,7 @@ class Recording:
     channels: Mapping[str, Channel]
     #: Whether the EMG is raw (the EMG chain applies) or envelopes already.
     emg: Literal["raw", "envelope"] = "raw"
-    #: Parameter values that it prescribes, such as ``{"m": 0.0}``.
-    fixed: Mapping[str, float] = field(default_factory=dict)
+    fixed: Mapping[str, float] = field(default_factory=dict)  #: Parameters that it prescribes.
     #: Settings of the preparation that its description overrides.
     prepare: Mapping[str, Any] = field(default_factory=dict)
     files: tuple[SourceFile, ...] = ()  #: What it was read from; empty for a simulated one.

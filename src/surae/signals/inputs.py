@@ -62,8 +62,7 @@ class ModelInputs(Comparable):
     #: What unequal weights mean: how much a sample matters (True, as `Weighting` makes them), or
     #: how precise it is, noise having the inverse of the weight as its variance.
     emphasised: bool = False
-    #: Parameter values that the recording prescribes.
-    fixed: Mapping[str, float] = field(default_factory=dict)
+    fixed: Mapping[str, float] = field(default_factory=dict)  #: Values that it prescribes.
     files: tuple[SourceFile, ...] = ()  #: What the recording was read from.
     #: What the EMG was divided by; None for volts, and for EMG that came normalised.
     emg_reference: EmgReference | None = None
@@ -73,8 +72,7 @@ class ModelInputs(Comparable):
     #: Which of "velocity" and "acceleration" were measured: no filter went over them.
     measured: tuple[str, ...] = ()
     films: tuple[Film, ...] = ()  #: Fascicles that were filmed while it was recorded.
-    #: Whether the envelopes were made of raw EMG here, by filters that do not delay.
-    own_envelopes: bool = False
+    own_envelopes: bool = False  #: Whether envelopes were made of raw EMG here, without delay.
     #: Angle [rad] and velocity [rad/s] of a second joint that the muscles cross too.
     second: tuple[FloatArray, ...] = ()
 
