@@ -33,9 +33,9 @@ import numpy as np
 import psutil
 import pyxdf
 
-from surae.recording.xdf_writing import mended_xdf
 from surae_workbench.live.lsl import SESSION, lsl, outlet
 from surae_workbench.live.recorder import Recorder
+from surae_workbench.live.xdf import mended_xdf
 
 RATE, CHANNELS = 2048.0, 8
 #: Nothing is waited for longer [s].

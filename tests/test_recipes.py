@@ -168,7 +168,7 @@ def open_table(source):
     return Table(source.shown, "bars", tuple(names), time, load)
 '''),
         ("recording/formats.py", "    c3d,\n", "    bars,\n"),
-        ("recording/formats.py", "    hdf5,\n    matlab,\n    poly5", "    bars,\n"),
+        ("recording/formats.py", "    hdf5, matlab, poly5", "    bars,\n"),
         ("recording/formats.py", '    ".h5"', '    ".bars",\n'),
     ],
     "a protocol": [

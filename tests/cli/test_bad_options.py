@@ -7,7 +7,7 @@ import pytest
 
 import surae
 from surae import settings
-from surae.cli.options import Entry, Name, Number, SettingType, Span, number
+from surae.cli.options import bare_name, entry, number, preparation, span, weighted_span
 from surae.errors import InputError
 from surae.model.registry import MODELS
 
@@ -50,15 +50,14 @@ def test_a_wrong_option(run, files, options, says) -> None:
 
 
 def test_texts_of_values() -> None:
-    assert Entry("value", "m=1").read(" m = 2 ", "--fixed") == ("m", 2.0)
-    assert Entry("lower:upper", "m=1:4").read("m = 1 : 4", "--bound") == ("m", (1.0, 4.0))
+    assert entry("--fixed", " m = 2 ", "value", "m=1") == ("m", 2.0)
+    assert entry("--bound", "m = 1 : 4", "lower:upper", "m=1:4") == ("m", (1.0, 4.0))
     assert number("x", "-1.5e-3") == -0.0015
-    assert Number().read("2", "x") == 2.0
-    assert Name().read(" m ", "--free") == "m"
-    assert Span().read(":3", "--exclude") == (-math.inf, 3.0, 0.0)
-    assert Span(weight=True).read("3::2", "--weight") == (3.0, math.inf, 2.0)
-    assert SettingType().read("bessel_hz=false", "--filter") == ("bessel_hz", False)
-    assert SettingType().read("bessel_order=4", "--filter") == ("bessel_order", 4)
+    assert bare_name("--free", " m ") == "m"
+    assert span("--exclude", ":3") == (-math.inf, 3.0, 0.0)
+    assert weighted_span("--weight", "3::2") == (3.0, math.inf, 2.0)
+    assert preparation("--filter", "bessel_hz=false") == ("bessel_hz", False)
+    assert preparation("--filter", "bessel_order=4") == ("bessel_order", 4)
     with pytest.raises(InputError, match=r"x: '1,2,3' is not a number$"):
         number("x", "1,2,3")
 

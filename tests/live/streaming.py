@@ -14,10 +14,10 @@ import numpy as np
 from answering import Answering
 from surae.processes import End
 from surae.recording import Recording
-from surae.recording.xdf_writing import XdfLog
 from surae_workbench.live.lsl import SESSION, outlet
 from surae_workbench.live.pages import ServedRoom, create_app
 from surae_workbench.live.recorder import Recorder
+from surae_workbench.live.xdf import XdfLog
 from surae_workbench.web.security import Policy
 
 XML = (

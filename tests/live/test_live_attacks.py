@@ -16,13 +16,13 @@ from streaming import Quick, described, waited
 
 from surae.errors import InputError
 from surae.recording import read
-from surae.recording.xdf_writing import XdfLog
 from surae_workbench.live.pages import ServedRoom
 from surae_workbench.live.recorder import Recorder
 from surae_workbench.live.room import Room
 from surae_workbench.live.showing import Showing
 from surae_workbench.live.stream import Stream
 from surae_workbench.live.trials import Trials, silent
+from surae_workbench.live.xdf import XdfLog
 
 CODES = {"angle": 1.0, "torque": 2.0, "emg_sol": 3.0}
 UNITS = {"angle": "rad", "torque": "Nm", "emg_sol": "V"}

@@ -17,12 +17,12 @@ from surae.processes import End
 from surae.protocol import Protocol, generate
 from surae.quality import Finding, Quality
 from surae.recording import write_hdf5
-from surae.recording.xdf_writing import XdfLog
 from surae.studies import virtual_recording, virtual_subject
 from surae_workbench.live.judge import judge, verdict
 from surae_workbench.live.room import Room, _files
 from surae_workbench.live.stream import Stream
 from surae_workbench.live.trials import Trials, mapping_of
+from surae_workbench.live.xdf import XdfLog
 
 
 def finding(code: str, severity: str) -> Finding:

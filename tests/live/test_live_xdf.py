@@ -10,7 +10,7 @@ import pyxdf
 from streaming import described
 
 from surae.recording import read
-from surae.recording.xdf_writing import XdfLog, mended_xdf
+from surae_workbench.live.xdf import XdfLog, mended_xdf
 
 
 def written(path, *, chunks: int = 20, offset: float = 0.5) -> np.ndarray:

@@ -8,8 +8,13 @@ import pytest
 
 import surae
 from surae.errors import InputError
-from surae.recording import inspect, mapping_text, read, write_csv, write_mapping
+from surae.files import write_atomic
+from surae.recording import inspect, mapping_text, read, write_csv
 from surae.recording.emg_kind import emg_contradictions
+
+
+def write_mapping(inspection, path):
+    write_atomic(path, mapping_text(inspection, path.parent))
 
 
 def emg(n=4000, rate=2000.0, seed=0, offset=0.0):

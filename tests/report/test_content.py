@@ -5,7 +5,7 @@ import pytest
 
 from surae.assessment.adequacy import Adequacy, Grade
 from surae.formatting import estimate, percentage, significant, standard_error
-from surae.report.document import TableBlock, TextBlock
+from surae.report import block
 from surae.report.fit import fit_report
 
 from . import parts
@@ -109,7 +109,7 @@ def test_a_parameter_without_influence_says_so(silent):
         assert (rows[name]["SEM (34)"].text, rows[name]["95 % interval"].text) == ("—", "—")
         assert rows[name]["Verdict"].why == silent.assessment.parameters[name].note
         assert rows[name]["Verdict"].why.startswith("no interval: ")
-    glance = next(b for b in parts.blocks(content) if isinstance(b, TableBlock))
+    glance = next(b for b in parts.blocks(content) if isinstance(b, block.Grid))
     by_verdict = {row[0].badge[1]: row[1].pairs for _, group in glance.groups for row in group}
     assert ("g1", "undetermined") in by_verdict["undetermined"]
 
@@ -117,7 +117,7 @@ def test_a_parameter_without_influence_says_so(silent):
 def test_a_failed_fit_claims_nothing(plain):
     failed = replace(plain.result, status="failed", message="no minimum reached: fit again")
     content = content_of(plain, failed)
-    status, *texts = (b for b in content.blocks[0].blocks if isinstance(b, TextBlock))
+    status, *texts = (b for b in content.blocks[0].blocks if isinstance(b, block.Text))
     assert (status.lead, status.text) == ("Fit failed.", "No minimum reached: fit again.")
     assert len(texts) == 1
     assert "not estimates" in texts[0].text

@@ -12,8 +12,8 @@ from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import fit_problem, make_problem, solve
 from surae.estimation.result import OfRecording
 from surae.model.sources import SOURCES
+from surae.report import block
 from surae.report.budget import budget_of, budget_section, what_to_measure, what_would_help
-from surae.report.document import TableBlock
 from surae.report.fit import fit_report
 from surae.report.laboratory import family_section, family_text, laboratory_section, trials_section
 from surae.report.parameters import parameters_section, repeatable, shown_parameters
@@ -219,7 +219,7 @@ def test_a_fit_without_imperfections_says_that_it_was_asked_for(make_trial):
     assert "data support" not in result.message  # that is for the judged fit to say
     (section,) = laboratory_section(result, assess(result))
     assert "assume a perfect laboratory" in parts.text(section)
-    assert not any(isinstance(block, TableBlock) for block in section.blocks)
+    assert not any(isinstance(each, block.Grid) for each in section.blocks)
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -143,16 +143,11 @@ def test_a_table_that_is_no_recording(trial, change, says):
         surae.fit(change(trial.to_dataframe()), "muscle")
 
 
-def test_channels_of_several_rates_are_one_table_and_a_dataset():
+def test_channels_of_several_rates_are_one_table():
     time = np.arange(100) / 100
     slow = surae.recording.Channel("angle", time[::2], np.sin(time[::2]), "rad", "x")
     fast = surae.recording.Channel("torque", time, np.cos(time), "Nm", "y")
     recording = surae.Recording("two", {"angle": slow, "torque": fast}, side="left")
-    data = recording.to_xarray()
-    assert dict(data.sizes) == {"time": 50, "time_2": 100}
-    assert data.torque.attrs == {"units": "Nm", "source": "y"}
-    assert data.attrs["side"] == "left"
-    np.testing.assert_array_equal(data.torque.values, fast.values)
     frame = recording.to_dataframe()
     assert frame.attrs["times"] == "own"
     assert (len(frame), frame.angle_rad.count(), frame.torque_Nm.count()) == (100, 50, 100)

@@ -11,8 +11,8 @@ import pytest
 import surae
 from surae.api import session_run
 from surae.errors import InputError
-from surae.report.document import TableCell
-from surae.report.trials import crossings
+from surae.report import block
+from surae.report.trials import crossed_section
 from surae.trials import Crossed
 
 pytestmark = pytest.mark.usefixtures("few")
@@ -53,8 +53,9 @@ def test_a_passive_trial_predicts_no_active_one(done):
     for active in ("walk 1", "walk 2"):
         assert result.predictions["passive"][active] == Crossed(reason="no effort here")
     assert result.predictions["walk 1"]["passive"].bias is not None
-    shown = crossings(result.predictions, {}, result.session.trials)
-    assert dict(shown)["passive"][1] == TableCell("—", "no effort here")
+    _, table = crossed_section(result.predictions, {}, result.session.trials).blocks
+    rows = {row[0]: row for row in table.groups[0][1]}
+    assert rows["passive"][2] == block.Cell("—", "no effort here")
 
 
 def test_the_folder_holds_everything(done):
@@ -261,7 +262,7 @@ def test_trials_that_contradict_each_other_are_told(done, leg, other_leg, tmp_pa
     session = surae.session(tmp_path)
     alone = {name: session.fit(name, **QUICK) for name in session.fitted}
     joined = ("walk 1", "walk 2")
-    joint = session.fit_together(names=joined, **QUICK)
+    joint = session.fit(joined, **QUICK)
     surae.SessionResult(session, joint.settings, alone, joint, joined).report(tmp_path / "x.html")
     page = (tmp_path / "x.html").read_text()
     assert "contradict each other" in page

@@ -60,7 +60,7 @@ def test_a_hold_is_never_fitted(measured_session):
     with pytest.raises(InputError, match=r"Ref_Long_01 cannot be fitted.*static hold"):
         measured_session.fit("Ref_Long_01", "muscle")
     with pytest.raises(InputError, match="Pas_5 cannot be fitted"):
-        measured_session.fit_together("muscle", names=["PL_0_01", "Pas_5"])
+        measured_session.fit(["PL_0_01", "Pas_5"], "muscle")
     with pytest.raises(InputError, match="there is no trial 'PL_7'"):
         measured_session.fit("PL_7")
 

@@ -67,7 +67,6 @@ def test_refusals(session):
     silent = replace(strong, emg=np.zeros_like(strong.emg))
     (done,) = normalise([strong])
     for arguments, says in (
-        (([strong], "trial"), "use one of: session, mvc"),
         (([strong], "mvc"), "needs recordings of maximum contractions"),
         (([silent],), "emg_ta is zero throughout"),
         (([done, weak],), "normalised already"),

@@ -207,7 +207,7 @@ def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> 
 def test_help_and_completion_name_every_field() -> None:
     """Of `surae.fit`, and of what passes its keywords on."""
     every = {f.name for kind in (FitSettings, ModelOptions) for f in fields(kind)} - {"model"}
-    for function in (surae.fit, surae.Session.fit, surae.Session.fit_together, surae.Session.run):
+    for function in (surae.fit, surae.Session.fit, surae.Session.run):
         known = signature(function).parameters
         assert every <= known.keys(), function
     said = pydoc.render_doc(surae.fit, renderer=pydoc.plaintext)

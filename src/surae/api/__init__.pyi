@@ -102,6 +102,7 @@ from surae.protocol.profiles import smooth_step as smooth_step
 from surae.quality import Finding as Finding
 from surae.quality import Quality as Quality
 from surae.quality import commanded_file as commanded_file
+from surae.quality import recording_of as recording_of
 from surae.recording import MUSCLES as MUSCLES
 from surae.recording import ROLES as ROLES
 from surae.recording import Channel as Channel
@@ -114,7 +115,6 @@ from surae.recording import mapping_text as mapping_text
 from surae.recording import read as read
 from surae.recording import write_csv as write_csv
 from surae.recording import write_hdf5 as write_hdf5
-from surae.recording import write_mapping as write_mapping
 from surae.recording.described import toml_text as toml_text
 from surae.recording.formats import data_files as data_files
 from surae.recording.formats import open_table as open_table
@@ -128,8 +128,7 @@ from surae.recording.source import open_source as open_source
 from surae.recording.table import load_each as load_each
 from surae.recording.table import some as some
 from surae.recording.writing import shared_time as shared_time
-from surae.recording.xdf_writing import XdfLog as XdfLog
-from surae.recording.xdf_writing import mended_xdf as mended_xdf
+from surae.recording.xdf import xdf_end as xdf_end
 from surae.report import check_report as check_report
 from surae.report import has_typst as has_typst
 from surae.report import part_of as part_of

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from surae.api.fitted import Fit
 from surae.api.fitting import load
@@ -20,17 +20,13 @@ from surae.files import PathLike
 from surae.measures.change import Change, compare_sessions
 from surae.measures.cohort import Cohort, borrowed, pool
 from surae.measures.members import measured, read_table, refitted
-from surae.measures.quantity import Quantities, quantities
+from surae.measures.quantity import quantities
 from surae.progress import NamedProgress, Progress
 from surae.requests import ChangeSettings, CohortSettings, PosteriorSettings, ProfileSettings
 from surae.runner import Engine
 from surae.setting import takes
 from surae.signals import ModelInputs, Weighting, weighted
 from surae.trials.folder import fit_in
-
-if TYPE_CHECKING:
-    from surae.assessment import Prediction
-
 
 #: Angles of changes by default [deg].
 CHANGE_ANGLES = (0.0, 10.0)
@@ -77,7 +73,8 @@ def change(
     if places[0] == places[1]:
         raise InputError("before and after are the same fit; give two sessions, or two legs")
     angles = settings.angles or CHANGE_ANGLES
-    sides = [_quantities(each, angles) for each in (before, after, *baselines)]
+    fits = map(fit_of, (before, after, *baselines))
+    sides = [quantities(fit.result, fit.assessment, angles) for fit in fits]
     return compare_sessions(sides[0], sides[1], sides[2:], legs=settings.legs)
 
 
@@ -128,55 +125,20 @@ def cohort(
 
 
 def write_cohort_page(path: PathLike, cohort: Cohort) -> None:
-    """Write the page of a cohort: groups, differences, changes, and every leg.
-
-    Parameters
-    ----------
-    path : path
-        HTML, or a PDF where it ends in ``.pdf``.
-    cohort : Cohort
-        As `cohort` made it.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-    """
+    """Write the page of a cohort, HTML or by its ending PDF: groups, changes, and every leg."""
     from surae.report.cohort import cohort_report  # matplotlib
 
     cohort_report(cohort, created=datetime.now().astimezone()).write(path)
 
 
 def write_change_page(
-    path: PathLike,
-    change: Change,
-    fits: Sequence[Fit],
-    *,
-    baselines: Sequence[Fit] = (),
-    language: str = "en",
-    angle: float | None = None,
-) -> None:
-    """Write the page of what changed: three measures fixed beforehand, then every measure.
+    path: PathLike, change: Change, fits: Sequence[Fit], *, baselines: Sequence[Fit] = (),
+    language: str = "en", angle: float | None = None,
+) -> None:  # fmt: skip
+    """Write the page of what changed, HTML or by its ending PDF.
 
-    Parameters
-    ----------
-    path : path
-        HTML, or a PDF where it ends in ``.pdf``.
-    change : Change
-        As `change` made it.
-    fits : sequence of Fit
-        Both that were compared.
-    baselines : sequence of Fit
-        Further sessions from before anything changed.
-    language : {"en", "nl", "de", "fr"}
-        The reader's.
-    angle : float, optional
-        Where torque and stiffness are given [deg]; by default 10, or what was measured near it.
-
-    Raises
-    ------
-    InputError
-        The language is not known, or the page cannot be written.
+    `fits` are both that were compared, `baselines` further sessions from before anything changed;
+    torque and stiffness are given at `angle` [deg], by default 10, or what was measured near it.
     """
     from surae.report.change import change_report  # matplotlib
 
@@ -188,23 +150,7 @@ def write_change_page(
 
 
 def change_part(before: Fit | PathLike, after: Fit | PathLike) -> str:
-    """What changed between two visits, as a part of the leg's page.
-
-    Parameters
-    ----------
-    before, after : Fit or path
-        Of the leg: fits, files of fits, or folders of sessions.
-
-    Returns
-    -------
-    str
-        HTML.
-
-    Raises
-    ------
-    InputError
-        A file cannot be read.
-    """
+    """What changed between two visits of a leg, as HTML for a part of its page."""
     from surae.report import part_of
     from surae.report.cards import change_card
     from surae.report.language import words_in
@@ -215,21 +161,8 @@ def change_part(before: Fit | PathLike, after: Fit | PathLike) -> str:
     return part_of(card, {})
 
 
-def predictions_part(fit: Fit, predictions: "Sequence[Prediction]") -> str:
-    """How other recordings are predicted, as a part of a page.
-
-    Parameters
-    ----------
-    fit : Fit
-        Whose parameters predict.
-    predictions : sequence of Prediction
-        As `validate` makes them.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+def predictions_part(fit: Fit, predictions: Sequence[Prediction]) -> str:
+    """How a fit predicts other recordings, as HTML for a part of a page."""
     from surae.report import part_of
     from surae.report.fit import predictions_report  # matplotlib
 
@@ -237,13 +170,7 @@ def predictions_part(fit: Fit, predictions: "Sequence[Prediction]") -> str:
 
 
 def fit_of(given: Fit | PathLike) -> Fit:
-    """A fit that is given as itself, as its file, or as the folder of a session.
-
-    Raises
-    ------
-    InputError
-        There is none, or a folder has several and no joint one.
-    """
+    """A fit that is given as itself, as its file, or as the folder of a session."""
     return given if isinstance(given, Fit) else load(_file_of(given))
 
 
@@ -251,11 +178,6 @@ def _file_of(place: PathLike) -> Path:
     """A file of a fit, or that of the folder of a session."""
     path = Path(place)
     return fit_in(path) if path.is_dir() else path
-
-
-def _quantities(given: Fit | PathLike, angles: Sequence[float]) -> Quantities:
-    fit = fit_of(given)
-    return quantities(fit.result, fit.assessment, angles)
 
 
 @takes(ProfileSettings)
@@ -377,8 +299,7 @@ def validate(
     --------
     >>> surae.validate(surae.load("fit.json"), ["other.csv"])[0].adequacy.grade
     """
-    inputs: Sequence[ModelInputs]
-    inputs = as_in_fit(fitted.result.problem, recordings, prepared)
+    inputs: Sequence[ModelInputs] = as_in_fit(fitted.result.problem, recordings, prepared)
     return predict_others(fitted.result, inputs if weights is None else weighted(inputs, weights))
 
 

@@ -83,7 +83,9 @@ def design(
     >>> surae.design(20.0, seed=1, evaluations=20).write("p.csv")
     """
     settings, options = parted(DesignSettings, {"duration": duration, **keywords})
-    who = _leg(fit, after)
+    if fit is not None and after is not None:
+        raise InputError("give fit or after, not both: after counts what the fit knows, too")
+    who = fit if after is None else after
     chosen = settings.model if who is None else who.result.problem.spec.name
     rigid = chosen == "muscle"
     count = _SEARCHED if rigid else _SEARCHED_COMPLIANT
@@ -163,13 +165,6 @@ def measure_next(
     )  # fmt: skip
 
 
-def _leg(fit: Fit | None, after: Fit | None) -> Fit | None:
-    """The one leg that is meant; None where it is a population's."""
-    if fit is not None and after is not None:
-        raise InputError("give fit or after, not both: after counts what the fit knows, too")
-    return fit if after is None else after
-
-
 def _range_of(
     device: Device | None,
     wanted: tuple[float, float] | None,
@@ -193,18 +188,7 @@ def _range_of(
 
 
 def as_device(device: str | PathLike | Device | None) -> Device | None:
-    """The device of a name or a TOML file; None is none.
-
-    Parameters
-    ----------
-    device : str, path, Device or None
-        Which.
-
-    Raises
-    ------
-    InputError
-        There is no such device, or its file cannot be read.
-    """
+    """The device of a name or a TOML file; None is none."""
     if device is None or isinstance(device, Device):
         return device
     if str(device) in DEVICES or not str(device).lower().endswith(".toml"):
@@ -296,11 +280,6 @@ def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:
 def protocol_trajectory(settings: Protocol) -> Trajectory:
     """The movement and the effort of a protocol, unless it is longer than anybody can mean.
 
-    Parameters
-    ----------
-    settings : Protocol
-        The requested protocol.
-
     Raises
     ------
     InputError
@@ -325,14 +304,9 @@ def ready_trajectory(
 
 
 def requested_legs(
-    settings: LegSettings,
-    fit: Fit | None,
-    count: int,
-    options: ModelOptions,
-    rate_hz: float,
-    *,
+    settings: LegSettings, fit: Fit | None, count: int, options: ModelOptions, rate_hz: float, *,
     first: int = 0,
-) -> tuple[Legs, float]:
+) -> tuple[Legs, float]:  # fmt: skip
     """Whose legs are meant, so many of them, and the noise of their torque."""
     if fit is None:
         who = population_legs(
@@ -352,21 +326,15 @@ def fit_noise(fit: Fit, rate_hz: float) -> float:
     A residual that is correlated over time tells less than its size says: what counts is its
     spectral density at the frequencies of the movement, which the believed intervals know.
     """
-    result = fit.result
-    density = 0.0
-    for residual, inputs in zip(result.residuals, result.problem.inputs, strict=True):
-        density += _slow_density(residual, inputs.rate_hz) * len(residual)
-    density /= sum(len(residual) for residual in result.residuals)
-    return float((density * rate_hz) ** 0.5)
-
-
-def _slow_density(residual: Any, rate_hz: float) -> float:
-    """Variance per Hz of sampling rate, over the frequencies below 3 Hz [Nm²/Hz]."""
     import numpy as np
 
-    n = len(residual)
-    power = np.abs(np.fft.rfft(residual - residual.mean())) ** 2 / n
-    slow = np.fft.rfftfreq(n, 1.0 / rate_hz) <= 3.0
-    slow[0] = False
-    level = float(power[slow].mean()) if slow.any() else float(np.var(residual))
-    return max(level, 1e-12) / rate_hz
+    result, density = fit.result, 0.0
+    for residual, inputs in zip(result.residuals, result.problem.inputs, strict=True):
+        n = len(residual)
+        power = np.abs(np.fft.rfft(residual - residual.mean())) ** 2 / n
+        slow = np.fft.rfftfreq(n, 1.0 / inputs.rate_hz) <= 3.0  # of the movement [Hz]
+        slow[0] = False
+        level = float(power[slow].mean()) if slow.any() else float(np.var(residual))
+        density += max(level, 1e-12) / inputs.rate_hz * n
+    density /= sum(len(residual) for residual in result.residuals)
+    return float((density * rate_hz) ** 0.5)

@@ -22,26 +22,7 @@ _MOVED = (
 
 
 def example_leg(folder: PathLike) -> tuple[Path, ...]:
-    """Write trials of one virtual leg into a folder: holds, a slow stretch and active trials.
-
-    The leg has what real measurements have: crosstalk, noise, an axis that is off, effort that
-    varies.
-
-    Parameters
-    ----------
-    folder : path
-        Where to; it is made where it is missing.
-
-    Returns
-    -------
-    tuple of Path
-        The files, always the same.
-
-    Raises
-    ------
-    InputError
-        A file cannot be written.
-    """
+    """Write trials of one virtual leg, with what real measurements have, and give their files."""
     leg = virtual_subject(seed=1)
     movements = {f"held_{angle}deg": _held(angle) for angle in _HELD}
     for name, profile, task, seconds in _MOVED:

@@ -27,21 +27,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Fit(Tabular):
-    """A fit and what it is worth.
+    """A fit and what it is worth."""
 
-    Attributes
-    ----------
-    result : FitResult
-        What was found: values, residuals, every start.
-    assessment : Assessment
-        What it is worth: intervals, correlations, verdicts.
-    quality : tuple of Quality
-        What was found in each recording before it was fitted.
-    """
-
-    result: FitResult
-    assessment: Assessment
-    quality: tuple[Quality, ...] = ()
+    result: FitResult  #: What was found: values, residuals, every start.
+    assessment: Assessment  #: What it is worth: intervals, correlations, verdicts.
+    quality: tuple[Quality, ...] = ()  #: What was found in each recording before it was fitted.
 
     def as_table(self) -> TextTable:
         """The fit on one screen, as texts.
@@ -83,24 +73,13 @@ class Fit(Tabular):
 
         rows = []
         for p in self.parameters.values():
-            low, high = p.ci95 or (None, None)
-            again = p.ci95_repeat or (None, None)
-            rows.append(
-                {
-                    "parameter": p.name,
-                    "value": p.value,
-                    "unit": p.unit,
-                    "low": low,
-                    "high": high,
-                    "repeat_low": again[0],
-                    "repeat_high": again[1],
-                    "sem": p.trusted_sem,
-                    "verdict": str(p.verdict),
-                    "free": p.free,
-                    "at_bound": p.at_bound,
-                    "meaning": p.meaning,
-                }
-            )
+            (low, high), again = p.ci95 or (None, None), p.ci95_repeat or (None, None)
+            rows.append({
+                "parameter": p.name, "value": p.value, "unit": p.unit, "low": low, "high": high,
+                "repeat_low": again[0], "repeat_high": again[1], "sem": p.trusted_sem,
+                "verdict": str(p.verdict), "free": p.free, "at_bound": p.at_bound,
+                "meaning": p.meaning,
+            })  # fmt: skip
         return frame(rows, {}).set_index("parameter")
 
     def to_inference_data(self, draws: int = 1000, *, seed: int = 0) -> Any:

@@ -103,17 +103,7 @@ def fit_inputs(
     progress: SearchProgress | None = None,
     follow: Follow | None = None,
 ) -> Fit:
-    """The fit of recordings that have been prepared as its settings ask.
-
-    Parameters
-    ----------
-    inputs : sequence of ModelInputs
-        As `FitSettings.inputs` gives them.
-    settings : FitSettings
-        The fit's settings.
-    quality, progress, follow
-        As of `fit`.
-    """
+    """The fit of recordings that `inputs_for` has prepared; all else is as of `fit`."""
     problem = make_problem(inputs, settings)
     result = solve(problem, progress=progress, follow=follow)
     return Fit(result, assess(result, alternatives=True), tuple(quality))

@@ -22,8 +22,7 @@ T = TypeVar("T")
 class Plots:
     """Plots of a fit: ``fit.plot()`` is all of a recording, its methods are one plot each.
 
-    Each takes the axes to draw on (``ax``), makes them where none are given, and returns them;
-    `recording` says which one of the fit's, from 0.
+    Each draws on the axes `ax`, or makes them, and returns them; recordings are numbered from 0.
     """
 
     result: FitResult  #: What was found.

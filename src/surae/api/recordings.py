@@ -95,12 +95,9 @@ def example(path: PathLike | None = None, *, trial: int = 1) -> Recording:
     >>> recording = surae.example("trial.csv")
     """
     protocol = Protocol(
-        profile="multiple-holds",
-        chirp_amplitude=0.2,
-        chirp_rate=0.159,
-        rate_hz=_RATE,
+        profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.159, rate_hz=_RATE,
         device=named_device("achilles"),
-    )
+    )  # fmt: skip
     simulated = virtual_recording(
         virtual_subject(seed=1), generate(protocol), seed=trial, imperfections=_NOISE
     )
@@ -165,7 +162,19 @@ def check(
     """
     protocol = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
     own = joint if isinstance(joint, Joint | None) else read_joint(joint)
-    quality = _checked(recording, protocol, ANKLE if own is None else own)
+    measured: Recording | Quality
+    if isinstance(recording, Recording | ModelInputs | DataFrame):
+        given = read_in(recording)
+        measured = recording_of(given) if isinstance(given, ModelInputs) else given
+    else:
+        measured, stated = recording_or_findings(recording)
+        protocol = protocol or stated
+    if isinstance(measured, Quality):
+        quality = measured
+    elif own in (None, ANKLE):
+        quality = examined(measured, protocol)
+    else:
+        quality = of_joint(check_recording(measured, protocol), own)
     if not prepared:
         return quality
     right = tuple(f for f in quality.findings if (f.code, f.severity) != ("emg-kind", "warning"))
@@ -175,18 +184,3 @@ def check(
 def check_for(settings: FitSettings, recording: AnyRecording) -> Quality:
     """Findings of a recording that is fitted with these settings; see `check`."""
     return check(recording, prepared=settings.prepared, joint=settings.options.anatomy)
-
-
-def _checked(recording: AnyRecording, protocol: Commanded | None, joint: Joint) -> Quality:
-    if isinstance(recording, ModelInputs):
-        recording = recording_of(recording)
-    if isinstance(recording, DataFrame):
-        recording = of_frame(recording)
-    if not isinstance(recording, Recording):
-        found, commanded = recording_or_findings(recording)
-        if isinstance(found, Quality):
-            return found
-        recording, protocol = found, protocol or commanded
-    if joint == ANKLE:
-        return examined(recording, protocol)
-    return of_joint(check_recording(recording, protocol), joint)

@@ -38,43 +38,23 @@ if TYPE_CHECKING:
 @filed("session", "fits", "joint")
 @dataclass(frozen=True, slots=True)
 class SessionResult:
-    """What came of a session.
+    """What came of a session."""
 
-    Attributes
-    ----------
-    session : Session
-        Its trials; of a result that was read from a folder without their signals.
-    fits : mapping of str to Fit
-        By trial.
-    joint : Fit or None
-        Of all trials in `joined` together.
-    joined : tuple of str
-        Trials of the joint fit.
-    failed : mapping of str to str
-        Trials without a fit, and fits that were left out of the joint one: why. ``"joint"``: why
-        there is none.
-    quality : mapping of str to Quality
-        What was found in each trial.
-    predictions : mapping of str to (mapping of str to Crossed)
-        How the fit of a trial (the first name) follows another.
-    joint_predictions : mapping of str to Crossed
-        How the joint fit follows each trial.
-    settings : FitSettings
-        The settings of every fit.
-    interrupted : bool
-        Whether the user stopped it.
-    """
-
-    session: TrialSet
-    settings: FitSettings
-    fits: Mapping[str, Fit] = field(default_factory=FrozenDict)
-    joint: Fit | None = None
+    session: TrialSet  #: Its trials; of a result read from a folder without their signals.
+    settings: FitSettings  #: Of every fit.
+    fits: Mapping[str, Fit] = field(default_factory=FrozenDict)  #: By trial.
+    joint: Fit | None = None  #: Of all trials in `joined` together.
     joined: tuple[str, ...] = ()
+    #: Trials without a fit, and fits that were left out of the joint one: why. ``"joint"``: why
+    #: there is none.
     failed: Mapping[str, str] = field(default_factory=FrozenDict)
+    #: What was found in each trial.
     quality: Mapping[str, Quality] = field(default_factory=FrozenDict)
+    #: How the fit of a trial (the first name) follows another.
     predictions: Mapping[str, Mapping[str, Crossed]] = field(default_factory=FrozenDict)
+    #: How the joint fit follows each trial.
     joint_predictions: Mapping[str, Crossed] = field(default_factory=FrozenDict)
-    interrupted: bool = False
+    interrupted: bool = False  #: Whether the user stopped it.
 
     def __post_init__(self) -> None:
         """Make the mappings read-only."""
@@ -118,17 +98,6 @@ class SessionResult:
         every = [*self.fits.values(), *([self.joint] if self.joint else [])]
         units = {n: p.unit for fit in every for n, p in fit.parameters.items()}
         return frame(self.rows(), units)
-
-    def write_table(self, path: PathLike) -> None:
-        """Write the table of `rows` as CSV.
-
-        Parameters
-        ----------
-        path : path
-            Where to.
-        """
-        rows = self.rows()
-        write_table(path, list(dict.fromkeys(name for row in rows for name in row)), rows)
 
     def report(
         self, path: PathLike, *, before: "SessionResult | None" = None, language: str = "en"
@@ -181,27 +150,16 @@ class SessionResult:
     def _report(self, before: "SessionResult | None", language: str) -> "Report":
         from surae.report.session import FittedLeg, session_report  # matplotlib
 
-        about = ("side", "date", "condition", "notes")
+        fits = {name: (fit.result, fit.assessment) for name, fit in self.fits.items()}
+        joint = None if self.joint is None else (self.joint.result, self.joint.assessment)
         leg = FittedLeg(
-            name=self.session.name,
-            about={key: getattr(self.session, key) for key in about},
-            trials=self.session.trials,
-            fits={name: (fit.result, fit.assessment) for name, fit in self.fits.items()},
-            joint=None if self.joint is None else (self.joint.result, self.joint.assessment),
-            joined=self.joined,
-            failed=self.failed,
-            quality=self.quality,
-            predictions=self.predictions,
-            joint_predictions=self.joint_predictions,
-            interrupted=self.interrupted,
-        )
+            self.session, fits, joint, self.joined, self.failed, self.quality, self.predictions,
+            self.joint_predictions, self.interrupted,
+        )  # fmt: skip
         earlier = None if before is None else before.main
-        return session_report(
-            leg,
-            created=datetime.now().astimezone(),
-            before=None if earlier is None else (earlier.result, earlier.assessment),
-            language=language,
-        )
+        first = None if earlier is None else (earlier.result, earlier.assessment)
+        now = datetime.now().astimezone()
+        return session_report(leg, created=now, before=first, language=language)
 
     def save(self, folder: PathLike) -> None:
         """Write the folder that `load_session` reads: fits, tables, report and index.
@@ -227,15 +185,10 @@ class SessionResult:
 
 def _row(name: str, effort: str, fit: Fit) -> dict[str, Any]:
     row: dict[str, Any] = {
-        "trial": name,
-        "effort": effort,
-        "model": fit.result.problem.spec.name,
-        "status": fit.status,
-        "grade": str(fit.adequacy.grade),
-        "r2": finite(fit.adequacy.r2),
-        "vaf": finite(fit.vaf),
-        "rmse_Nm": finite(fit.assessment.rmse),
-    }
+        "trial": name, "effort": effort, "model": fit.result.problem.spec.name,
+        "status": fit.status, "grade": str(fit.adequacy.grade), "r2": finite(fit.adequacy.r2),
+        "vaf": finite(fit.vaf), "rmse_Nm": finite(fit.assessment.rmse),
+    }  # fmt: skip
     for p in fit.parameters.values():
         low, high = p.ci95 or (None, None)
         row |= {p.name: p.value, f"{p.name}_low": low, f"{p.name}_high": high}
@@ -252,7 +205,8 @@ def write_summary(result: SessionResult, root: Path) -> None:
     """Write index, tables and report; fits of earlier runs go to the trash."""
     set_aside(root, _results(result))
     write_index(result, root)
-    result.write_table(root / TABLE)
+    rows = result.rows()
+    write_table(root / TABLE, list(dict.fromkeys(name for row in rows for name in row)), rows)
     result.report(root / REPORT)
 
 

@@ -38,25 +38,14 @@ _JOINT_COST = 1.5
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Where a run is.
+    """Where a run is."""
 
-    Attributes
-    ----------
-    what : str
-        What is being done, or was.
-    done, total : int
-        Steps that are complete, and all.
-    left_s : float or None
-        About how many seconds it still takes; None while nobody knows.
-    outcome : str
-        What came of it, in a few words; empty before the step.
-    """
-
-    what: str
+    what: str  #: What is being done, or was.
+    #: `done`, `total`: steps that are complete, and all.
     done: int
     total: int
-    left_s: float | None = None
-    outcome: str = ""
+    left_s: float | None = None  #: About how many seconds it still takes; None while nobody knows.
+    outcome: str = ""  #: What came of it, in a few words; empty before the step.
 
 
 StepProgress = Callable[[Step], None]
@@ -72,7 +61,7 @@ def run(
     root = None if output is None else claimed(output, session.trials)
     if root is not None:
         write_index(SessionResult(session, settings), root, begun=True)
-    work = _Run(session, settings, root, progress or _silent)
+    work = _Run(session, settings, root, progress or (lambda _: None))
     with ExitStack() as stack:
         beside = stack.enter_context(_Beside()) if (workers or cores()) > 1 else None
         try:
@@ -85,10 +74,6 @@ def run(
     if root is not None:
         write_summary(result, root)
     return result
-
-
-def _silent(step: Step) -> None:
-    del step
 
 
 class _Run:
@@ -132,7 +117,7 @@ class _Run:
                 self._cost[name] = float(self.inputs[name].n)
         sound = tuple(name for name in self._cost if self._wrong(name) is None)
         self._cost["all together"] = _JOINT_COST * sum(self._cost.values())
-        if beside is not None and len(sound) > 1 and self._saved(self._joint_path, sound) is None:
+        if beside is not None and len(sound) > 1 and self._saved(JOINT, sound) is None:
             beside.begin(sound, *self._of(sound), self.settings)
         for trial in self.session.trials:
             if trial.name in self.failed:
@@ -140,7 +125,13 @@ class _Run:
             elif trial.use != "fit":
                 self._step(trial.name, f"not fitted: {trial.why}")
             else:
-                self._fit(trial.name)
+                name = trial.name
+                fit, outcome = self._fit_or_saved(name, fit_name(name), (name,))
+                if fit is None:
+                    self.failed[name] = outcome
+                else:
+                    self.fits[name] = fit
+                self._step(name, outcome)
 
     def together(self, beside: "_Beside | None") -> None:
         """Fit all trials together that were fitted and have no error."""
@@ -156,7 +147,7 @@ class _Run:
             self.failed["joint"] = "a joint fit needs two trials that can be fitted"
             self._step("all together", self.failed["joint"])
             return
-        fit, outcome = self._fit_or_saved("all together", self._joint_path, names, beside)
+        fit, outcome = self._fit_or_saved("all together", JOINT, names, beside)
         if fit is None:
             self.failed["joint"] = outcome
         else:
@@ -193,19 +184,6 @@ class _Run:
             quality, self.predictions, self.joint_predictions, self.interrupted,
         )  # fmt: skip
 
-    def _fit(self, name: str) -> None:
-        path = None if self.root is None else self.root / fit_name(name)
-        fit, outcome = self._fit_or_saved(name, path, (name,))
-        if fit is None:
-            self.failed[name] = outcome
-        else:
-            self.fits[name] = fit
-        self._step(name, outcome)
-
-    @property
-    def _joint_path(self) -> Path | None:
-        return None if self.root is None else self.root / JOINT
-
     def _wrong(self, name: str) -> Finding | None:
         """The first finding of a trial that is an error."""
         return next((f for f in self.quality[name].findings if f.severity == "error"), None)
@@ -213,15 +191,26 @@ class _Run:
     def _of(self, names: Sequence[str]) -> tuple[tuple[ModelInputs, ...], tuple[Quality, ...]]:
         return tuple(self.inputs[n] for n in names), tuple(self.quality[n] for n in names)
 
-    def _saved(self, path: Path | None, names: Sequence[str]) -> Fit | None:
-        """The fit on disk, where it is of the same."""
-        return None if path is None else _kept(path, self._of(names)[0], self.settings)
+    def _saved(self, file: str, names: Sequence[str]) -> Fit | None:
+        """The fit in a file, where it is of these data and this question and by this surae."""
+        if self.root is None or not (self.root / file).is_file():
+            return None
+        try:
+            fit = load(self.root / file)
+        except InputError:
+            return None
+        same = (
+            fit.result.versions.get("surae") == __version__
+            and fit.settings == self.settings
+            and fit.result.problem.inputs == self._of(names)[0]
+        )
+        return fit if same else None
 
     def _fit_or_saved(
-        self, name: str, path: Path | None, names: tuple[str, ...], beside: "_Beside | None" = None
+        self, name: str, file: str, names: tuple[str, ...], beside: "_Beside | None" = None
     ) -> tuple[Fit | None, str]:
         """A fit, the one on disk where it is of the same, and how it went."""
-        saved = self._saved(path, names)
+        saved = self._saved(file, names)
         if saved is not None:
             return saved, f"{saved.adequacy.grade}, R² {saved.adequacy.r2:.2f} % (kept)"
         self._tell(f"fitting {name}" if len(names) == 1 else f"fitting {len(names)} together")
@@ -236,8 +225,8 @@ class _Run:
             return None, str(error)
         if fit.result.starts[-1].outcome == "interrupted":
             raise KeyboardInterrupt  # an unfinished fit is none
-        if path is not None:
-            fit.save(path)
+        if self.root is not None:
+            fit.save(self.root / file)
         seconds = time.monotonic() - begun
         self._spent += seconds
         self._paid += self._cost[name]
@@ -317,22 +306,6 @@ def _known(trial: Trial) -> tuple[str, ...]:
     """Codes of findings that say again that a trial holds still, or is passive."""
     still = () if trial.moves else ("angle-still", "rom-not-covered")
     return (*still, *(("active-not-active",) if trial.effort == "passive" else ()))
-
-
-def _kept(path: Path, inputs: Sequence[ModelInputs], settings: FitSettings) -> Fit | None:
-    """The fit in a file, where it is of these data and this question and by this surae."""
-    if not path.is_file():
-        return None
-    try:
-        fit = load(path)
-    except InputError:
-        return None
-    same = (
-        fit.result.versions.get("surae") == __version__
-        and fit.settings == settings
-        and fit.result.problem.inputs == tuple(inputs)
-    )
-    return fit if same else None
 
 
 def _crossed(fit: Fit, inputs: ModelInputs, fitted: bool, number: int = 0) -> Crossed:

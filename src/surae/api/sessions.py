@@ -26,46 +26,20 @@ class Session(TrialSet):
     """The trials of one leg, to be fitted each and together; `session` makes one from files."""
 
     @asks_as_fit
-    def fit(self, trial: str, model: str | FitSettings = AUTO, **keywords: Any) -> Fit:
-        """Fit one trial.
-
-        Parameters
-        ----------
-        trial : str
-            Its name, one of `fitted`.
-        model : str or FitSettings
-            As of `surae.fit`.
-        **keywords
-            Keywords of `surae.fit`. ``normalise`` divides EMG by the session's reference.
-
-        Returns
-        -------
-        Fit
-            Of that trial alone.
-
-        Raises
-        ------
-        InputError
-            There is no such trial, it cannot be fitted, or a setting makes no sense.
-        """
-        return self.fit_together(model, names=[trial], **keywords)
-
-    @asks_as_fit
-    def fit_together(
+    def fit(
         self,
+        trials: str | Sequence[str] | None = None,
         model: str | FitSettings = AUTO,
-        *,
-        names: Sequence[str] | None = None,
         **keywords: Any,
     ) -> Fit:
-        """Fit several trials jointly: they share all parameters of the leg.
+        """Fit one trial, or several jointly: they share all parameters of the leg.
 
         Parameters
         ----------
+        trials : str or sequence of str, optional
+            Names of `fitted`; by default all of them.
         model : str or FitSettings
             As of `surae.fit`.
-        names : sequence of str, optional
-            Trials; by default all that can be fitted.
         **keywords
             Keywords of `surae.fit`. ``normalise`` divides EMG by the session's reference.
 
@@ -81,7 +55,7 @@ class Session(TrialSet):
         """
         callbacks = {key: keywords.pop(key, None) for key in ("progress", "follow")}
         settings = FitSettings.of(model, **keywords)
-        chosen = self.fitted if names is None else tuple(names)
+        chosen = self.fitted if trials is None else [trials] if isinstance(trials, str) else trials
         if not chosen:
             raise InputError(f"{self.name}: no trial can be fitted: none of them moves")
         recordings = [self.to_fit(name) for name in chosen]
@@ -181,7 +155,11 @@ def session(
         first = readings[0]
         more = f" (and {len(readings) - 1} more files)" if len(readings) > 1 else ""
         raise InputError(f"no trial can be read: {first.problem}{more}")
-    _check_named(description, names)
+    if description is not None and (slips := set(description.trials) - set(names)):
+        raise InputError(
+            f"{description.source.shown}: trials.{min(slips)}: there is no such trial; trials: "
+            f"{', '.join(names)}"
+        )
     sides = {r.recording.side for r in readings if r.recording is not None and r.recording.side}
     if side is None and len(sides) > 1:
         raise InputError("the trials are of both legs; a session is of one: give side")
@@ -206,18 +184,6 @@ def _reading(name: str, path: Path, description: Description | None) -> Reading:
     except InputError as error:
         return Reading(name, str(path), None, str(error), about)
     return Reading(name, str(path), replace(recording, name=name), description=about)
-
-
-def _check_named(description: Description | None, names: Sequence[str]) -> None:
-    """Refuse what differs in a trial that is not there: a slip would go unseen."""
-    if description is None:
-        return
-    for trial in description.trials:
-        if trial not in names:
-            raise InputError(
-                f"{description.source.shown}: trials.{trial}: there is no such trial; trials: "
-                f"{', '.join(names)}"
-            )
 
 
 def _folder_name(paths: Sequence[Any]) -> str:

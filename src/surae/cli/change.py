@@ -6,7 +6,7 @@ import click
 
 from surae import api
 from surae.cli.options import LANGUAGE, settings_options
-from surae.cli.paths import check_outputs, spare_fits
+from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_answer, show_files
 from surae.requests import ChangeSettings
@@ -22,14 +22,9 @@ from surae.requests import ChangeSettings
 @click.option("--report", metavar="C.html", help="Write a page of it: HTML or PDF.")
 @LANGUAGE
 def command(
-    before: str,
-    after: str,
-    baselines: tuple[str, ...],
-    output: str | None,
-    report: str | None,
-    language: str,
-    options: dict[str, Any],
-) -> None:
+    before: str, after: str, baselines: tuple[str, ...], output: str | None, report: str | None,
+    language: str, options: dict[str, Any],
+) -> None:  # fmt: skip
     """Compare a leg between two sessions, or the two legs of a person.
 
     BEFORE and AFTER are files of fits or folders of sessions. What both sessions of a leg are wrong
@@ -37,8 +32,7 @@ def command(
     what noise, electrodes and foot mounted anew can do, among all that is looked at.
     """
     outputs = {"--output": output, "--report": report}
-    check_outputs(outputs, [before, after, *baselines])
-    spare_fits(outputs)
+    check_outputs(outputs, [before, after, *baselines], spare_fits=True)
 
     api.check_report(report)
     with compilation_notice():

@@ -23,14 +23,9 @@ from surae.files import shown
 @click.option("--commanded", metavar="P.csv", help="What the device was to follow.")
 @click.option("--joint", metavar="JOINT.toml", help="Another joint than the ankle: see `fit`.")
 def command(
-    recordings: tuple[str, ...],
-    mapping: str | None,
-    as_json: bool,
-    strict: bool,
-    prepared: bool,
-    commanded: str | None,
-    joint: str | None,
-) -> int:
+    recordings: tuple[str, ...], mapping: str | None, as_json: bool, strict: bool, prepared: bool,
+    commanded: str | None, joint: str | None,
+) -> int:  # fmt: skip
     """Look for faults in recordings before they are fitted.
 
     Every finding has a code, a severity (info, warning, error), a span of time and an advice. A
@@ -57,17 +52,10 @@ def command(
 
 def _plain(paths: Sequence[str], qualities: "Sequence[api.Quality]") -> dict[str, object]:
     """The findings as plain data, each with the recording it is of."""
+    found = [(path, each.as_dict()) for path, each in zip(paths, qualities, strict=True)]
     return {
-        "findings": [
-            {"recording": path, **finding}
-            for path, quality in zip(paths, qualities, strict=True)
-            for finding in quality.as_dict()["findings"]
-        ],
-        "skipped": [
-            {"recording": path, **skipped}
-            for path, quality in zip(paths, qualities, strict=True)
-            for skipped in quality.as_dict()["skipped"]
-        ],
+        key: [{"recording": path, **one} for path, plain in found for one in plain[key]]
+        for key in ("findings", "skipped")
     }
 
 

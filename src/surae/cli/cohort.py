@@ -7,7 +7,7 @@ import click
 
 from surae import api
 from surae.cli.options import DASK, engine_of, settings_options, workers_option
-from surae.cli.paths import check_outputs, spare_fits
+from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_answer, show_files
 from surae.requests import CohortSettings
@@ -21,13 +21,9 @@ from surae.requests import CohortSettings
 @click.option("--output", metavar="C.json", help="Write the cohort.")
 @click.option("--report", metavar="C.html", help="Write a page with its tables and figures.")
 def command(
-    table: str,
-    workers: int | None,
-    dask: str | None,
-    output: str | None,
-    report: str | None,
+    table: str, workers: int | None, dask: str | None, output: str | None, report: str | None,
     options: dict[str, Any],
-) -> None:
+) -> None:  # fmt: skip
     """Compare groups of legs, sessions of each leg, and every leg with its group.
 
     COHORT.csv has the columns fit (a FIT.json or the folder of a session) and subject, and as far
@@ -35,9 +31,7 @@ def command(
     much as its interval allows; legs left out, and why, are listed.
     """
     engine = engine_of(dask, workers)
-    outputs = {"--output": output, "--report": report}
-    check_outputs(outputs, [table])
-    spare_fits(outputs)
+    check_outputs({"--output": output, "--report": report}, [table], spare_fits=True)
 
     api.check_report(report)
     with work() as progress, compilation_notice():

@@ -41,7 +41,10 @@ def command(recording: str, output: str, mapping: str | None, prepared: bool) ->
         if prepared:
             progress.describe(f"preparing {recording}")
             measured = _prepared(measured)
-        left_out = _films_of_another_clock(measured) if suffix == ".csv" else []
+        # Films that have not a frame at every sample of the first channel.
+        time = next(iter(measured.channels.values())).time.tolist()
+        films = measured.films.items() if suffix == ".csv" else ()
+        left_out = [role for role, film in films if film.time.tolist() != time]
         if left_out:
             kept = {role: c for role, c in measured.channels.items() if role not in left_out}
             measured = replace(measured, channels=kept)
@@ -63,44 +66,18 @@ def command(recording: str, output: str, mapping: str | None, prepared: bool) ->
         show_line(f"not kept in this format: {', '.join(lost)}; .h5 keeps all")
 
 
-def _films_of_another_clock(recording: "api.Recording") -> list[str]:
-    """Films that have not a frame at every sample of the first channel."""
-    time = next(iter(recording.channels.values())).time.tolist()
-    return [role for role, film in recording.films.items() if film.time.tolist() != time]
-
-
 def _prepared(recording: "api.Recording") -> "api.Recording":
-    """The recording as a model reads it."""
-    from surae.units import SI, kind
-
-    inputs = api.prepare(recording)
-    values = {
-        "angle": inputs.angle,
-        "torque": inputs.torque,
-        **{
-            f"emg_{muscle}": inputs.emg[:, i]
-            for i, muscle in enumerate(api.MUSCLES)
-            if muscle not in inputs.missing_emg
-        },
-        "angular_velocity": inputs.velocity,
-        "angular_acceleration": inputs.acceleration,
-        "second_angle": inputs.second[0] if inputs.second else None,
-    }
+    """The recording as a model reads it; films as they came, on their own clock."""
+    made = api.recording_of(api.prepare(recording), derivatives=True)
     channels = {
-        role: api.Channel(
-            role=role,
-            time=inputs.time,
-            values=signal,
-            unit=inputs.emg_unit if role.startswith("emg_") else SI[kind(role)],
+        role: replace(
+            channel,
             source=f"prepared from {recording.channels[role].source}"
             if role in recording.channels
             else "computed from the angle",
         )
-        for role, signal in values.items()
-        if signal is not None
+        for role, channel in made.channels.items()
     }
-    channels |= recording.films  # on their own clock, as they came
-    prepared = api.Recording(
-        name=recording.name, channels=channels, emg="envelope", fixed=recording.fixed
+    return replace(
+        made, channels={**channels, **recording.films}, side=recording.side, device=recording.device
     )
-    return replace(prepared, side=recording.side, device=recording.device, files=recording.files)

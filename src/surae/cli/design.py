@@ -5,7 +5,7 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import Picture, settings_options
+from surae.cli.options import PICTURE, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.protocol import device_of, device_options, file_kind
@@ -23,17 +23,11 @@ from surae.requests import DesignSettings
 @settings_options(DesignSettings, api.ModelOptions)
 @click.option("--output", required=True, metavar="P.csv|P.mat", help="Where the protocol goes.")
 @click.option("--target", metavar="T.csv", help="Where the target for the subject's screen goes.")
-@click.option("--figure", type=Picture(), metavar="P.svg|pdf|png", help="Draw it.")
+@click.option("--figure", type=PICTURE, metavar="P.svg|pdf|png", help="Draw it.")
 def command(
-    fitted: str | None,
-    after: str | None,
-    device: str,
-    without_limits: str | None,
-    output: str,
-    target: str | None,
-    figure: str | None,
-    options: dict[str, Any],
-) -> None:
+    fitted: str | None, after: str | None, device: str, without_limits: str | None, output: str,
+    target: str | None, figure: str | None, options: dict[str, Any],
+) -> None:  # fmt: skip
     """Design the most informative protocol within a device's limits: movement and effort.
 
     The same options find the same protocol. Ctrl-C keeps the best so far.

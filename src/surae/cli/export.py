@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from surae import api
-from surae.cli.paths import check_outputs, spare_fits
+from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line
 
@@ -24,9 +24,7 @@ def command(fitted: str, to: str, output: str | None) -> None:
     The file says how far its torque is from surae's, and the parameters' intervals.
     """
     path = output or str(Path(fitted).with_suffix(_ENDINGS[to]))
-    outputs = {"--output": path}
-    check_outputs(outputs, [fitted])
-    spare_fits(outputs)
+    check_outputs({"--output": path}, [fitted], spare_fits=True)
     with compilation_notice():
         model = api.export(fitted, to=to)
     model.save(path)

@@ -7,7 +7,7 @@ import click
 
 from surae import api
 from surae.cli.check import show_short
-from surae.cli.options import MAPPING, Picture, request, settings_options
+from surae.cli.options import MAPPING, PICTURE, request, settings_options
 from surae.cli.paths import check_outputs, check_recordings
 from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_fit
@@ -26,20 +26,13 @@ from surae.files import shown
 )
 @click.option("--output", metavar="FIT.json", help="Write the fit.")
 @click.option("--report", metavar="REPORT.html", help="Write the report; .pdf makes a PDF.")
-@click.option("--figure", type=Picture(), metavar="F.svg|pdf|png", help="Draw it for a paper.")
+@click.option("--figure", type=PICTURE, metavar="F.svg|pdf|png", help="Draw it for a paper.")
 @click.option("--width", type=click.FloatRange(40.0, 500.0), default=170.0, metavar="MM",
               help="Width of the figure.  [default: 170]")  # fmt: skip
 def command(
-    recordings: tuple[str, ...],
-    mapping: str | None,
-    options: dict[str, Any],
-    mvc: tuple[str, ...],
-    strict: bool,
-    output: str | None,
-    report: str | None,
-    figure: str | None,
-    width: float,
-) -> None:
+    recordings: tuple[str, ...], mapping: str | None, options: dict[str, Any], mvc: tuple[str, ...],
+    strict: bool, output: str | None, report: str | None, figure: str | None, width: float,
+) -> None:  # fmt: skip
     """Estimate a model's parameters from one recording, or jointly from several.
 
     REC is a CSV with named channels, a TOML that maps the channels of other files, or with

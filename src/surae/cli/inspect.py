@@ -12,6 +12,7 @@ from surae.cli.progress import work
 from surae.cli.screen import show_answer, show_line
 from surae.errors import InputError
 from surae.files import shown, write_atomic
+from surae.records import to_plain
 
 
 @click.command("inspect")
@@ -58,7 +59,7 @@ def command(
             write_atomic(output, api.mapping_text(inspected, folder))
 
     if as_json:
-        show_line(json.dumps(inspected.to_json(), indent=1, allow_nan=False, ensure_ascii=False))
+        show_line(json.dumps(to_plain(inspected), indent=1, allow_nan=False, ensure_ascii=False))
         return
     to = "MAP.toml" if output is None else shown(output)
     shown_files = f"{shown(files[0])}{' …' if len(files) > 1 else ''}"

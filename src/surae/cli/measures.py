@@ -3,15 +3,15 @@
 import click
 
 from surae import api
-from surae.cli.options import Number
-from surae.cli.paths import check_outputs, spare_fits
+from surae.cli.options import NUMBER
+from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_answer, show_files, show_line
 
 
 @click.command("measures")
 @click.argument("fitted", metavar="FIT.json|DIR")
-@click.option("--angle", "angles", type=Number(), multiple=True, metavar="DEG",
+@click.option("--angle", "angles", type=NUMBER, multiple=True, metavar="DEG",
               help="Where torque and stiffness are given; may be repeated.  "
               "[default: −10, 0, 10]")  # fmt: skip
 @click.option("--norms", metavar="N.toml", help="Your own norms in place of published ones.")
@@ -22,9 +22,7 @@ def command(fitted: str, angles: tuple[float, ...], norms: str | None, output: s
     Torque and stiffness at rest, what relaxes, how strong and how fast the muscles are, and what
     the torque of the recordings is made of. Dorsiflexion is positive.
     """
-    outputs = {"--output": output}
-    check_outputs(outputs, [fitted])
-    spare_fits(outputs)
+    check_outputs({"--output": output}, [fitted], spare_fits=True)
 
     fit = api.fit_of(fitted)
     beside = api.read_norms(norms, fit.result.problem.options.anatomy)

@@ -1,7 +1,7 @@
 """Types of options, and the options that several commands share."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -23,11 +23,25 @@ F = TypeVar("F", bound=Callable[..., Any])
 _MOST_WORKERS = 1000
 
 
-def number(where: str, text: str) -> float:
-    """A number from a text.
+class Typed(click.ParamType):  # type: ignore[type-arg]
+    """A type of option that a function reads; its errors are one line, which `where` begins."""
 
-    The message of an error begins with `where`.
-    """
+    name = "value"
+
+    def __init__(self, read: Callable[..., Any], *how: Any) -> None:
+        self._read, self._how = read, how
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """What the text stands for; a default is that already."""
+        del ctx
+        if not isinstance(value, str):
+            return value
+        option = param.opts[-1] if param is not None else ""
+        return self._read(f"{option} {value}", value, *self._how)
+
+
+def number(where: str, text: str) -> float:
+    """A number."""
     try:
         value = float(text)
     except ValueError:
@@ -40,139 +54,87 @@ def number(where: str, text: str) -> float:
     return value
 
 
-class OptionType(click.ParamType):  # type: ignore[type-arg]
-    """A type of option whose mistakes are one line that says what to write."""
-
-    name = "value"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """What the text stands for; a default is that already."""
-        del ctx
-        option = param.opts[-1] if param is not None else ""
-        return self.read(value, f"{option} {value}") if isinstance(value, str) else value
-
-    def read(self, text: str, where: str) -> Any:
-        """What the text stands for.
-
-        The message of an error begins with `where`.
-        """
-        raise NotImplementedError
+def entry(where: str, text: str, form: str, example: str) -> tuple[str, Any]:
+    """A name and a number, or a pair of them: NAME=VALUE, NAME=FIRST:SECOND."""
+    count = form.count(":") + 1
+    name, equals, rest = (part.strip() for part in text.partition("="))
+    parts = [part.strip() for part in rest.split(":", count - 1)]
+    if not (name and equals and all(parts) and len(parts) == count):
+        raise InputError(f"{where}: write name={form}, e.g. {where.split(maxsplit=1)[0]} {example}")
+    values = tuple(number(where, part) for part in parts)
+    return name, values[0] if count == 1 else values
 
 
-class Number(OptionType):
-    """A number."""
-
-    def read(self, text: str, where: str) -> float:
-        """Read the number."""
-        return number(where, text)
-
-
-class Entry(OptionType):
-    """A name and a number, or a pair of numbers: NAME=VALUE, NAME=FIRST:SECOND."""
-
-    def __init__(self, form: str, example: str) -> None:
-        self.form, self.example, self.count = form, example, form.count(":") + 1
-
-    def read(self, text: str, where: str) -> tuple[str, Any]:
-        """Name, and number or pair of them."""
-        name, equals, rest = (part.strip() for part in text.partition("="))
-        parts = [part.strip() for part in rest.split(":", self.count - 1)]
-        if not (name and equals and all(parts) and len(parts) == self.count):
-            raise InputError(
-                f"{where}: write name={self.form}, e.g. {where.split(maxsplit=1)[0]} {self.example}"
-            )
-        values = tuple(number(where, part) for part in parts)
-        return name, values[0] if self.count == 1 else values
-
-
-class SettingType(OptionType):
+def preparation(where: str, text: str) -> tuple[str, Any]:
     """A name and a number, or false."""
-
-    def read(self, text: str, where: str) -> tuple[str, Any]:
-        """Read a name and a value."""
-        name, value = Entry("value", "bessel_hz=10").read(text.replace("=false", "=nan"), where)
-        if math.isnan(value):
-            return name, False
-        return name, int(value) if name.endswith("_order") and value.is_integer() else value
+    name, value = entry(where, text.replace("=false", "=nan"), "value", "bessel_hz=10")
+    if math.isnan(value):
+        return name, False
+    return name, int(value) if name.endswith("_order") and value.is_integer() else value
 
 
-class Name(OptionType):
+def bare_name(where: str, text: str) -> str:
     """A name and nothing else."""
-
-    def read(self, text: str, where: str) -> str:
-        """Read the name."""
-        if "=" in text or not text.strip():
-            name = text.partition("=")[0].strip() or "beta"
-            raise InputError(f"{where}: write a name without a value, as {name}")
-        return text.strip()
+    if "=" in text or not text.strip():
+        name = text.partition("=")[0].strip() or "beta"
+        raise InputError(f"{where}: write a name without a value, as {name}")
+    return text.strip()
 
 
-class ChoiceOrFile(OptionType):
+def choice_or_file(where: str, text: str, choices: tuple[str, ...]) -> str:
     """One of several words, or the path of a file that exists."""
+    if text not in choices and not Path(text).is_file():
+        words, option = " or ".join(choices), where.partition(" ")[0]
+        raise InputError(f"{option}: {text!r} is no file; give one, or {words}")
+    return text
 
-    def __init__(self, choices: tuple[str, ...]) -> None:
-        self.choices = choices
 
-    def read(self, text: str, where: str) -> str:
-        """Give the word or the path."""
-        if text not in self.choices and not Path(text).is_file():
-            words, option = " or ".join(self.choices), where.partition(" ")[0]
-            raise InputError(f"{option}: {text!r} is no file; give one, or {words}")
-        return text
+def span(where: str, text: str) -> tuple[float, float, float]:
+    """A stretch of time [s], START:END, either of which may be left away; it counts 0."""
+    first, colon, last = (part.strip() for part in text.partition(":"))
+    if not colon or ":" in last or not (first or last):
+        raise InputError(f"{where}: write start:end in s, e.g. --exclude 3:4.5")
+    return (
+        number(where, first) if first else -math.inf, number(where, last) if last else math.inf, 0.0
+    )  # fmt: skip
+
+
+def weighted_span(where: str, text: str) -> tuple[float, float, float]:
+    """A stretch of time with what it counts, START:END:W."""
+    stretch, colon, weight = text.rpartition(":")
+    if not (colon and ":" in stretch):
+        raise InputError(f"{where}: write start:end:weight, e.g. --weight 3:4.5:2")
+    return (*span(where, stretch)[:2], number(where, weight.strip()))
+
+
+def motion(where: str, text: str) -> tuple[float, float]:
+    """A subject's full plantarflexion and dorsiflexion [rad]: LOW:HIGH."""
+    low, colon, high = (part.strip() for part in text.partition(":"))
+    if not (low and colon and high):
+        raise InputError(f"{where}: write LOW:HIGH in rad, e.g. --range -0.9:0.6")
+    return number(where, low), number(where, high)
+
+
+def picture(where: str, text: str) -> str:
+    """The file of a figure."""
+    if not text.lower().endswith((".png", ".svg", ".pdf")):
+        raise InputError(f"{shown(where)} must end in .svg, .pdf or .png")
+    return text
+
+
+NUMBER, RANGE, PICTURE = Typed(number), Typed(motion), Typed(picture)
 
 
 class OneOf(click.Choice):  # type: ignore[type-arg]  # generic since click 8.2 alone
-    """One of several names, those of plugins too."""
+    """One of several names, those of plugins too; help lists only what it is known to be."""
 
-    def __init__(self, names: tuple[str, ...]) -> None:
-        super().__init__(names)
-        self._names = names
+    def __init__(self, known: tuple[str, ...]) -> None:
+        super().__init__(known)
+        self.known = known
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Give the name; help lists only what it is known to be."""
-        return value if value in self._names else super().convert(value, param, ctx)
-
-
-class Span(OptionType):
-    """A stretch of time, START:END, either of which may be left away; with a weight START:END:W."""
-
-    def __init__(self, *, weight: bool = False) -> None:
-        self.weight = weight
-
-    def read(self, text: str, where: str) -> tuple[float, float, float]:
-        """Start and end [s] and what samples count; 0 where no weight is asked for."""
-        span, colon, weight = text.rpartition(":") if self.weight else (text, ":", "0")
-        if self.weight and not (colon and ":" in span):
-            raise InputError(f"{where}: write start:end:weight, e.g. --weight 3:4.5:2")
-        first, colon, last = (part.strip() for part in span.partition(":"))
-        if not colon or ":" in last or not (first or last):
-            raise InputError(f"{where}: write start:end in s, e.g. --exclude 3:4.5")
-        return (
-            number(where, first) if first else -math.inf,
-            number(where, last) if last else math.inf,
-            number(where, weight.strip()),
-        )
-
-
-class Range(OptionType):
-    """The range of motion of a subject: LOW:HIGH."""
-
-    def read(self, text: str, where: str) -> tuple[float, float]:
-        """Full plantarflexion and dorsiflexion [rad]."""
-        low, colon, high = (part.strip() for part in text.partition(":"))
-        if not (low and colon and high):
-            raise InputError(f"{where}: write LOW:HIGH in rad, e.g. --range -0.9:0.6")
-        return number(where, low), number(where, high)
-
-
-class Picture(OptionType):
-    """The file of a figure."""
-
-    def read(self, text: str, where: str) -> str:
-        """Give the path of a file that can be read."""
-        if not text.lower().endswith((".png", ".svg", ".pdf")):
-            raise InputError(f"{shown(where)} must end in .svg, .pdf or .png")
-        return text
+        """Give the name."""
+        return value if value in self.known else super().convert(value, param, ctx)
 
 
 def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, Any]:
@@ -185,14 +147,14 @@ def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, A
     return values
 
 
-EXCLUDE = click.option("--exclude", type=Span(), multiple=True, metavar="START:END",
+EXCLUDE = click.option("--exclude", type=Typed(span), multiple=True, metavar="START:END",
                        help="Seconds to leave out; either may be left away.")  # fmt: skip
 #: What `weights` is made of.
 _WEIGHTS = (
     EXCLUDE,
-    click.option("--weight", type=Span(weight=True), multiple=True, metavar="START:END:W",
+    click.option("--weight", type=Typed(weighted_span), multiple=True, metavar="START:END:W",
                  help="Seconds whose samples count W times."),
-    click.option("--weight-peaks", type=Number(), metavar="P",
+    click.option("--weight-peaks", type=NUMBER, metavar="P",
                  help="A sample at a peak counts 1 + P times as much as one at rest."),
     click.option("--peaks-of", type=click.Choice(names.ACTIVITIES),
                  help="Peaks of what.  [default: torque]"),
@@ -200,10 +162,7 @@ _WEIGHTS = (
 
 
 def options_of(request: Any, *without: str) -> list[Callable[[Any], Any]]:
-    """Options of all settings of a request that have a help, but for those that a command leaves.
-
-    Each arrives under the name of its field; what is not given as None, or nothing.
-    """
+    """Options of all settings of a request that have a help, under the names of their fields."""
     made: list[Callable[[Any], Any]] = []
     for each, record in settings_of(request):
         if each.name == "weights":
@@ -225,30 +184,28 @@ def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
     metavar = record.metavar or ("N" if kind == "whole" else None)
     how: dict[str, Any] = {"help": record.help or record.meaning, "metavar": metavar}
     if record.file:
-        how |= {
-            "type": ChoiceOrFile(record.choices),
-            "metavar": "|".join((*record.choices, "FILE")),
-        }
+        how["type"] = Typed(choice_or_file, record.choices)
+        how["metavar"] = "|".join((*record.choices, "FILE"))
     elif record.choices:
         how["type"] = OneOf(record.choices)
     elif kind == "flag":
         return how | {"is_flag": True, "flag_value": not default_of(each), "default": None}
     elif kind == "numbers":
-        return how | {"type": Number(), "multiple": True}
+        return how | {"type": NUMBER, "multiple": True}
     elif kind == "range":
-        return how | {"type": Range()}
+        return how | {"type": RANGE}
     elif kind == "text":
         pass
     elif kind == "names":
-        return how | {"type": Name(), "multiple": True}
+        return how | {"type": Typed(bare_name), "multiple": True}
     elif kind == "mapping":
-        entry = Entry(record.metavar.lower(), record.example) if record.example else SettingType()
-        return how | {"type": entry, "multiple": True, "callback": table,
-                      "metavar": f"NAME={record.metavar}"}  # fmt: skip
+        kind_of_entry = Typed(entry, record.metavar.lower(), record.example)
+        how["type"] = kind_of_entry if record.example else Typed(preparation)
+        return how | {"multiple": True, "callback": table, "metavar": f"NAME={record.metavar}"}
     elif kind == "whole":
         how["type"] = click.INT  # the request knows its limits
     else:
-        how["type"] = Number()
+        how["type"] = NUMBER
     default = default_of(each)
     if default not in (None, ""):
         how["help"] += f"  [default: {f'{default:g}' if kind == 'number' else default}]"
@@ -283,8 +240,12 @@ def engine_of(dask: str | None, workers: int | None) -> "Engine":
     return Engine("dask", address=dask)
 
 
-def _collected(options: Sequence[Callable[[Any], Any]]) -> Callable[[F], F]:
-    """Add options; those that are used arrive together, by name, as the keyword `options`."""
+def settings_options(*requests: Any) -> Callable[[F], F]:
+    """Add options of all settings of requests; those that are used arrive as `options`."""
+    options, seen = list[Callable[[Any], Any]](), list[str]()
+    for request in requests:
+        options += options_of(request, *seen)
+        seen += [each.name for each, _ in settings_of(request)]
 
     def decorate(function: F) -> F:
         def command(**values: Any) -> Any:
@@ -301,15 +262,6 @@ def _collected(options: Sequence[Callable[[Any], Any]]) -> Callable[[F], F]:
         return command  # type: ignore[return-value]
 
     return decorate
-
-
-def settings_options(*requests: Any, without: Sequence[str] = ()) -> Callable[[F], F]:
-    """Add options of all settings of requests; those that are used arrive as `options`."""
-    made, seen = list[Callable[[Any], Any]](), list(without)
-    for request in requests:
-        made += options_of(request, *seen)
-        seen += [each.name for each, _ in settings_of(request)]
-    return _collected(made)
 
 
 def request(options: Mapping[str, Any]) -> "api.FitSettings":

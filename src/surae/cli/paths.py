@@ -29,21 +29,13 @@ def check_recordings(recordings: Sequence[str]) -> None:
             )
 
 
-def spare_fits(outputs: Mapping[str, str | None]) -> None:
-    """Refuse to replace a fit by a result made from fits."""
-    for option, path in outputs.items():
-        if path is not None and Path(path).is_file():
-            with Path(path).open("rb") as file:
-                head = file.read(_HEAD)
-            if b'"surae"' in head and b'"format"' in head:
-                raise InputError(f"{option}: {shown(path)} is a fit; choose another file")
+def check_outputs(
+    outputs: Mapping[str, str | None], inputs: Iterable[str], *, spare_fits: bool = False
+) -> None:
+    """Refuse outputs, by option, that cannot be written, before the work instead of after it.
 
-
-def check_outputs(outputs: Mapping[str, str | None], inputs: Iterable[str]) -> None:
-    """Refuse outputs that cannot be written, before the work instead of after it.
-
-    `outputs` are paths by option, None where it is not given; `inputs` are files that are read, and
-    must not be replaced by results.
+    `inputs` are files that are read, and must not be replaced by results; nor is another fit, where
+    they are to be spared.
     """
     taken = {os.path.realpath(path): "is read by this command" for path in inputs}
     for option, path in outputs.items():
@@ -57,3 +49,8 @@ def check_outputs(outputs: Mapping[str, str | None], inputs: Iterable[str]) -> N
             raise InputError(f"{option}: {shown(path)} {taken[real]}; choose another file")
         if not Path(real).exists() or Path(real).is_file():  # a device may take both
             taken[real] = f"is the file of {option} too"
+        if spare_fits and Path(path).is_file():
+            with Path(path).open("rb") as file:
+                head = file.read(_HEAD)
+            if b'"surae"' in head and b'"format"' in head:
+                raise InputError(f"{option}: {shown(path)} is a fit; choose another file")

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import Number, Picture, flag_of, settings_options
+from surae.cli.options import NUMBER, PICTURE, flag_of, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line
@@ -44,20 +44,15 @@ def device_options(function: Command) -> Command:
 )
 @click.argument("name", metavar="NAME")
 @settings_options(MotionSettings)
-@click.option("--chirp-factor", type=Number(), metavar="S",
+@click.option("--chirp-factor", type=NUMBER, metavar="S",
               help="Instead of --chirp-rate, the thesis's s of A·sin(s·t²): S/π Hz/s.")  # fmt: skip
 @device_options
 @click.option("--output", required=True, metavar="P.csv|P.mat", help="Where the protocol goes.")
-@click.option("--figure", type=Picture(), metavar="P.svg|pdf|png", help="Draw it.")
+@click.option("--figure", type=PICTURE, metavar="P.svg|pdf|png", help="Draw it.")
 def command(
-    name: str,
-    chirp_factor: float | None,
-    device: str,
-    without_limits: str | None,
-    output: str,
-    figure: str | None,
-    options: dict[str, Any],
-) -> None:
+    name: str, chirp_factor: float | None, device: str, without_limits: str | None, output: str,
+    figure: str | None, options: dict[str, Any],
+) -> None:  # fmt: skip
     """Make a measurement protocol."""
     own = sorted(
         f"--{flag_of(each, record)}"

@@ -30,15 +30,9 @@ from surae.files import shown
 @click.option("--before", metavar="DIR", help="Results of an earlier visit, to show what changed.")
 @workers_option("Fits")
 def command(
-    recordings: tuple[str, ...],
-    mapping: str | None,
-    options: dict[str, Any],
-    output: str,
-    report: str | None,
-    language: str,
-    before: str | None,
-    workers: int | None,
-) -> None:
+    recordings: tuple[str, ...], mapping: str | None, options: dict[str, Any], output: str,
+    report: str | None, language: str, before: str | None, workers: int | None,
+) -> None:  # fmt: skip
     """Fit the trials of one leg: each, all together, and each predicted by the others.
 
     FILES are data files or a folder of them; --mapping says which column is which signal, for all.

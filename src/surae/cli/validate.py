@@ -22,13 +22,9 @@ from surae.files import shown, write_json
 @click.option("--output", metavar="V.json", help="Write the figures.")
 @click.option("--report", metavar="V.html", help="Write the fit's report with the predictions.")
 def command(
-    fitted: str,
-    recordings: tuple[str, ...],
-    prepared: bool | None,
-    exclude: tuple[tuple[float, float, float], ...],
-    output: str | None,
-    report: str | None,
-) -> None:
+    fitted: str, recordings: tuple[str, ...], prepared: bool | None,
+    exclude: tuple[tuple[float, float, float], ...], output: str | None, report: str | None,
+) -> None:  # fmt: skip
     """Predict the torque of other recordings with the parameters of a fit."""
     api.check_report(report)
     measured = [api.read(path) for path in recordings]

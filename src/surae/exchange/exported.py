@@ -50,29 +50,12 @@ class ExportedModel:
         return text
 
     def save(self, path: PathLike) -> None:
-        """Write the file.
-
-        Parameters
-        ----------
-        path : path
-            Where to; by custom an ``.osim`` or an ``.xml``.
-
-        Raises
-        ------
-        InputError
-            It cannot be written.
-        """
+        """Write the file; by custom an ``.osim`` or an ``.xml``."""
         write_atomic(path, self.text)
 
 
 def exported(result: FitResult, assessment: Assessment, to: str) -> ExportedModel:
-    """The leg of a fit as a model file.
-
-    Raises
-    ------
-    InputError
-        The format is not known, or the model has no muscles to give away.
-    """
+    """The leg of a fit as a model file; refused for a model that has no muscles to give away."""
     if to not in FORMATS:
         raise InputError(f"to is {to!r}; use one of: {', '.join(FORMATS)}")
     problem = result.problem

@@ -36,7 +36,6 @@ class Tissue:
 
     rest: float  #: Length of the path at which s is 0 [m].
     coefficients: tuple[float, ...]
-    ends: tuple[float, float]  #: Shortest and longest length of the path that was measured [m].
 
     @classmethod
     def fitted(cls, length: FloatArray, force: FloatArray) -> "Tissue":
@@ -45,13 +44,11 @@ class Tissue:
         scaled = np.polynomial.Polynomial.fit(
             length - rest, np.log(force), _DEGREE, w=np.sqrt(force / force.max()) + 1e-3
         )
-        ends = float(length.min()), float(length.max())
-        return cls(rest, tuple(scaled.convert().coef.tolist()), ends)
+        return cls(rest, tuple(scaled.convert().coef.tolist()))
 
     def force(self, length: FloatArray) -> FloatArray:
         """Force at lengths of the path [N]."""
-        force: FloatArray = np.exp(np.polynomial.Polynomial(self.coefficients)(length - self.rest))
-        return force
+        return np.asarray(np.exp(np.polynomial.Polynomial(self.coefficients)(length - self.rest)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,8 +95,7 @@ class JointMuscle:
         """Torque at angles [rad], their velocity [rad/s] and activation [Nm]."""
         length, arm = self.path.length(angle), self.path.arm(angle)
         pull = self.muscle.force(length, arm * velocity, active) + self.tissue.force(length)
-        torque: FloatArray = arm * pull
-        return torque
+        return np.asarray(arm * pull)
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,8 +174,7 @@ def _held(leg: Leg, group: str, degrees: FloatArray, length: FloatArray) -> Held
 def _excitation(leg: Leg, group: str, recording: int) -> FloatArray:
     """Excitation (12), (13) of a recording as it was measured [N]."""
     gains = np.array([leg.values[name] for name in GAINS[group]])
-    excitation: FloatArray = leg.inputs[recording].emg[:, _CHANNELS[group]] @ gains
-    return excitation
+    return np.asarray(leg.inputs[recording].emg[:, _CHANNELS[group]] @ gains)
 
 
 def _apart(leg: Leg, other: Leg) -> float:

@@ -5,7 +5,9 @@ printed geometry it is not. Lengths are therefore those along the path, longer t
 ratio of arm to slope.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -31,6 +33,7 @@ _FV_SLOPE = _FV[0] * _FV[1] / (1.0 + _FV[2] ** 2) ** 0.5
 _TENDON = 0.2
 #: Halvings in which force balance is found; 40 leave 1e-12 of the largest force.
 _HALVINGS = 40
+M = TypeVar("M", "DeGrooteMuscle", "MujocoMuscle")
 #: Ends of what is fitted of a muscle: optimum [optimal lengths from where it is assumed], widths.
 _SHIFT, _WIDE = 3.0, 4.0
 
@@ -49,13 +52,11 @@ class PolynomialPath:
 
     def length(self, angle: FloatArray) -> FloatArray:
         """Length at angles of the ankle [m]."""
-        length: FloatArray = np.polynomial.Polynomial(self.coefficients)(angle)
-        return length
+        return np.asarray(np.polynomial.Polynomial(self.coefficients)(angle))
 
     def arm(self, angle: FloatArray) -> FloatArray:
         """Its derivative by the angle, the signed moment arm [m]."""
-        arm: FloatArray = np.polynomial.Polynomial(self.coefficients).deriv()(angle)
-        return arm
+        return np.asarray(np.polynomial.Polynomial(self.coefficients).deriv()(angle))
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,8 +95,7 @@ class WrappedPath:
         """Length at angles of the ankle [m]."""
         away, toward = self._seen(angle)
         turned = self.last + self.sign * angle + toward - np.arccos(self.radius / away)
-        length: FloatArray = np.sqrt(away**2 - self.radius**2) + self.radius * turned + _END
-        return length
+        return np.asarray(np.sqrt(away**2 - self.radius**2) + self.radius * turned + _END)
 
     def arm(self, angle: FloatArray) -> FloatArray:
         """Its derivative by the angle, the line's signed distance from the axis [m]."""
@@ -152,6 +152,19 @@ class HeldMuscle:
     lag: float  #: Time by which the active state is later than the excitation [s].
     stretch: float  #: Of the tendon at `peak`, along the path [m]; 0 of a rigid one.
 
+    def nearest(
+        self, of: "Callable[[FloatArray], M]", start: Sequence[float], *bounds: Sequence[float]
+    ) -> "M":
+        """The muscle of numbers between bounds whose active force is nearest to this one's."""
+        still, shares = np.zeros_like(self.length), self.states / self.peak
+
+        def missing(at: FloatArray) -> FloatArray:
+            muscle = of(at)
+            forces = [muscle.force(self.length, still, share + still) for share in shares]
+            return np.concatenate(forces - self.active) / self.peak
+
+        return of(least_squares(missing, start, bounds=bounds).x)
+
 
 @dataclass(frozen=True, slots=True)
 class DeGrooteMuscle:
@@ -176,7 +189,6 @@ class DeGrooteMuscle:
         """The muscle whose active force, held still, is nearest."""
         # both curves of speed fall alike at rest
         speed = held.speed * _FV_SLOPE / (1.0 + 1.0 / MVSH)
-        still, share = np.zeros_like(held.length), held.states / held.peak
 
         def of(at: FloatArray) -> DeGrooteMuscle:
             # its curve has no width of its own: that is the optimal length's
@@ -185,14 +197,10 @@ class DeGrooteMuscle:
             strain = float(at[3] * held.stretch / slack)
             return cls(peak, optimal, slack, strain, float(speed / at[2]), held.lag)
 
-        def missing(at: FloatArray) -> FloatArray:
-            own = of(at)
-            forces = [own.force(held.length, still, s + still) for s in share]
-            return np.concatenate(forces - held.active) / held.peak
-
         # muscle and tendon fill the path
-        bounds = ([-1.0, 0.5, 0.1, 0.1], [_SHIFT, 2.0, 2.0, 10.0])
-        return of(least_squares(missing, (0.0, 1.0, 1.0, 1.0), bounds=bounds).x)
+        return held.nearest(
+            of, (0.0, 1.0, 1.0, 1.0), [-1.0, 0.5, 0.1, 0.1], [_SHIFT, 2.0, 2.0, 10.0]
+        )
 
     def force(self, length: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
         """Force [N] where the path is so long [m] and lengthens so fast [m/s].
@@ -207,7 +215,8 @@ class DeGrooteMuscle:
         low, high = np.zeros_like(length), np.full_like(length, FECC)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
-            fibre = (length - self.slack * (1.0 + self._stretched(middle))) / self.optimal
+            stretch = self.strain * np.log1p(middle / _TENDON) / np.log1p(1.0 / _TENDON)
+            fibre = (length - self.slack * (1.0 + stretch)) / self.optimal
             more = moving * self._held(fibre) > middle
             low, high = np.where(more, middle, low), np.where(more, high, middle)
         return self.peak * 0.5 * (low + high)
@@ -217,13 +226,7 @@ class DeGrooteMuscle:
         bells = (
             b1 * np.exp(-0.5 * ((fibre - b2) / (b3 + b4 * fibre)) ** 2) for b1, b2, b3, b4 in _FL
         )
-        held: FloatArray = sum(bells, start=np.zeros_like(fibre))
-        return held
-
-    def _stretched(self, force: FloatArray) -> FloatArray:
-        """Strain of the tendon at a part of the largest force."""
-        strain: FloatArray = self.strain * np.log1p(force / _TENDON) / np.log1p(1.0 / _TENDON)
-        return strain
+        return np.asarray(sum(bells, start=np.zeros_like(fibre)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,21 +249,14 @@ class MujocoMuscle:
         """The muscle whose active force, held still, is nearest."""
         # both curves of speed fall alike at rest: ours by 1 + 1/mvsh, that of MuJoCo by 2
         speed = held.speed * 2.0 / (1.0 + 1.0 / MVSH)
-        still, share = np.zeros_like(held.length), held.states / held.peak
 
         def of(at: FloatArray) -> MujocoMuscle:
             slack = float(held.optimum + (at[0] - 1.0) * held.optimal)
             low, high, peak = float(1.0 - at[2]), float(1.0 + at[3]), float(at[1] * held.peak)
             return cls(peak, held.optimal, slack, low, high, speed, held.lag)
 
-        def missing(at: FloatArray) -> FloatArray:
-            own = of(at)
-            forces = [own.force(held.length, still, s + still) for s in share]
-            return np.concatenate(forces - held.active) / held.peak
-
         start = 0.5 * held.stretch / held.optimal, 1.0, 0.6, 0.6
-        bounds = ([-_SHIFT, 0.5, 0.1, 0.1], [_SHIFT, 2.0, _WIDE, _WIDE])
-        return of(least_squares(missing, start, bounds=bounds).x)
+        return held.nearest(of, start, [-_SHIFT, 0.5, 0.1, 0.1], [_SHIFT, 2.0, _WIDE, _WIDE])
 
     def force(self, length: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
         """Force [N] where the path is so long [m] and lengthens so fast [m/s]."""

@@ -6,19 +6,7 @@ from surae.quality.reading import commanded_file, of_joint, recording_of, record
 from surae.quality.registry import CHECKS, Check, check_recording
 
 __all__ = [
-    "CHECKS",
-    "CODES",
-    "KINDS",
-    "SEVERITIES",
-    "Check",
-    "Commanded",
-    "Finding",
-    "FindingKind",
-    "Quality",
-    "Skipped",
-    "check_recording",
-    "commanded_file",
-    "of_joint",
-    "recording_of",
+    "CHECKS", "CODES", "KINDS", "SEVERITIES", "Check", "Commanded", "Finding", "FindingKind",
+    "Quality", "Skipped", "check_recording", "commanded_file", "of_joint", "recording_of",
     "recording_or_findings",
-]
+]  # fmt: skip

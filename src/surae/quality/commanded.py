@@ -54,10 +54,7 @@ class Commanded(Comparable):
 
 
 def recognised(channel: Channel) -> Commanded | None:
-    """The known protocol that an angle follows, or None.
-
-    The angle may be in any unit and on any zero.
-    """
+    """The known protocol that an angle follows, in any unit and on any zero; or None."""
     step = max(1, round(channel.rate_hz / _RATE))
     seconds = channel.time[::step] - channel.time[0]
     angle = channel.values[::step]
@@ -73,7 +70,7 @@ def recognised(channel: Channel) -> Commanded | None:
         for stretch in stretches:
             base = np.interp(seconds[few] * stretch, *_shape(profile.name))
             if float(np.ptp(base)) > 0.1:
-                residual = _left(angle[few], _columns(base, seconds[few]))[0]
+                residual = _trimmed_fit(angle[few], _columns(base, seconds[few]))[0]
                 candidates.append((float(np.std(residual)), profile.name, stretch))
     candidates.sort(key=lambda candidate: candidate[0])
     best = (np.inf, "", angle)
@@ -106,10 +103,10 @@ def _with_chirp(
 ) -> tuple[float, FloatArray]:
     """Spread of what a profile, its chirp and its filter leave of an angle, and their fit."""
     span = float(np.ptp(angle))
-    residual, fitted = _left(angle, _columns(base, seconds))
+    residual, fitted = _trimmed_fit(angle, _columns(base, seconds))
     chirp = _chirp(residual, seconds)
     if chirp is not None:
-        residual, fitted = _left(angle, [*_columns(base, seconds), chirp])
+        residual, fitted = _trimmed_fit(angle, [*_columns(base, seconds), chirp])
     best = _spread(residual), fitted
     if best[0] < _EXACT * span:
         return best
@@ -154,7 +151,7 @@ def _filtered(
         least, best = min((least, best), *((spread(x), x) for x in (best - width, best + width)))
     exact = (len(seconds) - 1) / float(seconds[-1])
     passed = [low_pass(spectrum_of(wave), float(np.exp(best)), exact)[0] for wave in moving]
-    residual, fitted = _left(angle, [*_columns(passed[0], seconds), *passed[1:]])
+    residual, fitted = _trimmed_fit(angle, [*_columns(passed[0], seconds), *passed[1:]])
     return _spread(residual), fitted
 
 
@@ -163,7 +160,7 @@ def _columns(base: FloatArray, seconds: FloatArray) -> list[FloatArray]:
     return [np.ones_like(base), base, np.gradient(base, seconds)]
 
 
-def _left(angle: FloatArray, columns: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
+def _trimmed_fit(angle: FloatArray, columns: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Residual and fit of a least-squares fit that leaves out the worst tenth of the samples."""
     matrix = np.column_stack(columns)
     kept = np.ones(len(angle), dtype=bool)
@@ -185,8 +182,7 @@ def _solved(
     scale = np.sqrt(np.diag(gram))
     scale[scale == 0.0] = 1.0
     weights = np.linalg.lstsq(gram / np.outer(scale, scale), part.T @ angle[kept] / scale, None)[0]
-    fitted: FloatArray = matrix @ (weights / scale)
-    return fitted
+    return np.asarray(matrix @ (weights / scale))
 
 
 def _spread(residual: FloatArray) -> float:

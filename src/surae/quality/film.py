@@ -93,7 +93,7 @@ def against_the_robot(trial: CheckedTrial) -> Iterator[Finding]:
             continue
         time, length = channel.time[inside], channel.values[inside]
         late = np.arange(-_LATEST, _LATEST + 1e-9, 0.01)
-        left = np.array([np.sum(_left(trial, time - by, length) ** 2) for by in late])
+        left = np.array([np.sum(_unexplained(trial, time - by, length) ** 2) for by in late])
         here, best = float(left[np.argmin(np.abs(late))]), int(np.argmin(left))
         by = float(late[best])
         if abs(by) > _LATE and here > len(time) * _LEFT**2 and left[best] < (1.0 - _LESS) * here:
@@ -102,13 +102,13 @@ def against_the_robot(trial: CheckedTrial) -> Iterator[Finding]:
             yield make_finding("film-clock", channel.role, span_of(channel.time), by, text)
             continue
         since = (time - time[0]) / (time[-1] - time[0])
-        drift = float(np.polyfit(since, _left(trial, time, length), 1)[0])
+        drift = float(np.polyfit(since, _unexplained(trial, time, length), 1)[0])
         if abs(drift) > _DRIFT:
             text = f"The fascicle drifts by {1e3 * drift:+.1f} mm at like angles and torques."
             yield make_finding("film-drift", channel.role, span_of(channel.time), drift, text)
 
 
-def _left(trial: CheckedTrial, time: FloatArray, length: FloatArray) -> FloatArray:
+def _unexplained(trial: CheckedTrial, time: FloatArray, length: FloatArray) -> FloatArray:
     """What angle and torque leave of a length [m]: the path is bent, the tendon stretches."""
     assert trial.torque is not None
     angle = np.interp(time, trial.time, trial.angle)

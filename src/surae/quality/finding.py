@@ -15,35 +15,19 @@ SEVERITIES: tuple[Severity, ...] = ("info", "warning", "error")
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing to know about a recording before its fit is believed.
+    """One thing to know about a recording before its fit is believed."""
 
-    Attributes
-    ----------
-    code : str
-        What it is, e.g. ``"emg-flat"``; one of those that `surae.quality.registry.CHECKS` lists.
-    severity : {"info", "warning", "error"}
-        Worth knowing; makes estimates doubtful; makes them wrong.
-    channel : str or None
-        Role of the channel it is about, ``"time"``, or None where it is about the whole trial.
-    start_s, end_s : float
-        Span of time that it is about [s].
-    value : float or None
-        The number that it was judged by, in `unit`; None where there is none.
-    unit : str
-        Empty where there is no value, ``"1"`` for a ratio.
-    message, advice : str
-        One sentence each: what was found, and what to do.
-    """
-
-    code: str
-    severity: Severity
+    code: str  #: What it is, such as ``"emg-flat"``; one of `KINDS`.
+    severity: Severity  #: Worth knowing; makes estimates doubtful; makes them wrong.
+    #: Role of the channel it is about, ``"time"``, or None where it is about the whole trial.
     channel: str | None
+    #: `start_s`, `end_s`: span of time that it is about [s].
     start_s: float
     end_s: float
-    value: float | None
-    unit: str
-    message: str
-    advice: str
+    value: float | None  #: The number that it was judged by, in `unit`; None where there is none.
+    unit: str  #: Empty where there is no value, ``"1"`` for a ratio.
+    message: str  #: What was found, one sentence.
+    advice: str  #: What to do, one sentence.
 
 
 class Unjudged(Exception):  # noqa: N818  # no error: a check says so
@@ -252,16 +236,9 @@ CODES = tuple(KINDS)
 
 
 def make_finding(
-    code: str,
-    channel: str | None,
-    span: tuple[float, float],
-    value: float | None,
-    message: str,
-    *,
-    severity: Severity | None = None,
-    unit: str | None = None,
-    advice: str | None = None,
-) -> Finding:
+    code: str, channel: str | None, span: tuple[float, float], value: float | None, message: str, *,
+    severity: Severity | None = None, unit: str | None = None, advice: str | None = None,
+) -> Finding:  # fmt: skip
     """A finding; what is not given is as of its kind."""
     kind = KINDS[code]
     return Finding(

@@ -20,8 +20,7 @@ def smooth(values: FloatArray, width: int) -> FloatArray:
     total = np.cumsum(values)
     total = np.concatenate([np.zeros(half + 1), total, np.full(half, total[-1])])
     before = np.minimum(np.arange(n), half)
-    averaged: FloatArray = (total[2 * half + 1 :] - total[:n]) / (before + before[::-1] + 1)
-    return averaged
+    return np.asarray((total[2 * half + 1 :] - total[:n]) / (before + before[::-1] + 1))
 
 
 def quantiles(values: FloatArray, *shares: float) -> tuple[float, ...]:
@@ -56,8 +55,7 @@ def responded(values: FloatArray, response: FloatArray) -> FloatArray:
     n = len(values)
     size = 1 << (n + len(response) - 1).bit_length()
     spectrum = np.fft.rfft(values, size) * np.fft.rfft(response, size)
-    passed: FloatArray = np.fft.irfft(spectrum, size)[:n]
-    return passed
+    return np.asarray(np.fft.irfft(spectrum, size)[:n])
 
 
 def span_of(time: FloatArray, where: IndexArray | None = None) -> tuple[float, float]:

@@ -7,6 +7,7 @@ import numpy as np
 from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import runs, smooth, span_of
 from surae.quality.trial import IMPOSSIBLE_ANGLE, CheckedTrial
+from surae.recording import Channel
 from surae.units import FloatArray
 
 #: No ankle goes further than this from neutral [rad]: 63° up, 92° down.
@@ -80,11 +81,15 @@ def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     )  # fmt: skip
 
 
+def _to_radians(channel: Channel) -> float:
+    """The factor of an angle that may be in degrees under the name of radians."""
+    return np.pi / 180.0 if float(np.abs(channel.values).max()) > IMPOSSIBLE_ANGLE else 1.0
+
+
 def steps(trial: CheckedTrial) -> Iterator[Finding]:
     """Jumps of the position (thesis 4.4: steps instead of the profile)."""
     channel = trial.recording.channels["angle"]
-    factor = np.pi / 180.0 if float(np.abs(channel.values).max()) > IMPOSSIBLE_ANGLE else 1.0
-    moved = np.diff(channel.values) * factor
+    moved = np.diff(channel.values) * _to_radians(channel)
     size = np.abs(moved)
     # A jump may fall on two samples; the two next to it are not looked at.
     around = np.lib.stride_tricks.sliding_window_view(np.pad(size, 5, mode="edge"), 11)
@@ -146,9 +151,8 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
     else:
         # A recognised profile was fitted to the angle's own samples.
         channel = trial.recording.channels["angle"]
-        factor = float(np.pi / 180.0) if np.abs(channel.values).max() > IMPOSSIBLE_ANGLE else 1.0
         own = channel.values[np.searchsorted(channel.time, commanded.time)]
-        best = (own - commanded.angle) * factor
+        best = (own - commanded.angle) * _to_radians(channel)
         time = commanded.time
     span = float(np.ptp(trial.angle))
     left = np.abs(best)
@@ -171,10 +175,7 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
 def _ringing(
     angle: FloatArray, time: FloatArray, rate: float
 ) -> tuple[int, list[tuple[float, float, float]]]:
-    """How many fast movements end in a hold, and of those that shot past it: by how much [rad].
-
-    With it stand the first and last time [s].
-    """
+    """How many fast movements end in a hold; of those that shot past it: how far [rad], when."""
     velocity = np.gradient(smooth(angle, round(0.05 * rate)), 1.0 / rate)
     still = smooth(np.abs(velocity), round(0.3 * rate)) < 0.05
     holds, shot = 0, []

@@ -23,7 +23,7 @@ from surae.recording.roles import NAMES
 from surae.recording.source import Source, open_source
 from surae.recording.table import Column, Table, load_each
 from surae.signals import ModelInputs
-from surae.units import FACTORS, FloatArray, plain
+from surae.units import FACTORS, SI, FloatArray, kind, plain
 
 #: Columns of a recording that hold the commanded angle, and their factor to radians.
 _COMMANDED = {f"commanded_angle_{unit}": factor for unit, factor in FACTORS["angle"].items()}
@@ -112,7 +112,7 @@ def _faulty(source: Source, table: Table) -> Quality | None:
         findings += axis_findings(axis)
     if not findings:
         return None
-    recording = _left(table, columns, units)
+    recording = _whole_samples(table, columns, units)
     if recording is not None:
         rest = check_recording(replace(recording, files=(source.file,)))
         codes = {finding.code for finding in findings}
@@ -138,7 +138,7 @@ def _missing(role: str, column: Column, wrong: BoolArray) -> Iterator[Finding]:
         )  # fmt: skip
 
 
-def _left(
+def _whole_samples(
     table: Table, columns: Mapping[str, Column], units: Mapping[str, str]
 ) -> Recording | None:
     """A recording of the samples that are whole, in the order of time; None if they are few."""
@@ -159,18 +159,21 @@ def _left(
     return Recording("left", channels, emg="envelope" if smooth else "raw")
 
 
-def recording_of(inputs: ModelInputs) -> Recording:
+def recording_of(inputs: ModelInputs, *, derivatives: bool = False) -> Recording:
     """The recording whose channels are prepared signals, EMG as envelopes."""
-
-    def channel(role: str, values: FloatArray, unit: str) -> Channel:
-        return Channel(role, inputs.time, values, unit, "prepared")
-
-    channels = {"angle": channel("angle", inputs.angle, "rad")}
-    if inputs.torque is not None:
-        channels["torque"] = channel("torque", inputs.torque, "Nm")
+    signals: dict[str, FloatArray | None] = {"angle": inputs.angle, "torque": inputs.torque}
     for k, muscle in enumerate(MUSCLES):
         if muscle not in inputs.missing_emg:
-            channels[f"emg_{muscle}"] = channel(f"emg_{muscle}", inputs.emg[:, k], inputs.emg_unit)
+            signals[f"emg_{muscle}"] = inputs.emg[:, k]
+    if derivatives:
+        signals["angular_velocity"] = inputs.velocity
+        signals["angular_acceleration"] = inputs.acceleration
+        signals["second_angle"] = inputs.second[0] if inputs.second else None
+    channels = {}
+    for role, values in signals.items():
+        if values is not None:
+            unit = inputs.emg_unit if role.startswith("emg_") else SI[kind(role)]
+            channels[role] = Channel(role, inputs.time, values, unit, "prepared")
     return Recording(inputs.name, channels, emg="envelope", fixed=inputs.fixed, files=inputs.files)
 
 

@@ -28,8 +28,6 @@ class Reflex:
     """Bursts that follow stretches."""
 
     delay: float  #: Of the bursts behind the stretch [s].
-    #: Correlation with the stretch velocity, or share of the stretches that a burst follows.
-    strength: float
     events: int  #: Stretches that were looked at.
     #: Times at which the triceps is active because it is stretched, shape (n,).
     explained: BoolArray
@@ -114,7 +112,7 @@ def _proportional(
         return None
     # Times in which a stretch, late by the delay, shows in a level of `SLOW` seconds.
     shows = smooth((late > 0.0).astype(np.float64), round(0.3 * trial.rate_hz)) > 0.0
-    return Reflex(delay, float(alike[best]), len(_onsets(trial, stretch)), shows)
+    return Reflex(delay, len(_onsets(trial, stretch)), shows)
 
 
 def _onsets(trial: CheckedTrial, stretch: FloatArray) -> list[int]:
@@ -165,5 +163,5 @@ def _bursts(trial: CheckedTrial, emg: FloatArray, stretch: FloatArray) -> Reflex
             answered = np.zeros(len(emg), dtype=bool)
             for event in hits:
                 answered[event : event + after] = True
-            return Reflex(float(np.median(followed)), len(followed) / looked, looked, answered)
+            return Reflex(float(np.median(followed)), looked, answered)
     return None

@@ -35,7 +35,7 @@ IMPOSSIBLE = 320.0
 #: What EMG and angle leave of the torque [Nm], and as a multiple of what they usually leave, for it
 #: to be an artefact; clean virtual trials reach one or the other, not both. Seen for less than this
 #: part of the time.
-LEFT, LEFT_TIMES, LEFT_SHARE = 24.0, 6.5, 0.05
+UNEXPLAINED, UNEXPLAINED_TIMES, UNEXPLAINED_SHARE = 24.0, 6.5, 0.05
 
 
 def limit(trial: CheckedTrial) -> Iterator[Finding]:
@@ -92,9 +92,9 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
         return
     if trial.model is None:
         raise Unjudged("The trial is too short to know its torque.")
-    left = np.abs(trial.model.left)
-    wrong = left > max(LEFT, LEFT_TIMES * quantile(left, 0.68))
-    if wrong.any() and float(wrong.mean()) <= LEFT_SHARE:
+    left = np.abs(trial.model.unexplained)
+    wrong = left > max(UNEXPLAINED, UNEXPLAINED_TIMES * quantile(left, 0.68))
+    if wrong.any() and float(wrong.mean()) <= UNEXPLAINED_SHARE:
         top = float(left.max())
         text = (
             f"In {100 * float(wrong.mean()):.2g} % of the time the torque is up to {top:.3g} Nm "

@@ -43,10 +43,10 @@ class TorqueModel:
     gained: float  #: Part of what the angle alone leaves that the EMG explains, 0…1.
     #: Part of what the best lag leaves that lags 0.2 s away leave more: how well it is known.
     sharpness: float
-    #: `time`, `left`: times at which the torque was compared [s], and what was not explained of it
-    #: [Nm], shape (k,).
+    #: `time`, `unexplained`: times at which the torque was compared [s], and what EMG and angle
+    #: leave of it [Nm], shape (k,).
     time: FloatArray
-    left: FloatArray
+    unexplained: FloatArray
 
     @property
     def known(self) -> bool:
@@ -132,15 +132,15 @@ def torque_model(
     smoothed = {n: np.array([smooth(c, width) for c in columns]) for n, columns in tables.items()}
     some = slice(None, None, -(-len(keep) // _MOST))
     late = {name: columns[:, at[:, some]] for name, columns in smoothed.items()}
-    left = _lagging(np.array([column[some] for column in passive]), late, y[some])
+    squares = _lagging(np.array([column[some] for column in passive]), late, y[some])
     every = np.arange(len(lags))
-    together = left(dict.fromkeys(groups, every))
+    together = squares(dict.fromkeys(groups, every))
     best = int(np.argmin(together))
     group_lag, group_gain = {}, {}
     if len(groups) > 1:
         for name in groups:
             others = {other: np.full(len(lags), best) for other in groups if other != name}
-            alone_at = left({name: every, **others})
+            alone_at = squares({name: every, **others})
             group_lag[name] = _vertex(lags, alone_at)
             own = float(alone_at.min())
             group_gain[name] = float(together[best]) / own - 1.0 if own > 0.0 else 0.0
@@ -157,16 +157,12 @@ def torque_model(
     away = round(0.18 / _STEP)
     beside = min(together[max(best - away, 0)], together[min(best + away, len(lags) - 1)])
     least = float(together[best])
+    gained = 1.0 - rest / alone if alone > 0.0 else 0.0
+    sharpness = float(beside / least - 1.0) if least > 0.0 else np.inf
     return TorqueModel(
-        lag=_vertex(lags, together),
-        group_lag=group_lag,
-        group_gain=group_gain,
-        part=part,
-        gained=1.0 - rest / alone if alone > 0.0 else 0.0,
-        sharpness=float(beside / least - 1.0) if least > 0.0 else np.inf,
-        time=time[keep],
-        left=y - weights @ np.array(columns),
-    )
+        _vertex(lags, together), group_lag, group_gain, part, gained, sharpness, time[keep],
+        y - weights @ np.array(columns),
+    )  # fmt: skip
 
 
 def _lagging(
@@ -183,7 +179,7 @@ def _lagging(
         scaled = _scaled(columns)
         active[name] = np.swapaxes(scaled - scaled @ basis @ basis.T, 0, 1)
 
-    def left(lags: dict[str, IndexArray]) -> FloatArray:
+    def squares(lags: dict[str, IndexArray]) -> FloatArray:
         matrix = np.concatenate([active[name][at] for name, at in lags.items()], axis=1)
         gram = matrix @ np.swapaxes(matrix, 1, 2)
         gram += 1e-8 * np.eye(matrix.shape[1])
@@ -191,7 +187,7 @@ def _lagging(
         weights = np.linalg.solve(gram, right[:, :, None])[:, :, 0]
         return np.asarray(float(rest @ rest) - (weights * right).sum(axis=1))
 
-    return left
+    return squares
 
 
 def _scaled(columns: FloatArray) -> FloatArray:

@@ -92,8 +92,7 @@ class CheckedTrial(Signals):
         muscles = self.triceps if name == "triceps" else ("ta",) if "ta" in source else ()
         if not muscles:
             return None
-        averaged: FloatArray = np.mean([source[m] for m in muscles], axis=0)
-        return averaged
+        return np.asarray(np.mean([source[m] for m in muscles], axis=0))
 
 
 def trial_of(recording: Recording, commanded: Commanded | None = None) -> CheckedTrial:

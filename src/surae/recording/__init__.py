@@ -2,7 +2,7 @@
 
 from surae.recording.hdf5 import write_hdf5
 from surae.recording.inspection import InspectedChannel, Inspection, inspect
-from surae.recording.mapping_text import mapping_text, write_mapping
+from surae.recording.mapping_text import mapping_text
 from surae.recording.reading import read
 from surae.recording.recording import (
     FILM_ROLES,
@@ -17,21 +17,7 @@ from surae.recording.recording import (
 from surae.recording.writing import csv_columns, write_csv
 
 __all__ = [
-    "FILMED",
-    "FILM_ROLES",
-    "MUSCLES",
-    "MUSCLE_NAMES",
-    "ROLES",
-    "Channel",
-    "InspectedChannel",
-    "Inspection",
-    "Recording",
-    "SourceFile",
-    "csv_columns",
-    "inspect",
-    "mapping_text",
-    "read",
-    "write_csv",
-    "write_hdf5",
-    "write_mapping",
-]
+    "FILMED", "FILM_ROLES", "MUSCLES", "MUSCLE_NAMES", "ROLES", "Channel", "InspectedChannel",
+    "Inspection", "Recording", "SourceFile", "csv_columns", "inspect", "mapping_text", "read",
+    "write_csv", "write_hdf5",
+]  # fmt: skip

@@ -33,14 +33,8 @@ _INTEL, _DEC, _MIPS = 84, 85, 86
 _UNCOUNTED = 65535
 #: Zeros that are a frame of any file.
 _FRAME = 2**18
-#: Groups of points that are no places, and the parameter with their unit.
-_KINDS = {
-    "ANGLES": "ANGLE_UNITS",
-    "FORCES": "FORCE_UNITS",
-    "MOMENTS": "MOMENT_UNITS",
-    "POWERS": "POWER_UNITS",
-    "SCALARS": "SCALAR_UNITS",
-}
+#: Groups of points that are no places; their unit is in ANGLE_UNITS, FORCE_UNITS, …
+_KINDS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
 #: Parameters continue in others where there are more values than one holds: LABELS2, LABELS3, ...
 _PARTS = 99
 
@@ -314,8 +308,8 @@ def _points(
     labels = parameters.texts("POINT", "LABELS")
     names = _names(labels, "point", layout.points)
     units = {
-        name: "".join(parameters.texts("POINT", unit)[:1])
-        for group, unit in _KINDS.items()
+        name: "".join(parameters.texts("POINT", f"{group[:-1]}_UNITS")[:1])
+        for group in _KINDS
         for name in parameters.texts("POINT", group)
     }
     if alone and not units:

@@ -79,10 +79,7 @@ def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str
 
 
 def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channel:
-    """Check a column's samples and bring them to SI.
-
-    Of a film the frames are left out in which its tracker found nothing: no number, or 0.
-    """
+    """Check samples and bring them to SI; frames in which a film shows nothing are left out."""
     shown = f"column {column.name!r}"
     times, raw, position = column.time, column.values, column.position
     if role in FILM_ROLES:
@@ -104,10 +101,6 @@ def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channe
     if values is not raw:
         check_finite(values, where=table.file, name=f"{shown} scaled to SI", position=position)
     remark = f"; {text}" if (text := table.remarks.get(column.name)) else ""
-    return Channel(
-        role=role,
-        time=times,
-        values=freeze(values),
-        unit="1" if scaling.unit == "1" else SI[kind(role)],
-        source=f"{Path(table.file).name}: {column.name} {scaling.describe()}{remark}",
-    )
+    si_unit = "1" if scaling.unit == "1" else SI[kind(role)]
+    source = f"{Path(table.file).name}: {column.name} {scaling.describe()}{remark}"
+    return Channel(role, times, freeze(values), si_unit, source)

@@ -1,7 +1,6 @@
 """A DataFrame as a recording: its columns have the names of our CSV, or a unit beside them."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -11,7 +10,7 @@ from surae.frozen import freeze
 from surae.recording.reading import recording_of_table
 from surae.recording.recording import ROLES, Recording
 from surae.recording.roles import NAMES, TIMES
-from surae.recording.table import Column, Table
+from surae.recording.table import Column, Table, in_row
 from surae.units import SI, FloatArray, kind, plain, spelled, to_si
 
 _WHERE = "DataFrame"
@@ -62,7 +61,7 @@ def of_frame(table: DataFrame) -> Recording:
             values = _numbers(data[name], name)
             rows = np.flatnonzero(~np.isnan(values)) if own else np.arange(len(values))
             columns[name] = Column(
-                name, freeze(time[rows]), freeze(values[rows]), time_name, partial(_row, rows)
+                name, freeze(time[rows]), freeze(values[rows]), time_name, in_row(rows)
             )
         return columns
 
@@ -113,10 +112,6 @@ def _time(table: DataFrame, times: dict[str, Any]) -> tuple[str, FloatArray]:
     if stamps.dtype.kind == "m":
         return name, freeze(stamps / np.timedelta64(1, "ns") * 1e-9)
     return name, freeze(_numbers(values, name) * TIMES[name])
-
-
-def _row(rows: Any, index: int) -> str:
-    return f"row {rows[index]}"
 
 
 def _numbers(values: Any, name: str) -> FloatArray:

@@ -19,8 +19,6 @@ _DRIFT_S = 0.1
 _NEGATIVE = 0.1
 #: A torque goes with the angle where they correlate at least so much.
 _TOGETHER = 0.9
-#: Volts that no skin electrode measures: such EMG was amplified.
-_AMPLIFIED_V = 0.05
 _LIKE = {"raw": "raw", "envelope": "like an envelope"}
 
 
@@ -74,10 +72,7 @@ def look_of(time: FloatArray, values: FloatArray) -> Look:
 
 
 def emg_contradictions(recording: Recording) -> dict[str, str]:
-    """Sentences on EMG channels, by role, that are declared raw but look like envelopes or reverse.
-
-    Inspect, check and fit say it in these words.
-    """
+    """What inspect, check and fit say of EMG, by role, that is not what it is declared to be."""
     looks = {
         role: look_of(channel.time, channel.values)
         for role, channel in recording.channels.items()
@@ -99,11 +94,6 @@ def contradiction(name: str, look: Look, declared: str) -> str:
         f"{name} is declared {article} but {looks} ({look.rule}): write "
         f"emg = \"{kind}\" in the mapping, or '# emg: {kind}' in a CSV"
     )
-
-
-def amplified(high: float, low: float, unit_volts: float) -> bool:
-    """Whether an EMG between `low` and `high`, of which 1 is `unit_volts`, left an amplifier."""
-    return max(abs(high), abs(low)) * unit_volts > _AMPLIFIED_V
 
 
 def relation(angle: Column, torque: Column) -> str:

@@ -5,9 +5,7 @@ that is called in the child and returns what `packed` makes of its columns.
 """
 
 import importlib
-import struct
 import warnings
-import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -102,24 +100,6 @@ def foreign_table(source: Source, format_name: str, module: str) -> Table:
     )  # fmt: skip
 
 
-_DAMAGE = (
-    ArithmeticError,
-    AssertionError,
-    AttributeError,
-    EOFError,
-    LookupError,
-    NameError,
-    OSError,
-    RecursionError,
-    RuntimeError,
-    SyntaxError,
-    TypeError,
-    ValueError,
-    struct.error,
-    zlib.error,
-)
-
-
 @contextmanager
 def untrusted(shown: str) -> Iterator[None]:
     """Turn whatever a library raises on a file into one InputError, and silence its warnings."""
@@ -131,7 +111,7 @@ def untrusted(shown: str) -> Iterator[None]:
         raise
     except MemoryError:
         raise InputError(f"{shown}: the file is damaged, or needs too much memory") from None
-    except _DAMAGE as error:
+    except Exception as error:
         raise InputError(f"{shown}: the file is damaged ({brief(error)})") from None
 
 

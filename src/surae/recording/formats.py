@@ -39,16 +39,8 @@ class FormatModule(Protocol):
 
 #: In the order in which they are asked, plugins behind them; CSV takes what no other claims.
 FORMATS: tuple[FormatModule, ...] = (
-    hdf5,
-    matlab,
-    poly5,
-    edf,
-    xdf,
-    c3d,
-    excel,
-    opensim,
-    trigno,
-)
+    hdf5, matlab, poly5, edf, xdf, c3d, excel, opensim, trigno,
+)  # fmt: skip
 #: Columns of a file.
 _MOST = 10_000
 #: How the names of files end that can hold signals.

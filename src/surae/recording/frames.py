@@ -38,20 +38,6 @@ def channels_frame(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any
     return table
 
 
-def channels_dataset(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any:
-    """Channels by role as an xarray Dataset, each time axis once; see `Recording.to_xarray`."""
-    axes: list[tuple[str, Any]] = []
-    variables = {}
-    for role, channel in channels.items():
-        name = next((n for n, time in axes if np.array_equal(time, channel.time)), None)
-        if name is None:
-            name = f"time_{len(axes) + 1}" if axes else "time"
-            axes.append((name, channel.time))
-        variables[role] = (name, channel.values, {"units": channel.unit, "source": channel.source})
-    coordinates = {name: (name, time, {"units": "s"}) for name, time in axes}
-    return library("xarray", "a Dataset").Dataset(variables, coordinates, dict(about))
-
-
 def library(name: str, purpose: str) -> Any:
     """A library of the extra ``notebook``, loaded only where it is used."""
     try:

@@ -56,9 +56,7 @@ def is_plain(dataset: Any) -> bool:
 
 
 def numbers(dataset: Any, source: Source, where: str) -> FloatArray:
-    """A dataset's numbers as float64 in one dimension, not checked.
-
-    Those that lie in the file as they are needed are not copied: the array is a view of its bytes.
+    """A dataset's numbers as float64 in one dimension, a view of the file's bytes where possible.
 
     It refuses what is no plain numbers stored in this file, or more than its size can explain.
     """

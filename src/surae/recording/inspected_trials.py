@@ -5,7 +5,6 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from surae.files import PathLike, shown
 from surae.recording.described import toml_value
@@ -13,7 +12,6 @@ from surae.recording.inspection import Inspection, inspect
 from surae.recording.mapping import TRIAL
 from surae.recording.mapping_text import mapping_text
 from surae.recording.table import some
-from surae.records import to_plain
 
 #: Rates [Hz] that are the same but for rounding, relatively.
 _SAME_RATE = 1e-3
@@ -41,34 +39,14 @@ class InspectedTrials:
     directions: tuple[str, ...]  #: How torque goes with the angle, in the trials in which it does.
     folder: str = "session"  #: Name of the folder that all of them are in.
 
-    def to_json(self) -> dict[str, Any]:
-        """Give all of it as plain data."""
-        return dict(to_plain(self))
-
 
 def inspect_trials(
     paths: Sequence[PathLike], *, side: str | None = None
 ) -> Inspection | InspectedTrials:
     """Describe data files, and tell parts of one recording from trials of one layout.
 
-    Files of the same names in several folders, and files that each hold an angle, are trials.
-
-    Parameters
-    ----------
-    paths : sequence of paths
-        Data files.
-    side : {"left", "right"}, optional
-        The leg, where the files hold both.
-
-    Returns
-    -------
-    Inspection or InspectedTrials
-        Of one recording, or of many.
-
-    Raises
-    ------
-    InputError
-        A file cannot be read; see `inspect`.
+    Files of the same names in several folders, and files that each hold an angle, are trials. All
+    else is as of `inspect`.
     """
     folders: dict[Path, list[Path]] = {}
     for path in map(Path, paths):
@@ -89,15 +67,7 @@ def inspect_trials(
 
 
 def trials_text(inspected: InspectedTrials, folder: PathLike) -> str:
-    """The mapping of all trials: without files, or with ``{trial}``; what differs in a line each.
-
-    Parameters
-    ----------
-    inspected : InspectedTrials
-        What was inspected.
-    folder : path
-        Where the mapping will be.
-    """
+    """The mapping of all trials, to be in `folder`; what differs is a line each."""
     text = mapping_text(inspected.typical, folder, inspected.files, inspected.folder)
     lines = [text.rstrip("\n"), *(f"# {text}" for text in inspected.directions), ""]
     if own := [difference for difference in inspected.differences if difference.line]:

@@ -60,41 +60,21 @@ class InspectedChannel:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Inspection(Tabular):
-    """What data files hold; `surae.recording.mapping_text` writes it as a mapping.
+    """What data files hold; `surae.recording.mapping_text` writes it as a mapping."""
 
-    Attributes
-    ----------
-    channels : tuple of InspectedChannel
-        Every channel, file by file.
-    formats : mapping of str to str
-        Format by file.
-    roles : mapping of str to InspectedChannel
-        The one channel that each role was found for.
-    open : mapping of str to tuple of InspectedChannel
-        Roles of which several channels, or only a vague one, could be it: the user decides.
-    missing : tuple of str
-        Roles of angle, torque and EMG of which there is no channel.
-    side, side_rule : {"left", "right"} or None, str
-        The leg, and how it is known; empty where there is no side.
-    emg, emg_rule : {"raw", "envelope"} or None, str
-        What the EMG seems to be, None where it is unclear, and why; empty where there is no EMG.
-    direction : str
-        How the torque goes with the angle, where it does.
-    advice : tuple of str
-        What to do, one line each.
-    """
-
-    channels: tuple[InspectedChannel, ...]
-    formats: Mapping[str, str]
-    roles: Mapping[str, InspectedChannel]
+    channels: tuple[InspectedChannel, ...]  #: Every channel, file by file.
+    formats: Mapping[str, str]  #: Format by file.
+    roles: Mapping[str, InspectedChannel]  #: The one channel of each role that was found.
+    #: Roles of which several channels, or only a vague one, could be it: the user decides.
     open: Mapping[str, tuple[InspectedChannel, ...]]
-    missing: tuple[str, ...]
-    side: Side | None = None
-    side_rule: str = ""
+    missing: tuple[str, ...]  #: Roles of angle, torque and EMG of which there is no channel.
+    side: Side | None = None  #: The leg.
+    side_rule: str = ""  #: How it is known; empty where there is no side.
+    #: What the EMG seems to be; None where it is unclear.
     emg: Literal["raw", "envelope"] | None = None
-    emg_rule: str = ""
-    direction: str = ""
-    advice: tuple[str, ...] = ()
+    emg_rule: str = ""  #: Why; empty where there is no EMG.
+    direction: str = ""  #: How the torque goes with the angle, where it does.
+    advice: tuple[str, ...] = ()  #: What to do, one line each.
 
     def as_table(self) -> TextTable:
         """The channels as a table, then what was found and what is left to say.
@@ -202,18 +182,12 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
     if {"angle", "torque"} <= roles.keys():
         pair = (columns[roles[r].file][roles[r].column] for r in ("angle", "torque"))
         direction = relation(*(column for column in pair if isinstance(column, Column)))
+    formats = FrozenDict((path, table.format) for path, table in tables.items())
+    missing = tuple(r for r in ROLES[:6] if r not in roles and r not in open_roles)
     inspection = Inspection(
-        channels=tuple(channels),
-        formats=FrozenDict((path, table.format) for path, table in tables.items()),
-        roles=FrozenDict(roles),
-        open=FrozenDict(open_roles),
-        missing=tuple(r for r in ROLES[:6] if r not in roles and r not in open_roles),
-        side=leg,
-        side_rule=rule,
-        emg=emg,
-        emg_rule=emg_rule,
-        direction=direction,
-    )
+        tuple(channels), formats, FrozenDict(roles), FrozenDict(open_roles), missing, leg, rule,
+        emg, emg_rule, direction,
+    )  # fmt: skip
     return replace(inspection, advice=tuple(_advice(inspection)))
 
 
@@ -256,22 +230,14 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
     if role is not None:  # a file may state one unit for all signals of a kind
         unit = written_unit(table, name, role)
     emg = role is not None and role.startswith("emg_")
+    known_unit = None if role is None else stated_unit(table, role, name)
+    end_s = None if sampling.start_s is None else float(column.time[-1])
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (None, None)
     return InspectedChannel(
-        file=path,
-        column=name,
-        unit=unit,
-        known_unit=None if role is None else stated_unit(table, role, name),
-        n=sampling.n,
-        rate_hz=sampling.rate_hz,
-        start_s=sampling.start_s,
-        end_s=float(column.time[-1]) if sampling.start_s is not None else None,
-        low=float(finite.min()) if len(finite) else None,
-        high=float(finite.max()) if len(finite) else None,
-        guess=guess,
-        look=look_of(column.time, column.values) if emg else None,
-        remark="; ".join(filter(None, remarks)),
-        usable=usable and sampling.n > 1,
-    )
+        path, name, unit, known_unit, sampling.n, sampling.rate_hz, sampling.start_s, end_s,
+        low, high, guess, look_of(column.time, column.values) if emg else None,
+        "; ".join(filter(None, remarks)), usable and sampling.n > 1,
+    )  # fmt: skip
 
 
 def _of_their_joint(channels: Sequence[InspectedChannel]) -> list[InspectedChannel]:

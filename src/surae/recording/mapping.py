@@ -147,10 +147,7 @@ class Description:
         return {**merged, "channels": channels}
 
     def files(self, folder: PathLike) -> tuple[Path, ...]:
-        """The data files in a folder that its ``{trial}`` stands for; none where it has none.
-
-        Those that systems keep for themselves are none.
-        """
+        """The data files in a folder that ``{trial}`` stands for, if any; no hidden ones."""
         if not self.patterns:
             return ()
         # Every sign but the trial's name stands for itself.

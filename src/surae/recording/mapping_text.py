@@ -4,9 +4,8 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from surae.files import PathLike, shown, write_atomic
+from surae.files import PathLike, shown
 from surae.recording.described import toml_value
-from surae.recording.emg_kind import amplified
 from surae.recording.inspection import InspectedChannel, Inspection
 from surae.recording.recording import FILM_ROLES, MUSCLES, ROLES
 from surae.recording.roles import unit_is_volts
@@ -14,6 +13,8 @@ from surae.units import FACTORS, kind
 
 #: An EMG without a unit whose greatest value is one of these was normalised.
 _NORMALISED = (0.05, 2.0)
+#: Volts that no skin electrode measures: such EMG was amplified.
+_AMPLIFIED_V = 0.05
 #: Channels that are listed as not used.
 _MOST_UNUSED = 100
 
@@ -29,11 +30,6 @@ _OFFSET = {
     "torque": "Nm, added before the sign: takes away a drift of the zero, or the footplate's "
     "weight beyond what m (at most 3 kg) can hold",
 }
-
-
-def write_mapping(inspection: Inspection, path: PathLike) -> None:
-    """Write `mapping_text` to a file, all of it or nothing."""
-    write_atomic(path, mapping_text(inspection, Path(os.fspath(path)).parent))
 
 
 def mapping_text(
@@ -159,9 +155,8 @@ def _unit_lines(role: str, channel: InspectedChannel, *, opensim: bool) -> list[
     if (known := channel.known_unit) is not None:
         lines = [f"unit = {toml_value(known)}  # as the file states"]
         if sort == "emg" and channel.high is not None and channel.low is not None and known != "1":
-            volts = FACTORS["emg"][known]
-            if amplified(channel.high, channel.low, volts):
-                peak = max(abs(channel.high), abs(channel.low)) * volts
+            peak = max(abs(channel.high), abs(channel.low)) * FACTORS["emg"][known]
+            if peak > _AMPLIFIED_V:
                 too = "; the offset too times that" if look and look.offset else ""
                 lines.append(
                     f"# scale = 0.001  # check: {peak:.2g} V left an amplifier: 1 / its gain here "

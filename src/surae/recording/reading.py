@@ -82,10 +82,7 @@ def mapped_recording(path: PathLike) -> MappedRecording:
 
 
 def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = ()) -> Recording:
-    """The recording in a table whose columns have our names; others are ignored.
-
-    `name` is the recording's, unless the table has a note of one.
-    """
+    """The recording of columns with our names, called `name` unless a note says otherwise."""
     if table.header is not None and table.time_name not in TIMES:
         raise InputError(
             f"{_where(table, table.time_name)}: the unit is missing; write {' or '.join(TIMES)}"

@@ -85,38 +85,23 @@ class Channel(Comparable):
 class Recording:
     """One trial of one leg.
 
-    Attributes
-    ----------
-    name : str
-        Name shown in tables and figures.
-    channels : mapping of str to Channel
-        By role, in the order of `ROLES`; angle is always there.
-    emg : {"raw", "envelope"}
-        Whether the EMG channels are raw (the EMG chain applies) or already envelopes.
-    fixed : mapping of str to float
-        Parameter values that this recording prescribes, e.g. ``{"m": 0.0}``.
-    prepare : mapping
-        Settings of the preparation that the recording's description overrides.
-    files : tuple of SourceFile
-        What it was read from; empty for a simulated recording.
-    side : {"left", "right"} or None
-        The leg, where its description says so.
-    device : mapping
-        What its description says of the measuring device.
-
     Raises
     ------
     InputError
         Some EMG is in volts and some normalised: their weights would not compare.
     """
 
-    name: str
+    name: str  #: Shown in tables and figures.
+    #: By role, in the order of `ROLES`; angle is always there.
     channels: Mapping[str, Channel]
+    #: Whether the EMG is raw (the EMG chain applies) or envelopes already.
     emg: Literal["raw", "envelope"] = "raw"
-    fixed: Mapping[str, float] = field(default_factory=dict)
+    fixed: Mapping[str, float] = field(default_factory=dict)  #: Parameters that it prescribes.
+    #: Settings of the preparation that its description overrides.
     prepare: Mapping[str, Any] = field(default_factory=dict)
-    files: tuple[SourceFile, ...] = ()
-    side: str | None = None
+    files: tuple[SourceFile, ...] = ()  #: What it was read from; empty for a simulated one.
+    side: str | None = None  #: "left", "right", where its description says so.
+    #: What its description says of the measuring device.
     device: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -192,24 +177,6 @@ class Recording:
         from surae.recording.frames import channels_frame
 
         return channels_frame(self.channels, {"name": self.name, "emg": self.emg})
-
-    def to_xarray(self) -> Any:
-        """The channels as an xarray Dataset, by role.
-
-        Returns
-        -------
-        xarray.Dataset
-            Channels of other times have a dimension of their own: ``time``, ``time_2``, …
-
-        Raises
-        ------
-        InputError
-            The package xarray is not installed.
-        """
-        from surae.recording.frames import channels_dataset
-
-        about = {"name": self.name, "emg": self.emg, "side": self.side or ""}
-        return channels_dataset(self.channels, about)
 
     @classmethod
     def from_arrays(

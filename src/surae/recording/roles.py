@@ -58,10 +58,8 @@ NAMES: Mapping[str, tuple[str, str]] = {
 def role_and_unit(name: str, where: str) -> tuple[str, str] | None:
     """Role and unit that a column's name states, or None for a column that isn't ours.
 
-    A name such as ``torque_passive_Nm`` or ``angle_rad_target``, with something else beside the
-    unit, is another quantity's.
-
-    A name that begins as one of ours and has no unit, or one that is not known, is refused.
+    ``torque_passive_Nm`` and ``angle_rad_target`` are other quantities'; a name of ours that has no
+    unit, or one that is not known, is refused.
     """
     name = plain(name)
     if name in NAMES:

@@ -4,9 +4,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.units import FloatArray
+
+IndexArray = npt.NDArray[np.intp]
 
 #: Says where sample `index` is, in the terms of its source: "row 12", "sample 12".
 Position = Callable[[int], str]
@@ -15,6 +18,11 @@ Position = Callable[[int], str]
 def sample(index: int) -> str:
     """Position of a sample in an array or a binary file; the first is sample 1."""
     return f"sample {index + 1}"
+
+
+def in_row(rows: Sequence[int] | IndexArray) -> Position:
+    """Position of samples that stand in these rows."""
+    return lambda index: f"row {rows[index]}"
 
 
 def instants(start_s: float, rate_hz: float, n: int) -> FloatArray:
@@ -34,8 +42,7 @@ def check_samples(
 ) -> None:
     """Check that a signal has two finite samples or more, at times that increase.
 
-    `where` is the file or object that the signal belongs to, the beginning of the message; `names`
-    are those of the time and of the signal there; `position` says where a sample is.
+    `where` begins the message; `names` are those of the time and of the signal there.
     """
     for name, array in zip(names, (time, values), strict=True):
         if array.ndim != 1:

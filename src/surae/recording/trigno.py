@@ -9,7 +9,6 @@ import re
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from surae.errors import InputError
 from surae.frozen import freeze
 from surae.recording.rows import as_number, split
 from surae.recording.source import Source
-from surae.recording.table import Column, Table
+from surae.recording.table import Column, Table, in_row
 
 _TIME = re.compile(r'"?X ?\[s\]"?')
 _LABEL = re.compile(
@@ -130,13 +129,9 @@ def _columns(source: Source, header: int, wanted: Sequence[_Signal]) -> dict[str
     for signal, pair in pairs.items():
         times, samples = (freeze(np.array(values, dtype=np.float64)) for values in pair)
         first = spans.get(signal, (header + 1, 0))[0]
-        at = partial(_position, first)
+        at = in_row(range(first, first + len(samples)))
         columns[signal.name] = Column(signal.name, times, samples, "X[s]", at)
     return columns
-
-
-def _position(first: int, index: int) -> str:
-    return f"row {first + index}"
 
 
 def _rows(source: Source, header: int) -> Iterator[tuple[int, list[str]]]:

@@ -10,11 +10,12 @@ fills with the sample before where the file ends early, is refused.
 
 import io
 import logging
+import os
 import sys
 from collections.abc import Iterator, Mapping
 from itertools import chain
 from logging.handlers import BufferingHandler
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -22,9 +23,9 @@ from surae.errors import InputError
 from surae.recording.foreign import Parsed, foreign_table, optional, packed, printable, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table
-from surae.recording.xdf_writing import MAGIC, end_of_chunks
 from surae.units import FloatArray
 
+_MAGIC = b"XDF:"
 #: A stamp further than this from a uniform axis [s] is no jitter.
 MOST_JITTER_S = 0.05
 #: A step of a clock's offset that stays for three measurements, and is larger than this [s] and
@@ -37,7 +38,7 @@ _STAY, _STEP, _STEP_PERIODS, _SCATTER = 0.5, 0.005, 3.0, 3.0
 
 def recognises(source: Source) -> bool:
     """Whether it begins as XDF does."""
-    return source.data.startswith(MAGIC)
+    return source.data.startswith(_MAGIC)
 
 
 def open_table(source: Source) -> Table:
@@ -49,7 +50,7 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
     """The streams of numbers that have samples."""
     pyxdf = optional("pyxdf", "XDF", shown)
     with untrusted(shown):
-        end = end_of_chunks(io.BytesIO(data))
+        end = xdf_end(io.BytesIO(data))
         if end < len(data):
             raise InputError(f"{shown}: the file is cut short or damaged at byte {end}")
         streams = [
@@ -64,6 +65,20 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
         origin = min(float(stamps[0]) for _, _, stamps in streams)
         columns = (_columns(stream, values, stamps - origin) for stream, values, stamps in streams)
         return packed(list(chain.from_iterable(columns)))
+
+
+def xdf_end(file: BinaryIO) -> int:
+    """Where the last whole chunk ends that follows others from the file's beginning."""
+    size, at = file.seek(0, os.SEEK_END), len(_MAGIC)
+    while at < size:
+        file.seek(at)
+        head = file.read(9)
+        width = head[0] if head[0] in (1, 4, 8) else 0  # bytes of the length
+        length = int.from_bytes(head[1 : 1 + width], "little")
+        if not length or at + 1 + width + length > size:
+            break
+        at += 1 + width + length
+    return at
 
 
 def _loaded(pyxdf: Any, data: bytes, shown: str) -> list[Any]:

@@ -13,13 +13,7 @@ from surae.estimation import FitResult
 from surae.formatting import listed
 from surae.model.sources import SOURCES
 from surae.protocol.planning.information import covariance_if_filmed
-from surae.report.document import (
-    Block,
-    ListBlock,
-    PictureBlock,
-    SectionBlock,
-    TextBlock,
-)
+from surae.report import block
 
 #: Share of a variance from which a source is shown, and from which it is worth a remedy.
 _SHOWN, _WORTH = 0.005, 0.25
@@ -64,7 +58,7 @@ def budget_of(result: FitResult, assessment: Assessment) -> BudgetTable:
 NEXT = "next"
 
 
-def budget_section(budget: BudgetTable) -> SectionBlock:
+def budget_section(budget: BudgetTable) -> block.Section:
     """What would help, the chart, and its numbers."""
     text = (
         "Where the uncertainty of each parameter comes from: shares of the variance behind its "
@@ -75,9 +69,9 @@ def budget_section(budget: BudgetTable) -> SectionBlock:
         "of the laboratory, and other models, are not in them. A fit with model auto shows what "
         "they add."
     )
-    blocks: list[Block] = [TextBlock(text)]
+    blocks: list[block.Block] = [block.Text(text)]
     if budget.helps:
-        blocks.append(ListBlock("What would help:", budget.helps, NEXT))
+        blocks.append(block.Points("What would help:", budget.helps, NEXT))
     if budget.rows:
         labels = [SOURCES[source].label for source in budget.sources]
         first = [labels[shares.index(max(shares))] for _, shares in budget.rows.values()]
@@ -90,8 +84,8 @@ def budget_section(budget: BudgetTable) -> SectionBlock:
             "Shares of the variance; at the right, how well the parameter is known (half of the "
             "95 % interval)."
         )
-        blocks.append(PictureBlock("budget", alt, caption, "map"))
-    return SectionBlock("What makes each parameter unsure", tuple(blocks), "budget", "page")
+        blocks.append(block.Picture("budget", alt, caption, "map"))
+    return block.Section("What makes each parameter unsure", tuple(blocks), "budget", "page")
 
 
 def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...]:

@@ -7,22 +7,13 @@ import numpy as np
 
 from surae.assessment import Adequacy, Assessment, Grade, Verdict
 from surae.estimation import FitResult
-from surae.formatting import significant
+from surae.formatting import NO_NUMBER, significant
 from surae.measures import Measure, Measures
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.measured import HeldPoint, MeasuredSlope, Stretch
 from surae.measures.norms import Norm, placed
 from surae.model.sources import SOURCES
-from surae.report.document import (
-    AdequacyWords,
-    Block,
-    PictureBlock,
-    TableBlock,
-    TableCell,
-    TextBlock,
-    columns,
-    rows_of,
-)
+from surae.report import block
 from surae.report.language import PARTS, Words
 
 AssessedFit = tuple[FitResult, Assessment]
@@ -45,31 +36,31 @@ def is_known(m: Measure) -> bool:
 
 def modelled_stiffness(
     m: Measure, of_fit: Measures, known: Sequence[Norm], slope: MeasuredSlope | None, _: Words
-) -> tuple[Block, ...]:
+) -> tuple[block.Block, ...]:
     """The model's stiffness, which the recordings show; beside it norms and the measured slope."""
     assert m.value is not None
     value, span = _.estimate(m.value, m.ci95)
     where = _("at {angle}, relaxed · 95 %: {span}", angle=_.point(m.name), span=span)
-    lines = [TextBlock(where, "say", f"{value} Nm/°")]
+    lines = [block.Text(where, "say", f"{value} Nm/°")]
     for p in placed(of_fit, known):
-        lines.append(TextBlock(_(
+        lines.append(block.Text(_(
             "{measure}: {below} of {group} lie below ({reference}).",
             measure=_.measure(p.norm.measure), below=p.text, group=_(p.norm.group),
             reference=p.norm.reference,
         )))  # fmt: skip
     if slope is not None:
-        lines.append(TextBlock(_("Measured slope: {slope}.", slope=slope_text(slope, _))))
+        lines.append(block.Text(_("Measured slope: {slope}.", slope=slope_text(slope, _))))
     return tuple(lines)
 
 
 def measured_stiffness(
     slope: MeasuredSlope | None, against: Measure | None, _: Words
-) -> tuple[Block, ...]:
+) -> tuple[block.Block, ...]:
     """The measured slope where there is one; `against` is the model's, which it contradicts."""
     if slope is None:
         return (
-            TextBlock("", "say", _("Not measured")),
-            TextBlock(_("Record one slow passive stretch, or hold the relaxed ankle at three "
+            block.Text("", "say", _("Not measured")),
+            block.Text(_("Record one slow passive stretch, or hold the relaxed ankle at three "
                         "angles.")),
         )  # fmt: skip
     why = _("The model cannot yet separate stiffness from the rest.")
@@ -79,12 +70,12 @@ def measured_stiffness(
                 "held angles.", value=value, angle=_.point(against.name), span=span)  # fmt: skip
     value, origin = _slope(slope, _)
     return (
-        TextBlock(origin, "say", value),
-        TextBlock(_("This is the measured slope; it includes the foot’s weight.") + f" {why}"),
+        block.Text(origin, "say", value),
+        block.Text(_("This is the measured slope; it includes the foot’s weight.") + f" {why}"),
     )
 
 
-def stiffness_picture(holds: int, stretches: int, zero: float, _: Words) -> PictureBlock:
+def stiffness_picture(holds: int, stretches: int, zero: float, _: Words) -> block.Picture:
     """Torque over angle, and what was measured of it."""
     seen = []
     if holds:
@@ -99,7 +90,7 @@ def stiffness_picture(holds: int, stretches: int, zero: float, _: Words) -> Pict
         caption += " " + _("One torque offset, {zero} Nm, is subtracted from every trial.",
                            zero=number)  # fmt: skip
     alt = _("Measured torque of the relaxed ankle over its angle, with the model’s curve.")
-    return PictureBlock("stiffness", alt, caption, "here", 100)
+    return block.Picture("stiffness", alt, caption, "here", 100)
 
 
 def slope_text(slope: MeasuredSlope, _: Words) -> str:
@@ -132,11 +123,11 @@ def parts_of(of_fit: Measures) -> list[Part]:
 
 def made_of(
     joint: AssessedFit | None, of_fit: Measures | None, parts: Sequence[Part], _: Words
-) -> tuple[Block, ...]:
+) -> tuple[block.Block, ...]:
     """The shares of the torque, where the recordings separate them."""
     if joint is None or of_fit is None:
-        return (TextBlock("", "say", _("Not known")),
-                TextBlock(_("No fit of this leg could be made.")))  # fmt: skip
+        return (block.Text("", "say", _("Not known")),
+                block.Text(_("No fit of this leg could be made.")))  # fmt: skip
     why = ""
     if _no_calf(joint):
         why = _("No EMG of the calf was recorded, so its muscle and tissue look alike. Record "
@@ -146,7 +137,7 @@ def made_of(
     elif of_fit.adequacy.grade is Grade.INADEQUATE:
         why = _("The fit is not good enough.")
     if why:
-        return TextBlock("", "say", _("Cannot separate")), TextBlock(why), _tendon(of_fit, _)
+        return block.Text("", "say", _("Cannot separate")), block.Text(why), _tendon(of_fit, _)
     largest = max((0, 1), key=lambda k: parts[k][1])
     headline = _("Both tissue and muscle")
     if parts[largest][1] > 50.0:
@@ -157,29 +148,31 @@ def made_of(
         if ci is not None and value >= _WRITTEN
     )
     alt = _("Shares of the torque: {numbers}", numbers=numbers)
-    picture = PictureBlock("made", alt, numbers, "here", 100)
-    return TextBlock(_("in these trials"), "say", headline), picture, _tendon(of_fit, _)
+    picture = block.Picture("made", alt, numbers, "here", 100)
+    return block.Text(_("in these trials"), "say", headline), picture, _tendon(of_fit, _)
 
 
 def _no_calf(joint: AssessedFit) -> bool:
     return not any(np.ptp(each.emg[:, _CALF]) for each in joint[0].problem.inputs)
 
 
-def _tendon(of_fit: Measures, _: Words) -> TextBlock:
+def _tendon(of_fit: Measures, _: Words) -> block.Text:
     m = of_fit.get("tendon_strain_tri@500N")
     if m is None or not is_known(m) or m.value is None:
-        return TextBlock(_("Tendon: not measured. Ultrasound of the muscle would show it."), "note")
+        return block.Text(
+            _("Tendon: not measured. Ultrasound of the muscle would show it."), "note"
+        )
     value, span = _.estimate(m.value, m.ci95)
     text = _("The calf’s tendon lengthens by {value} % at 500 N ({span}).", value=value, span=span)
-    return TextBlock(text, "note")
+    return block.Text(text, "note")
 
 
-def change_card(change: Change | None, angle: float, _: Words) -> tuple[Block, ...]:
+def change_card(change: Change | None, angle: float, _: Words) -> tuple[block.Block, ...]:
     """What changed since another visit, or between two legs, in measures that are fixed."""
     if change is None:
         return (
-            TextBlock("", "say", _("One visit")),
-            TextBlock(_("Add another visit of this leg to see what changed."), "choose"),
+            block.Text("", "say", _("One visit")),
+            block.Text(_("Add another visit of this leg to see what changed."), "choose"),
         )
     names = [name.format(angle) for name in COMPARED]
     every = {**change.measures, **change.parameters}
@@ -195,15 +188,15 @@ def change_card(change: Change | None, angle: float, _: Words) -> tuple[Block, .
         headline = _("Cannot compare")
     else:
         headline = _("Not shown")
-    rows = [_differing(d, _) for d in found]
-    heads = columns(_("Measure"), *sides(change, _), _("Difference (95 %)"), numbers=(1, 2),
-                    wide=(0,))  # fmt: skip
-    table = TableBlock(_("Three measures, fixed beforehand"), heads, rows_of(rows), "small")
-    blocks: list[Block] = [TextBlock(about, "say", headline), table]
+    rows = [differing(d, 2, _) for d in found]
+    heads = block.columns(_("Measure"), *sides(change, _), _("Difference (95 %)"), numbers=(1, 2),
+                          wide=(0,))  # fmt: skip
+    table = block.Grid(_("Three measures, fixed beforehand"), heads, block.rows(rows), "small")
+    blocks: list[block.Block] = [block.Text(about, "say", headline), table]
     lead = change.measures.get(names[0])
     if lead is not None and lead.smallest is not None:
         smallest = _.number(significant(lead.smallest, 2))
-        blocks.append(TextBlock(_(
+        blocks.append(block.Text(_(
             "These recordings could have shown a difference in stiffness of {smallest} Nm/° or "
             "more.", smallest=smallest,
         )))  # fmt: skip
@@ -215,13 +208,14 @@ def sides(change: Change, _: Words) -> tuple[str, str]:
     return (_("First leg"), _("Second leg")) if change.legs else (_("Before"), _("After"))
 
 
-def _differing(d: Difference, _: Words) -> tuple[str | TableCell, ...]:
-    both = ["—" if v is None else _.number(significant(v, 2)) for v in (d.before, d.after)]
-    name = titled(d, _)
-    if d.difference is None or d.ci95 is None:
-        return (name, *both, "—")
-    value, span = _.estimate(d.difference, d.ci95)
-    return (name, *both, TableCell(value, under=span))
+def differing(d: Difference, digits: int, _: Words) -> tuple[str | block.Cell, ...]:
+    """A row of a comparison: what is compared, both values, the difference."""
+    both = [NO_NUMBER if v is None else _.number(significant(v, digits))
+            for v in (d.before, d.after)]  # fmt: skip
+    difference = block.Cell(NO_NUMBER)
+    if d.difference is not None and d.ci95 is not None:
+        difference = block.Cell(*_.estimate(d.difference, d.ci95))
+    return (titled(d, _), *both, difference)
 
 
 def titled(m: Measure | Difference, _: Words) -> str:
@@ -230,19 +224,19 @@ def titled(m: Measure | Difference, _: Words) -> str:
     return f"{_.measure(m.name)} [{unit}]" if unit else _.measure(m.name)
 
 
-def light(adequacy: Adequacy, reason: str, _: Words) -> AdequacyWords:
+def light(adequacy: Adequacy, reason: str, _: Words) -> block.AdequacyWords:
     """One light with one reason."""
     mark, text = {
         Grade.ADEQUATE: ("●", _("Yes: {reason}.", reason=reason)),
         Grade.DOUBTFUL: ("▲", _("With caution: {reason}.", reason=reason)),
         Grade.INADEQUATE: ("■", _("No: {reason}.", reason=reason)),
     }[adequacy.grade]
-    return AdequacyWords(str(adequacy.grade), mark, text, ())
+    return block.AdequacyWords(str(adequacy.grade), mark, text, ())
 
 
 def trust(
     joint: AssessedFit | None, contradicted: Sequence[str], *, follows: bool, _: Words
-) -> tuple[Block, ...]:
+) -> tuple[block.Block, ...]:
     """One light with the reason that weighs most; `follows` is whether holds agree."""
     if joint is None:
         none = Adequacy(Grade.INADEQUATE, (), np.nan)
@@ -259,7 +253,7 @@ def trust(
         "The model follows {r2} % of the torque’s changes in {n} trials.",
         len(result.problem.inputs), r2=_.number(f"{adequacy.r2:.1f}".replace("-", "−")),
     )  # fmt: skip
-    return light(adequacy, reason, _), TextBlock(followed)
+    return light(adequacy, reason, _), block.Text(followed)
 
 
 def reason_of(assessment: Assessment, contradicted: Sequence[str], _: Words) -> str:
@@ -276,7 +270,7 @@ def reason_of(assessment: Assessment, contradicted: Sequence[str], _: Words) -> 
 
 def next_trial(
     joint: AssessedFit | None, holds: Sequence[HeldPoint], stretches: Sequence[Stretch], _: Words
-) -> tuple[Block, ...]:
+) -> tuple[block.Block, ...]:
     """What to record next, the plainest need first."""
     if not stretches and len(holds) < 3:
         text = _("One slow passive stretch over the whole range.")
@@ -291,4 +285,4 @@ def next_trial(
         if not weights:
             return ()
         text = _(SOURCES[max(weights, key=lambda s: weights[s])].remedy)
-    return (TextBlock(text, lead=_("What helps next:")),)
+    return (block.Text(text, lead=_("What helps next:")),)

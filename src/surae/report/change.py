@@ -4,21 +4,11 @@ from collections.abc import Sequence
 from datetime import datetime
 
 from surae.assessment import Grade
-from surae.formatting import NO_NUMBER, significant
+from surae.formatting import NO_NUMBER
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.measured import torque_curve
-from surae.report.cards import AssessedFit, change_card, light, reason_of, sides, titled
-from surae.report.document import (
-    Document,
-    PictureBlock,
-    SectionBlock,
-    TableBlock,
-    TableCell,
-    TableRow,
-    TextBlock,
-    columns,
-    rows_of,
-)
+from surae.report import block
+from surae.report.cards import AssessedFit, change_card, differing, light, reason_of, sides
 from surae.report.figures.leg import visits_figure
 from surae.report.joint import relabelled, reworded
 from surae.report.language import MEASURES, Words, words_in
@@ -28,14 +18,9 @@ from surae.words import JUDGEMENTS
 
 
 def change_report(
-    change: Change,
-    fits: Sequence[AssessedFit],
-    *,
-    created: datetime,
-    baselines: Sequence[AssessedFit] = (),
-    language: str = "en",
-    angle: float | None = None,
-) -> Report:
+    change: Change, fits: Sequence[AssessedFit], *, created: datetime,
+    baselines: Sequence[AssessedFit] = (), language: str = "en", angle: float | None = None,
+) -> Report:  # fmt: skip
     """The page of a comparison: three measures fixed beforehand, then every measure.
 
     `fits` are both that were compared, `baselines` further visits from before anything changed;
@@ -49,21 +34,21 @@ def change_report(
     drawn = visits_figure(
         [(name, torque_curve(*fit)) for name, fit in zip(names, fits, strict=True)], _
     )
-    curves = (PictureBlock("visits", _("Torque of the relaxed ankle over its angle"), "", "here",
+    curves = (block.Picture("visits", _("Torque of the relaxed ankle over its angle"), "", "here",
                            100),)  # fmt: skip
     title = _("Do the legs differ?") if change.legs else _("Did it change?")
     cards = (
-        SectionBlock(title, change_card(lead, at, _), "change", "card"),
-        SectionBlock(_("Torque and angle"), curves, "curves", "card"),
-        SectionBlock(_("Can I trust it?"),
+        block.Section(title, change_card(lead, at, _), "change", "card"),
+        block.Section(_("Torque and angle"), curves, "curves", "card"),
+        block.Section(_("Can I trust it?"),
                      (light(worst.adequacy, reason_of(worst, (), _), _),), "trust", "card"),
     )  # fmt: skip
-    document = Document(
+    document = block.Document(
         kicker="",
         heading=title,
         under=_("Report of {date}.", date=f"{created:%Y-%m-%d %H:%M}"),
         title=title,
-        blocks=(SectionBlock("", cards, look="leg"), _every(change, at, _)),
+        blocks=(block.Section("", cards, look="leg"), _every(change, at, _)),
         footer=_("Made by surae for research."),
         language=language,
     )
@@ -72,7 +57,7 @@ def change_report(
     return Report(document, relabelled(joint, [("visits", drawn)], language))
 
 
-def _every(change: Change, at: float, _: Words) -> SectionBlock:
+def _every(change: Change, at: float, _: Words) -> block.Section:
     """Every measure at an angle [deg], or that has none."""
     measures = [
         d
@@ -82,27 +67,23 @@ def _every(change: Change, at: float, _: Words) -> SectionBlock:
         and (not d.name.endswith("deg") or d.name.endswith(f"@{at:g}deg"))
         and (d.before, d.after) != (None, None)
     ]
-    heads = columns("", *sides(change, _), _("Difference (95 %)"), _("Judgement"), numbers=(1, 2),
-                    wide=(0,))  # fmt: skip
-    table = TableBlock(_("The numbers"), heads, rows_of(_row(d, change, _) for d in measures))
-    blocks: tuple[TableBlock | TextBlock, ...] = (table,)
+    heads = block.columns("", *sides(change, _), _("Difference (95 %)"), _("Judgement"),
+                          numbers=(1, 2), wide=(0,))  # fmt: skip
+    table = block.Grid(_("The numbers"), heads, block.rows(_row(d, change, _) for d in measures))
+    blocks: tuple[block.Grid | block.Text, ...] = (table,)
     if not change.is_withheld:
         every = (*change.measures.values(), *change.parameters.values())
         count = sum(d.p is not None for d in every)
         text = _("{count} differences were looked at and allowed for (Holm). Intervals aren’t "
                  "corrected for multiple comparisons.", count=str(count))  # fmt: skip
-        blocks = table, TextBlock(text, "note")
-    return SectionBlock(_("The numbers"), blocks, "numbers")
+        blocks = table, block.Text(text, "note")
+    return block.Section(_("The numbers"), blocks, "numbers")
 
 
-def _row(d: Difference, change: Change, _: Words) -> TableRow:
-    both = [NO_NUMBER if v is None else _.number(significant(v, 3)) for v in (d.before, d.after)]
-    difference = TableCell(NO_NUMBER)
-    if d.difference is not None and d.ci95 is not None:
-        difference = TableCell(*_.estimate(d.difference, d.ci95))
+def _row(d: Difference, change: Change, _: Words) -> block.Row:
     verdict = NO_NUMBER
     if d.smallest is not None or d.difference is None:
         verdict = _(JUDGEMENTS[d.verdict].plain)
         if change.legs and d.verdict is ChangeVerdict.CHANGED:
             verdict = _("different")
-    return (titled(d, _), *both, difference, verdict)
+    return (*differing(d, 3, _), verdict)

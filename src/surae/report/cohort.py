@@ -1,21 +1,11 @@
 """The page of a cohort: groups, differences and changes in tables, every leg in figures."""
 
-import itertools
-from collections.abc import Iterable
 from datetime import datetime
 
 from surae.files import natural_order
 from surae.formatting import of_interval
-from surae.measures.cohort import Cohort, CohortMember, Contrast, sessions_of
-from surae.report.document import (
-    Document,
-    PictureBlock,
-    SectionBlock,
-    TableBlock,
-    TextBlock,
-    columns,
-    rows_of,
-)
+from surae.measures.cohort import Cohort, CohortMember, sessions_of
+from surae.report import block
 from surae.report.figures.cohort import forest_figure, sessions_figure
 from surae.report.output import Report
 
@@ -43,12 +33,13 @@ def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
                 title = f"{p.name} over sessions"
                 figures.append((title, sessions_figure(label, order, over), _LINES))
     groups = cohort.as_table()
-    contrasts = [
-        (p.name, kind, key or "all", *_contrast(c), p.unit)
-        for p in cohort.pooled.values()
-        for kind, of in (("groups", p.differences), ("sessions", p.changes))
-        for key, c in of.items()
-    ]
+    contrasts = []
+    for p in cohort.pooled.values():
+        for kind, of in (("groups", p.differences), ("sessions", p.changes)):
+            for key, c in of.items():
+                text = of_interval(c.difference, c.ci95)
+                row = (p.name, kind, key or "all", text.value, text.interval, f"{c.p:.2g}", c.k)
+                contrasts.append((*row, p.unit))
     scales = [
         (p.name, scale, c.n, f"{c.rho:+.2f}", f"{c.p:.2g}")
         for p in cohort.pooled.values()
@@ -61,12 +52,12 @@ def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
         ("Clinical scales", ("Of", "Scale", "Legs", "Spearman’s ρ", "p"), scales),
         ("Groups", [head.capitalize() for head in groups.heads], groups.rows),
     )  # fmt: skip
-    missing, differences, *others = (
-        (SectionBlock(title, (TableBlock(title, columns(*heads), rows_of(map(_texts, rows))),)),)
-        if rows
-        else ()
-        for title, heads, rows in tables
-    )
+    sections: list[block.Section | None] = []
+    for title, heads, rows in tables:
+        texts = block.rows(tuple(map(str, row)) for row in rows)
+        table = block.Grid(title, block.columns(*heads), texts)
+        sections.append(block.Section(title, (table,)) if rows else None)
+    first, later = filter(None, sections[:2]), filter(None, sections[2:])
     legs = f"Cohort of {len({m.leg for m in cohort.members})} legs"
     about = (
         "Every leg counts as much as its interval allows (random effects, REML; intervals of means "
@@ -77,32 +68,18 @@ def cohort_report(cohort: Cohort, *, created: datetime) -> Report:
             f" Every leg was fitted again with its population, {cohort.rounds} round(s); means and "
             "differences are of fits without it."
         )
-    note = (TextBlock(f"{cohort.note}.", lead="Note:"),) if cohort.note else ()
-    pictures = (PictureBlock(title, title, f"{title}: {caption}.") for title, _, caption in figures)
-    document = Document(
+    note = (block.Text(f"{cohort.note}.", lead="Note:"),) if cohort.note else ()
+    pictures = (
+        block.Picture(title, title, f"{title}: {caption}.") for title, _, caption in figures
+    )
+    document = block.Document(
         kicker="Ankle muscle parameters",
         heading=legs,
         under=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
         title=legs,
-        blocks=(
-            TextBlock(about),
-            *note,
-            *missing,
-            *differences,
-            *pictures,
-            *itertools.chain(*others),
-        ),
+        blocks=(block.Text(about), *note, *first, *pictures, *later),
     )
     return Report(document, [(title, figure) for title, figure, _ in figures])
-
-
-def _texts(row: Iterable[object]) -> tuple[str, ...]:
-    return tuple(map(str, row))
-
-
-def _contrast(c: Contrast) -> tuple[str, str, str, int]:
-    text = of_interval(c.difference, c.ci95)
-    return text.value, text.interval, f"{c.p:.2g}", c.k
 
 
 def _value(member: CohortMember, name: str) -> float | None:

@@ -42,10 +42,7 @@ class Cycles:
 def find_cycles(
     angle: FloatArray, rate_hz: float, counted: npt.NDArray[np.bool_] | None = None
 ) -> Cycles | None:
-    """The cycles of a movement that repeats itself throughout; None for any other.
-
-    Cycles with a sample that does not count are left out.
-    """
+    """The cycles, without those of samples that do not count; None for any other movement."""
     movement = angle - angle.mean()
     if not np.isfinite(movement).all() or float(movement.std()) < _MOVES:
         return None
@@ -96,5 +93,4 @@ def _likeness(movement: FloatArray, template: FloatArray) -> FloatArray:
     total, squares = (np.r_[0.0, np.cumsum(movement**power)] for power in (1, 2))
     mean = (total[length:] - total[:-length]) / length
     spread = np.sqrt(np.maximum((squares[length:] - squares[:-length]) / length - mean**2, 1e-12))
-    likeness: FloatArray = sums / spread
-    return likeness
+    return np.asarray(sums / spread)

@@ -12,20 +12,8 @@ from surae.estimation import FitResult
 from surae.formatting import NO_NUMBER, estimate, percentage, short, significant
 from surae.model import GeometryTable
 from surae.quality import Quality
+from surae.report import block
 from surae.report.budget import NEXT, BudgetTable, budget_of, budget_section
-from surae.report.document import (
-    Block,
-    Document,
-    KeyFigures,
-    SectionBlock,
-    TableBlock,
-    TableCell,
-    TextBlock,
-    columns,
-    paragraphs,
-    rows_of,
-    verdict,
-)
 from surae.report.figures import Figure
 from surae.report.figures.research import (
     budget_figure,
@@ -51,27 +39,16 @@ from surae.report.traces import Traces, traces_of
 from surae.report.trials import findings_section
 from surae.report.wording import adequacy_words, summary
 
-_STATUS = {
-    "converged": "converged",
-    "at-bounds": "converged, with parameters at a bound",
-    "failed": "failed",
-}
+_BOUNDS = "converged, with parameters at a bound"
 
 
 def fit_report(
-    result: FitResult,
-    assessment: Assessment,
-    predictions: Sequence[Prediction] = (),
-    *,
-    versions: Mapping[str, str],
-    created: datetime,
-    quality: Sequence[Quality] = (),
-) -> Report:
-    """The report of a fit.
+    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction] = (), *,
+    versions: Mapping[str, str], created: datetime, quality: Sequence[Quality] = (),
+) -> Report:  # fmt: skip
+    """The report of a fit; the same arguments give the same report.
 
-    `versions` are those of the programs that made the fit, `created` is when the report is made,
-    `predictions` are of other recordings, `quality` is what was found in each recording before it
-    was fitted. The same arguments give the same report.
+    `predictions` are of other recordings, `quality` is what was found in each before it was fitted.
     """
     traces, budget = traces_of(result), budget_of(result, assessment)
     names = [recording.name for recording in assessment.recordings]
@@ -98,7 +75,7 @@ def fit_report(
         *geometry_section(result),
         provenance_section(result, versions),
     )
-    document = Document(
+    document = block.Document(
         kicker="Ankle muscle parameters",
         heading=" + ".join(names),
         under=(
@@ -109,8 +86,8 @@ def fit_report(
         blocks=(
             _summary(result, assessment, traces),
             *predictions_section(assessment, predictions),
-            SectionBlock("Details", details, "details", "more"),
-            SectionBlock("Research", research, "research", "more"),
+            block.Section("Details", details, "details", "more"),
+            block.Section("Research", research, "research", "more"),
         ),
         footer=(
             "Made by surae for research. VAF is the part of the torque’s mean square that the "
@@ -128,7 +105,9 @@ def fit_report(
 def predictions_report(assessment: Assessment, predictions: Sequence[Prediction]) -> Report:
     """How other recordings are predicted, to be a part of a page."""
     drawn = [("predictions", predictions_figure(predictions))]
-    return Report(Document("", "", "", "", predictions_section(assessment, predictions)), drawn)
+    return Report(
+        block.Document("", "", "", "", predictions_section(assessment, predictions)), drawn
+    )
 
 
 def _figures(
@@ -155,27 +134,27 @@ def _figures(
         yield "correlation", correlation_figure(estimated.names, estimated.correlation)
 
 
-def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]) -> SectionBlock:
+def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]) -> block.Section:
     """What a reader sees first: what the fit is worth, a few numbers, and its parameters."""
     torque = np.concatenate([trial.measured[trial.counted] for trial in traces])
     rms = float(np.sqrt(np.mean(torque**2)))
     message = result.message if result.message.endswith(".") else f"{result.message}."
-    status = TextBlock(
+    status = block.Text(
         f"{message[:1].upper()}{message[1:]}",
         f"status {result.status}",
-        lead=f"Fit {_STATUS.get(result.status, result.status)}.",
+        lead=f"Fit {_BOUNDS if result.status == 'at-bounds' else result.status}.",
     )
-    blocks: tuple[Block, ...] = (
+    blocks: tuple[block.Block, ...] = (
         adequacy_words(assessment.adequacy),
         status,
         _key(result, assessment, rms),
-        *paragraphs(summary(result, assessment)),
+        *block.paragraphs(summary(result, assessment)),
         _glance(assessment),
     )
-    return SectionBlock("Summary", blocks, "summary")
+    return block.Section("Summary", blocks, "summary")
 
 
-def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
+def _key(result: FitResult, assessment: Assessment, rms: float) -> block.KeyFigures:
     parameters = assessment.parameters.values()
     free = sum(p.free for p in parameters)
     identified = sum(p.verdict is Verdict.IDENTIFIED for p in parameters)
@@ -192,7 +171,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
         agreeing = f"{result.agreeing} of {len(result.starts)}"
         last = ("Starts that agree", agreeing, "on the best minimum")
     r2, rmse = percentage(assessment.adequacy.r2), significant(assessment.rmse, 3)
-    return KeyFigures((
+    return block.KeyFigures((
         ("Torque’s changes followed, R²", f"{r2} %", "no minimum reached" if failed else vaf),
         ("Root mean square error", f"{rmse} Nm", f"torque itself {significant(rms, 3)} Nm"),
         ("Parameters identified", NO_NUMBER if failed else f"{identified} of {free}",
@@ -201,7 +180,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
     ))  # fmt: skip
 
 
-def _glance(assessment: Assessment) -> TableBlock:
+def _glance(assessment: Assessment) -> block.Grid:
     """The parameters by verdict, each with its value and unit."""
     by_verdict: dict[Verdict, list[tuple[str, str]]] = {}
     for p in shown_parameters(assessment):
@@ -211,9 +190,9 @@ def _glance(assessment: Assessment) -> TableBlock:
             text = value if p.unit == "-" else f"{value} {p.unit}"
         by_verdict.setdefault(p.verdict, []).append((p.name, text))
     rows = (
-        (verdict(each), TableCell(pairs=tuple(by_verdict[each])))
+        (block.verdict(each), block.Cell(pairs=tuple(by_verdict[each])))
         for each in Verdict
         if each in by_verdict
     )
-    heads = columns("", "", wide=(1,))
-    return TableBlock("Parameters by verdict", heads, rows_of(rows), "glance", titled=True)
+    heads = block.columns("", "", wide=(1,))
+    return block.Grid("Parameters by verdict", heads, block.rows(rows), "glance", titled=True)

@@ -10,16 +10,7 @@ from surae.formatting import NO_NUMBER, estimate, significant
 from surae.model import get_model
 from surae.model.laboratory import group_of
 from surae.model.sources import NUISANCES, Gaussian
-from surae.report.document import (
-    Block,
-    SectionBlock,
-    TableBlock,
-    TableCell,
-    TableRow,
-    TextBlock,
-    columns,
-    rows_of,
-)
+from surae.report import block
 
 #: Units as people read them: factor and name.
 _UNITS = {"s": (1e3, "ms"), "m": (1e3, "mm"), "rad": (57.29577951308232, "°"), "-": (1.0, "–")}
@@ -29,14 +20,14 @@ _DATA, _PARTLY = 0.5, 0.8
 _UNUSUAL = 2.0
 
 
-def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[SectionBlock, ...]:
+def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[block.Section, ...]:
     """Errors of the laboratory; nothing for a named model, which takes it for perfect."""
     family, inputs = result.family, result.problem.inputs
     if family is None:
         return ()
-    blocks: list[Block] = []
+    blocks: list[block.Block] = []
     if not family.beliefs:
-        blocks.append(TextBlock(
+        blocks.append(block.Text(
             "Measurement errors were left out, as requested: the intervals assume a perfect "
             "laboratory."
         ))  # fmt: skip
@@ -44,37 +35,37 @@ def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[Secti
         estimates = [p for name, p in assessment.nuisances.items() if name in family.beliefs]
         present = {group_of(p.name) for p in estimates}
         groups = [f"{s.label}: {s.meaning}" for group, s in NUISANCES.items() if group in present]
-        heads = columns("Imperfection", "Assumed", "Estimate", "95 % interval", "Unit", "Source",
-                        numbers=(1, 3), wide=(0, 5),
-                        looks={2: "number value", 4: "unit"})  # fmt: skip
-        rows = rows_of(_row(p, family.beliefs[p.name]) for p in estimates)
+        heads = block.columns("Imperfection", "Assumed", "Estimate", "95 % interval", "Unit",
+                              "Source", numbers=(1, 3), wide=(0, 5),
+                              looks={2: "number value", 4: "unit"})  # fmt: skip
+        rows = block.rows(_row(p, family.beliefs[p.name]) for p in estimates)
         title = "Imperfections: what was assumed and what came out"
         blocks += [
-            TextBlock(
+            block.Text(
                 "No laboratory can rule these out. Each was given what a careful laboratory knows "
                 "of it beforehand, mean ± standard deviation, and estimated along with the leg; "
                 "what stays unknown of it is in every interval of this report."
             ),
-            TextBlock(f"{'; '.join(groups)}.", "note"),
-            TableBlock(title, heads, rows, "laboratory"),
+            block.Text(f"{'; '.join(groups)}.", "note"),
+            block.Grid(title, heads, rows, "laboratory"),
         ]
         if len(inputs) > 1 and len(family.zeros) == len(inputs):
             zeros = ", ".join(
                 f"{recording.name} {significant(zero, 3)} Nm"
                 for recording, zero in zip(inputs, family.zeros, strict=True)
             )
-            blocks.append(TextBlock(f"Torque zero of each recording: {zeros}."))
-    return (SectionBlock("The laboratory’s imperfections", tuple(blocks), "laboratory", "page"),)
+            blocks.append(block.Text(f"Torque zero of each recording: {zeros}."))
+    return (block.Section("The laboratory’s imperfections", tuple(blocks), "laboratory", "page"),)
 
 
-def _row(p: ParameterEstimate, belief: Gaussian) -> TableRow:
+def _row(p: ParameterEstimate, belief: Gaussian) -> block.Row:
     factor, unit = _UNITS.get(p.unit, (1.0, p.unit))
     if p.unit == "-" and group_of(p.name) in ("crosstalk", "drift"):
         factor, unit = 100.0, "%"
     ends = None if p.ci95 is None else (factor * p.ci95[0], factor * p.ci95[1])
     text = estimate(factor * p.value, None if p.sem is None else factor * p.sem, ends)
     mean, sd = (significant(factor * number, 2) for number in (belief.mean, belief.sd))
-    name = TableCell(p.name, kind="code", meaning=p.meaning)
+    name = block.Cell(p.name, kind="code", meaning=p.meaning)
     return (name, f"{mean} ± {sd}", text.value, text.interval, unit, _origin(p, belief))
 
 
@@ -111,37 +102,29 @@ def family_text(result: FitResult, assessment: Assessment) -> str:
     )
 
 
-def family_section(result: FitResult, assessment: Assessment) -> tuple[SectionBlock, ...]:
+def family_section(result: FitResult, assessment: Assessment) -> tuple[block.Section, ...]:
     """The models that were weighed, and what the evidence says; nothing for a named model."""
     if result.family is None:
         return ()
     chosen, *others = result.family.candidates
     models = [chosen, *(other for other in others if other.model != chosen.model)]
     variants = [other for other in others if other.model == chosen.model]
-    heads = columns("Model", "Imperfections in it", "Probability", numbers=(2,), wide=(1,))
-    tables = (
-        TableBlock(
-            caption,
-            heads,
-            rows_of(
-                (
-                    get_model(each.model).title,
-                    ", ".join(NUISANCES[group].label for group in each.groups) or "none",
-                    _chance(each.weight),
-                )
-                for each in candidates
-            ),
-            "family",
-            titled=True,
-        )
-        for caption, candidates in (
-            ("Models that were weighed", models),
-            ("Other sets of imperfections, in the intervals by their probability", variants),
-        )
-        if candidates
-    )
-    blocks: tuple[Block, ...] = (TextBlock(family_text(result, assessment)), *tables)
-    return (SectionBlock("Which model the data support", blocks, "family", "together"),)
+    heads = block.columns("Model", "Imperfections in it", "Probability", numbers=(2,), wide=(1,))
+    tables = []
+    for caption, candidates in (
+        ("Models that were weighed", models),
+        ("Other sets of imperfections, in the intervals by their probability", variants),
+    ):
+        rows = block.rows(
+            (get_model(each.model).title,
+             ", ".join(NUISANCES[group].label for group in each.groups) or "none",
+             _chance(each.weight))
+            for each in candidates
+        )  # fmt: skip
+        if candidates:
+            tables.append(block.Grid(caption, heads, rows, "family", titled=True))
+    blocks: tuple[block.Block, ...] = (block.Text(family_text(result, assessment)), *tables)
+    return (block.Section("Which model the data support", blocks, "family", "together"),)
 
 
 #: What stands with the table of trials.
@@ -153,31 +136,35 @@ TRIALS = (
 )
 
 
-def trials_section(result: FitResult, assessment: Assessment) -> tuple[SectionBlock, ...]:
+def trials_section(result: FitResult, assessment: Assessment) -> tuple[block.Section, ...]:
     """How the trials of a joint fit differ; nothing where that was not looked at."""
     family, inputs = result.family, result.problem.inputs
     if family is None or not family.recordings:
         return ()
     apart = trial_spread(family.recordings)
-    rows: list[TableRow] = []
+    rows: list[block.Row] = []
     for name, p in assessment.parameters.items():
         if not p.free or any(name not in alone.values for alone in family.recordings):
             continue
         each = [estimate(a.values[name], a.sem[name], (0.0, 0.0)) for a in family.recordings]
         likely, most = (100 * sd / abs(p.value) if p.value else np.inf for sd in apart[name])
         rows.append((
-            TableCell(name, kind="code"),
+            block.Cell(name, kind="code"),
             "–" if p.unit == "-" else p.unit,
             estimate(p.value, p.trusted_sem, p.ci95).value,
             *(f"{text.value} ± {text.sem}" for text in each),
             f"{significant(likely, 2)} % (< {significant(most, 2)} %)",
         ))  # fmt: skip
     names = [recording.name for recording in inputs]
-    heads = columns("Parameter", "Unit", "Together", *names, "Spread",
-                    numbers=range(2, 4 + len(names)))  # fmt: skip
+    heads = block.columns("Parameter", "Unit", "Together", *names, "Spread",
+                          numbers=range(2, 4 + len(names)))  # fmt: skip
     title = "Every parameter by recording, and its spread between trials"
-    table = TableBlock(title, heads, rows_of(rows), "starts", repeated=2 if len(names) > 6 else 0)
-    return (SectionBlock("From trial to trial", (TextBlock(TRIALS), table), "trials", "together"),)
+    table = block.Grid(
+        title, heads, block.rows(rows), "starts", repeated=2 if len(names) > 6 else 0
+    )
+    return (
+        block.Section("From trial to trial", (block.Text(TRIALS), table), "trials", "together"),
+    )
 
 
 def _chance(weight: float) -> str:

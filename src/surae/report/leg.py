@@ -21,21 +21,8 @@ from surae.measures.measured import (
 from surae.measures.norms import Norm, read_norms
 from surae.measures.quantity import Quantities, quantities
 from surae.model.joint import ANKLE
-from surae.report.cards import (
-    COMPARED,
-    AssessedFit,
-    change_card,
-    is_known,
-    made_of,
-    measured_stiffness,
-    modelled_stiffness,
-    next_trial,
-    parts_of,
-    slope_text,
-    stiffness_picture,
-    trust,
-)
-from surae.report.document import SectionBlock
+from surae.report import block, cards
+from surae.report.cards import AssessedFit
 from surae.report.figures import Figure
 from surae.report.figures.leg import shares_bar, stiffness_figure
 from surae.report.language import Words, words_in
@@ -51,21 +38,16 @@ _PASSIVE = {"k_tri", "x0_tri", "k_tib", "x0_tib", "k_rel"}
 class LegAnswers:
     """The four answers as sections, their figures by name, and the measures they rest on."""
 
-    cards: tuple[SectionBlock, ...]
+    cards: tuple[block.Section, ...]
     figures: Mapping[str, Figure]
     measures: Measures | None
     at: float  #: The angle of torque and stiffness [deg].
 
 
 def leg_answers(
-    trials: Sequence[Trial],
-    fits: Mapping[str, AssessedFit],
-    joint: AssessedFit | None,
-    _: Words,
-    *,
-    contradicted: Sequence[str] = (),
-    before: AssessedFit | None = None,
-) -> LegAnswers:
+    trials: Sequence[Trial], fits: Mapping[str, AssessedFit], joint: AssessedFit | None, _: Words,
+    *, contradicted: Sequence[str] = (), before: AssessedFit | None = None,
+) -> LegAnswers:  # fmt: skip
     """Answer the four questions of a leg.
 
     `fits` are of each trial by itself, `joint` of all together or of the only trial that was
@@ -78,7 +60,7 @@ def leg_answers(
         angles = {at, *ANGLES, *(_point(norm) for norm in known)}
         of_fit = measures(*joint, sorted(angles))
     m = None if of_fit is None else of_fit[f"passive_stiffness@{at:g}deg"]
-    believed = m is not None and is_known(m) and not _PASSIVE & set(contradicted)
+    believed = m is not None and cards.is_known(m) and not _PASSIVE & set(contradicted)
     model = torque_curve(*joint) if joint is not None and believed else None
     zero = 0.0 if model is None else _zero(model, holds, stretches)
     holds = [replace(h, torque=h.torque - zero) for h in holds]
@@ -86,11 +68,11 @@ def leg_answers(
     slope = measured_slope(holds, stretches, at)
     follows = model is None or _follows(model, holds, slope)
     if m is not None and of_fit is not None and model is not None and follows:
-        stiff = modelled_stiffness(m, of_fit, known, slope, _)
+        stiff = cards.modelled_stiffness(m, of_fit, known, slope, _)
     else:
-        stiff = measured_stiffness(slope, None if follows else m, _)
-    parts = [] if of_fit is None else parts_of(of_fit)
-    made, change = made_of(joint, of_fit, parts, _), None
+        stiff = cards.measured_stiffness(slope, None if follows else m, _)
+    parts = [] if of_fit is None else cards.parts_of(of_fit)
+    made, change = cards.made_of(joint, of_fit, parts, _), None
     if joint is not None and before is not None:
         change = compared(before, joint)
     figures: dict[str, Figure] = {}
@@ -99,17 +81,17 @@ def leg_answers(
         # a group's torque lies beside the leg's only where its zero is known
         healthy = [each for each in norms if "healthy" in each[0].group and model is not None]
         figures["stiffness"] = stiffness_figure(holds, stretches, model, healthy, _)
-    if any(block.kind == "picture" for block in made):
+    if any(each.kind == "picture" for each in made):
         figures["made"] = shares_bar([(_(name), value, ci) for name, value, ci in parts])
-    picture = stiffness_picture(len(holds), len(stretches), zero, _)
-    cards = (
+    picture = cards.stiffness_picture(len(holds), len(stretches), zero, _)
+    sections = (
         (_("How stiff is it?"), (*stiff, picture), "stiff"),
         (_("Tissue, muscle or tendon?"), made, "made"),
-        (_("Did it change?"), change_card(change, visit_angle(joint), _), "change"),
-        (_("Can I trust it?"), (*trust(joint, contradicted, follows=follows, _=_),
-                                *next_trial(joint, holds, stretches, _)), "trust"),
+        (_("Did it change?"), cards.change_card(change, visit_angle(joint), _), "change"),
+        (_("Can I trust it?"), (*cards.trust(joint, contradicted, follows=follows, _=_),
+                                *cards.next_trial(joint, holds, stretches, _)), "trust"),
     )  # fmt: skip
-    return LegAnswers(tuple(SectionBlock(*card, "card") for card in cards), figures, of_fit, at)
+    return LegAnswers(tuple(block.Section(*card, "card") for card in sections), figures, of_fit, at)
 
 
 def first_answer(trials: Sequence[Trial]) -> str:
@@ -118,24 +100,20 @@ def first_answer(trials: Sequence[Trial]) -> str:
     slope = measured_slope(holds, (), AT)
     if slope is None:
         return ""
-    return f"Measured slope of the relaxed ankle: {slope_text(slope, words_in('en'))}."
+    return f"Measured slope of the relaxed ankle: {cards.slope_text(slope, words_in('en'))}."
 
 
 def compared(
-    before: AssessedFit,
-    after: AssessedFit,
-    *,
-    baselines: Sequence[AssessedFit] = (),
-    legs: bool = False,
-    angle: float | None = None,
-) -> Change:
+    before: AssessedFit, after: AssessedFit, *, baselines: Sequence[AssessedFit] = (),
+    legs: bool = False, angle: float | None = None,
+) -> Change:  # fmt: skip
     """The three measures that two visits, or two legs, are compared in.
 
-    `baselines` are further visits from before anything changed; torque and stiffness are compared
-    at `angle` [deg], by default where the second visit measured.
+    `baselines` are visits from before anything changed; `angle` [deg] is by default where the
+    second visit measured.
     """
     at = visit_angle(after) if angle is None else angle
-    names = [name.format(at) for name in COMPARED]
+    names = [name.format(at) for name in cards.COMPARED]
 
     def chosen(fit: AssessedFit) -> Quantities:
         """Fewer looks ask for smaller differences."""

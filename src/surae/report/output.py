@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from surae.files import PathLike, template, write_atomic
-from surae.report.document import Document
+from surae.report import block
 from surae.report.figures import Figure, data_url, png, svg
-from surae.report.traces import Traces, explorer, signals_of
+from surae.report.traces import Traces, plots, signals_of
 from surae.report.typeset import check_report, is_pdf, typeset
 
 __all__ = ["Report", "page_of", "paper_of", "write_blocks"]
@@ -26,7 +26,7 @@ _MANY_LINES = ("torque-", "residual-", "tendon-", "predictions")
 class Report:
     """A report: a page that asks nothing of the outside, a PDF, or a part of another page."""
 
-    document: Document
+    document: block.Document
     figures: Iterable[tuple[str, Figure]]  #: By name; drawn one by one, and only once.
     traces: tuple[Traces, ...] = ()  #: Signals to zoom into; on paper there are none.
 
@@ -52,11 +52,11 @@ class Report:
 
 
 def page_of(
-    document: Document | Mapping[str, Any], images: Mapping[str, str], signals: str = ""
+    document: block.Document | Mapping[str, Any], images: Mapping[str, str], signals: str = ""
 ) -> str:
     """A document as a page, its images data URLs; what `signals` holds can be zoomed into."""
     return template("page.html.j2", "surae.report").render(
-        document=document, images=images, explore=explorer(signals) if signals else None
+        document=document, images=images, explore={**plots(), "data": signals} if signals else None
     )
 
 
@@ -72,25 +72,10 @@ def paper_of(document: Mapping[str, Any], images: Mapping[str, bytes]) -> bytes:
 def write_blocks(
     path: PathLike, *, images: Mapping[str, str], signals: str = "", **document: Any
 ) -> None:
-    """Write a report that is plain data, its images SVG: a PDF where `path` ends so, or a page.
+    """Write a report that is plain data: a PDF where `path` ends so, or a page.
 
-    Parameters
-    ----------
-    path : path
-        Where to.
-    images : mapping of str to str
-        Data URLs by name.
-    signals : str
-        What can be zoomed into.
-    **document
-        The fields of `surae.report.document.Document`.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written, or a PDF needs typst.
-    ComputationError
-        Typst cannot set the PDF.
+    `images` are data URLs of SVG by name; `document` has the fields of
+    `surae.report.block.Document`.
     """
     check_report(path)
     if is_pdf(path):

@@ -6,17 +6,7 @@ from surae.assessment import Assessment, Interval, ParameterEstimate, Verdict
 from surae.estimation import FitResult, Prior
 from surae.formatting import NO_NUMBER, estimate, short, standard_error
 from surae.model.laboratory import group_of
-from surae.report.document import (
-    AnyCell,
-    Block,
-    IntervalBar,
-    SectionBlock,
-    TableBlock,
-    TableCell,
-    TableColumn,
-    TextBlock,
-    verdict,
-)
+from surae.report import block
 from surae.report.provenance import prior_note, prior_span
 from surae.report.wording import FAILED, intervals
 
@@ -31,14 +21,11 @@ _GROUPS = {
 
 def parameters_section(
     result: FitResult, assessment: Assessment, *, next_anchor: str
-) -> SectionBlock:
-    """The table of all parameters, by the part of the torque they act on.
-
-    Weak verdicts lead to `next_anchor`, where it says what to measure.
-    """
+) -> block.Section:
+    """All parameters by the part of the torque they act on; weak ones lead to `next_anchor`."""
     priors, interval = result.problem.priors, assessment.interval
     marginal = interval is Interval.MARGINAL
-    groups: dict[str, list[tuple[AnyCell, ...]]] = {}
+    groups: dict[str, list[tuple[block.AnyCell, ...]]] = {}
     for p in shown_parameters(assessment):
         row = _row(p, priors.get(p.name), next_anchor)
         groups.setdefault(p.group, []).append(row[:3] + row[5:] if marginal else row)
@@ -63,23 +50,27 @@ def parameters_section(
     if priors:
         note += " Thin line below: the prior, one standard deviation to either side."
     heads = [
-        TableColumn("Parameter"), TableColumn("Value", "number value"),
-        TableColumn("95 % interval", "number"),
-        TableColumn("SEM (34)", "number value" if interval is Interval.THESIS else "number"),
-        TableColumn("Robust SEM", "number value" if interval is Interval.ROBUST else "number"),
-        TableColumn("Unit", "unit"), TableColumn("Between its bounds", "where"),
-        TableColumn("Repeatable", "repeat"), TableColumn("Verdict", "judgement", wide=True),
+        block.Heading("Parameter"), block.Heading("Value", "number value"),
+        block.Heading("95 % interval", "number"),
+        block.Heading("SEM (34)", "number value" if interval is Interval.THESIS else "number"),
+        block.Heading("Robust SEM", "number value" if interval is Interval.ROBUST else "number"),
+        block.Heading("Unit", "unit"), block.Heading("Between its bounds", "where"),
+        block.Heading("Repeatable", "repeat"), block.Heading("Verdict", "judgement", wide=True),
     ]  # fmt: skip
-    table = TableBlock(
+    table = block.Grid(
         "Estimates of all parameters with their uncertainty",
         tuple(heads[:3] + heads[5:] if marginal else heads),
         tuple((_GROUPS.get(group, group), tuple(rows)) for group, rows in groups.items()),
         "parameters",
     )
     failed = result.status == "failed"
-    allowed = TextBlock(FAILED, "warning") if failed else TextBlock(intervals(assessment), "note")
-    blocks: tuple[Block, ...] = (TextBlock(note, "note"), *([allowed] * bool(allowed.text)), table)
-    return SectionBlock("Parameters", blocks, "parameters", "page")
+    allowed = block.Text(FAILED, "warning") if failed else block.Text(intervals(assessment), "note")
+    blocks: tuple[block.Block, ...] = (
+        block.Text(note, "note"),
+        *([allowed] * bool(allowed.text)),
+        table,
+    )
+    return block.Section("Parameters", blocks, "parameters", "page")
 
 
 def shown_parameters(assessment: Assessment) -> list[ParameterEstimate]:
@@ -97,7 +88,7 @@ def repeatable(p: ParameterEstimate) -> str:
     return NO_NUMBER if p.ci95_repeat is None else "yes" if p.repeatable else "no"
 
 
-def _row(p: ParameterEstimate, prior: Prior | None, next_anchor: str) -> tuple[AnyCell, ...]:
+def _row(p: ParameterEstimate, prior: Prior | None, next_anchor: str) -> tuple[block.AnyCell, ...]:
     text = estimate(p.value, p.trusted_sem, p.ci95) if p.free else None
     again = ""
     if p.ci95_repeat not in (None, p.ci95):
@@ -108,20 +99,20 @@ def _row(p: ParameterEstimate, prior: Prior | None, next_anchor: str) -> tuple[A
     unsure = p.verdict in (Verdict.WEAK, Verdict.UNDETERMINED)
     bar = _bar(p, prior) if p.free and math.isfinite(p.value) else None
     return (
-        TableCell(p.name, kind="code", meaning=p.meaning),
+        block.Cell(p.name, kind="code", meaning=p.meaning),
         text.value if text else short(p.value),
         text.interval if text else NO_NUMBER,
         standard_error(p.sem),
         standard_error(p.sem_robust),
         "–" if p.unit == "-" else p.unit,
-        TableCell(NO_NUMBER if bar is None else "", bar=bar,
+        block.Cell(NO_NUMBER if bar is None else "", bar=bar,
              under=f"{short(p.lower)} … {short(p.upper)}" if bar else ""),
-        TableCell(repeatable(p), under=again),
-        verdict(p.verdict, why=why, link=next_anchor if unsure else ""),
+        block.Cell(repeatable(p), under=again),
+        block.verdict(p.verdict, why=why, link=next_anchor if unsure else ""),
     )  # fmt: skip
 
 
-def _bar(p: ParameterEstimate, prior: Prior | None) -> IntervalBar:
+def _bar(p: ParameterEstimate, prior: Prior | None) -> block.IntervalBar:
     def place(value: float) -> float:
         return min(max((value - p.lower) / (p.upper - p.lower), 0.0), 1.0)
 
@@ -133,14 +124,9 @@ def _bar(p: ParameterEstimate, prior: Prior | None) -> IntervalBar:
         known = low, median, high
         alt += f", prior from {100 * low:.0f} to {100 * high:.0f} %"
     if p.ci95 is None:
-        return IntervalBar(value, None, None, False, False, known, f"{alt}, no interval")
+        return block.IntervalBar(value, None, None, False, False, known, f"{alt}, no interval")
     low, high = p.ci95
-    return IntervalBar(
-        value,
-        place(low),
-        place(high),
-        low < p.lower,
-        high > p.upper,
-        known,
-        f"{alt}, interval from {100 * place(low):.0f} to {100 * place(high):.0f} %",
+    alt += f", interval from {100 * place(low):.0f} to {100 * place(high):.0f} %"
+    return block.IntervalBar(
+        value, place(low), place(high), low < p.lower, high > p.upper, known, alt
     )

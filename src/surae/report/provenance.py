@@ -8,7 +8,7 @@ from surae.assessment import Assessment
 from surae.estimation import FitResult, Prior
 from surae.formatting import percentage, short, significant
 from surae.quality.numeric import runs
-from surae.report.document import FactsBlock, SectionBlock, facts_of
+from surae.report import block
 from surae.setting import default_of, settings_of
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -142,25 +142,25 @@ def _written(value: Any) -> str:
     return value if isinstance(value, str) else str(value.name)
 
 
-def provenance_section(result: FitResult, versions: Mapping[str, str]) -> SectionBlock:
+def provenance_section(result: FitResult, versions: Mapping[str, str]) -> block.Section:
     """How the fit came about: its settings, the files, what was done to them, and the versions."""
-    return SectionBlock(
+    return block.Section(
         "Settings and provenance",
         (
-            facts_of(fit_settings(result), "settings"),
+            block.facts(fit_settings(result), "settings"),
             *map(_source, result.problem.inputs),
-            SectionBlock("Versions", (facts_of(versions.items()),)),
+            block.Section("Versions", (block.facts(versions.items()),)),
         ),
         "provenance",
         "provenance",
     )
 
 
-def _source(recording: ModelInputs) -> SectionBlock:
+def _source(recording: ModelInputs) -> block.Section:
     """A recording's files, and what was done to it."""
     files = tuple(f"{file.name}, SHA-256 {file.sha256}" for file in recording.files)
     facts = (
         ("Files", files or ("none: the recording was made in memory",)),
         ("Preparation", recording.steps or ("none recorded",)),
     )
-    return SectionBlock(recording.name, (FactsBlock(facts, "settings"),), look="source")
+    return block.Section(recording.name, (block.Facts(facts, "settings"),), look="source")

@@ -8,16 +8,8 @@ from surae.assessment import RecordingQuality, Whiteness
 from surae.assessment.fascicles import FascicleQuality, Fascicles
 from surae.formatting import NO_NUMBER, chance, percentage, short, signed, significant
 from surae.recording.table import sample
+from surae.report import block
 from surae.report.cycles import find_cycles
-from surae.report.document import (
-    Block,
-    PictureBlock,
-    SectionBlock,
-    SignalsBlock,
-    TextBlock,
-    facts_of,
-    paragraphs,
-)
 from surae.report.provenance import excluded_text
 from surae.report.traces import Traces
 from surae.units import FloatArray
@@ -28,7 +20,7 @@ GROUPS = ("Triceps surae", "Tibialis anterior")
 
 def recording_section(
     number: int, quality: RecordingQuality, traces: Traces, white: Whiteness
-) -> SectionBlock:
+) -> block.Section:
     """Describe a recording, its fit and the residual."""
     low, high = float(traces.angle.min()), float(traces.angle.max())
     span = f"{signed(low, 2)} … {signed(high, 2)} rad"
@@ -73,8 +65,8 @@ def recording_section(
         "largest dorsiflexion to the next. "
     )
     residual = (
-        TextBlock(text),
-        PictureBlock(
+        block.Text(text),
+        block.Picture(
             f"residual-{number}",
             f"Residual torque against time, RMS {significant(quality.rmse, 3)} Nm; its "
             f"autocorrelation, {significant(white.lag1, 2)} at the first lag and within the "
@@ -84,11 +76,13 @@ def recording_section(
             width=85,
         ),
     )
-    blocks: list[Block] = [
-        facts_of(facts),
-        *paragraphs(warnings_of(traces), "warning"),
-        SignalsBlock(number, torque_alt, " Grey: left out of the fit." if traces.excluded else ""),
-        PictureBlock(
+    blocks: list[block.Block] = [
+        block.facts(facts),
+        *block.paragraphs(warnings_of(traces), "warning"),
+        block.Explorer(
+            number, torque_alt, " Grey: left out of the fit." if traces.excluded else ""
+        ),
+        block.Picture(
             f"torque-{number}",
             torque_alt,
             f"{over if count else ''}EMG envelopes, ankle angle, measured (wide, pale) and "
@@ -96,12 +90,12 @@ def recording_section(
             "neural (active contraction), inertia and gravity of foot and footplate.",
             "still cycles" if count else "still",
         ),
-        SectionBlock("Residual: measured minus modelled torque", residual, look="residual"),
+        block.Section("Residual: measured minus modelled torque", residual, look="residual"),
     ]
     if traces.tendon is not None:
         blocks.append(_tendons(number))
     blocks += [film_block(f"film-{number}-{place}", f) for place, f in enumerate(traces.films)]
-    return SectionBlock(
+    return block.Section(
         f"Recording: {quality.name}", tuple(blocks), f"recording-{number + 1}", "recording"
     )
 
@@ -129,10 +123,10 @@ def film_lines(name: str, films: Sequence[FascicleQuality]) -> list[str]:
     ]
 
 
-def film_block(name: str, film: Fascicles) -> SectionBlock:
+def film_block(name: str, film: Fascicles) -> block.Section:
     """How well a filmed fascicle is followed, and its figure."""
     lengths = _range(1e3 * film.measured, 1)
-    picture = PictureBlock(
+    picture = block.Picture(
         name,
         f"Measured and modelled torque, fascicle length and tendon stretch against time, and force "
         f"against both. The fascicle goes over {lengths} mm; RMS error "
@@ -141,15 +135,15 @@ def film_block(name: str, film: Fascicles) -> SectionBlock:
         "tendon’s part is the length of the path less the fascicle. Force is the model’s. A drift "
         "of the tracker by 1 to 2 mm is usual.",
     )
-    facts = facts_of(
+    facts = block.facts(
         (label[0].upper() + label[1:], text) for label, text in film_facts(film.quality)
     )
-    return SectionBlock(f"Film: {film.channel} of {film.recording}", (facts, picture), look="film")
+    return block.Section(f"Film: {film.channel} of {film.recording}", (facts, picture), look="film")
 
 
-def _tendons(number: int) -> SectionBlock:
+def _tendons(number: int) -> block.Section:
     """The figure of what muscle and tendon of each group do."""
-    picture = PictureBlock(
+    picture = block.Picture(
         f"tendon-{number}",
         "Muscle length and velocity in optimal lengths, tendon elongation and tendon force "
         "against time, and force against elongation of the fitted tendon, for both groups.",
@@ -159,7 +153,7 @@ def _tendons(number: int) -> SectionBlock:
         "that this recording used (wide, pale).",
         width=64,
     )
-    return SectionBlock("Muscles and tendons", (picture,), look="tendons")
+    return block.Section("Muscles and tendons", (picture,), look="tendons")
 
 
 def _range(values: FloatArray, decimals: int) -> str:

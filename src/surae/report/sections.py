@@ -11,21 +11,10 @@ from surae.estimation import FitResult
 from surae.formatting import NO_NUMBER, percentage, significant
 from surae.model.joint import ANKLE
 from surae.normal import NORMAL
-from surae.report.document import (
-    AnyCell,
-    Block,
-    PictureBlock,
-    SectionBlock,
-    TableBlock,
-    TableCell,
-    TextBlock,
-    columns,
-    rows_of,
-    verdict,
-)
+from surae.report import block
 
 
-def correlation_section(assessment: Assessment) -> SectionBlock:
+def correlation_section(assessment: Assessment) -> block.Section:
     """The correlations of the estimates: the map, and the IPDE."""
     k, ipde = len(assessment.covariance.names), NO_NUMBER
     if assessment.ipde is not None:
@@ -36,15 +25,15 @@ def correlation_section(assessment: Assessment) -> SectionBlock:
         f"Inter-parameter dependency, IPDE, equation (35): {ipde}{note}. What a strongly "
         "correlated pair does together is known better than what each does alone."
     )
-    picture = PictureBlock(
+    picture = block.Picture(
         "correlation", f"Heat map of the correlations of {k} estimated parameters.",
         "Normalised covariance. The darker, the stronger.", "map", width=62,
     )  # fmt: skip
     title = "Correlation of the estimates"
-    return SectionBlock(title, (TextBlock(text), picture), "correlation", "page")
+    return block.Section(title, (block.Text(text), picture), "correlation", "page")
 
 
-def geometry_section(result: FitResult) -> tuple[SectionBlock, ...]:
+def geometry_section(result: FitResult) -> tuple[block.Section, ...]:
     """The geometry that a fit was given, beside the thesis's; nothing for those that have names."""
     table = result.problem.options.geometry
     if isinstance(table, str):
@@ -52,13 +41,13 @@ def geometry_section(result: FitResult) -> tuple[SectionBlock, ...]:
     whose = "this person’s" if result.problem.settings.geometry_of == "person" else "a generic one"
     origin = f" ({table.source})" if table.source else ""
     text = f"Lengths and moment arms are those of {table.name}{origin}, {whose}."
-    picture = PictureBlock(
+    picture = block.Picture(
         "geometry",
         "Moment arm and length of both muscle groups over the angle",
         "Moment arm and change of length over the angle: those given"
         + ", and those of the thesis." * (result.problem.options.anatomy == ANKLE),
     )
-    return (SectionBlock("Geometry", (TextBlock(text), picture), "geometry"),)
+    return (block.Section("Geometry", (block.Text(text), picture), "geometry"),)
 
 
 #: VAF [%] that a prediction may lie below that of the fit before it is worth a word.
@@ -67,7 +56,7 @@ _FALL = 5.0
 
 def predictions_section(
     assessment: Assessment, predictions: Sequence[Prediction]
-) -> tuple[SectionBlock, ...]:
+) -> tuple[block.Section, ...]:
     """How other recordings are predicted: a row and a figure each; nothing where there are none."""
     if not predictions:
         return ()
@@ -85,22 +74,24 @@ def predictions_section(
             " The parameters carry over only in part: they describe the recordings they were "
             "fitted to better than the leg."
         )
-    table = TableBlock(
+    table = block.Grid(
         "How well other recordings are predicted",
-        columns("Recording", "VAF [%]", "RMSE [Nm]", "Bias [Nm]", numbers=(1, 2, 3), wide=(0,)),
-        rows_of(
+        block.columns(
+            "Recording", "VAF [%]", "RMSE [Nm]", "Bias [Nm]", numbers=(1, 2, 3), wide=(0,)
+        ),
+        block.rows(
             (name, percentage(vaf), significant(rmse, 3), significant(bias, 3))
             for name, vaf, rmse, bias in rows
         ),
     )
-    picture = PictureBlock(
+    picture = block.Picture(
         "predictions",
         "Measured and predicted torque of each recording against time.",
         "Torque measured (wide, pale) and predicted with the parameters of this fit (thin, dark).",
         width=85,
     )
-    blocks: tuple[Block, ...] = (TextBlock(text), table, picture)
-    return (SectionBlock("Predicting other recordings", blocks, "predictions", "page"),)
+    blocks: tuple[block.Block, ...] = (block.Text(text), table, picture)
+    return (block.Section("Predicting other recordings", blocks, "predictions", "page"),)
 
 
 #: Directions that are shown at most.
@@ -118,13 +109,13 @@ _NOTE = (
 )
 
 
-def identifiability_section(result: FitResult, assessment: Assessment) -> SectionBlock:
+def identifiability_section(result: FitResult, assessment: Assessment) -> block.Section:
     """Weak combinations, and what each parameter needs; verdicts are the assessment's."""
     title, inflation = "Which parameters this torque separates", variance_inflation(assessment)
     identified = identifiability(result, variance_inflation=inflation.common)
     if not identified.parameters:
-        why = TextBlock("The model gives no finite torque here.")
-        return SectionBlock(title, (why,), "identifiability", "page")
+        why = block.Text("The model gives no finite torque here.")
+        return block.Section(title, (why,), "identifiability", "page")
     weak = [
         direction
         for direction in identified.directions
@@ -135,26 +126,26 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> Sectio
     own = [p for p in identified.parameters.values() if p.name in assessment.parameters]
     text = f"Condition number of the scaled information matrix: {condition}."
     text += _noise(inflation.common, inflation.reason)
-    directions = TableBlock(
+    directions = block.Grid(
         "Combinations of parameters that are known least",
-        columns("Together", "Known to ±", "A change that this torque cannot show", numbers=(1,),
-                wide=(0, 2)),
-        rows_of(map(_direction, shown)),
+        block.columns("Together", "Known to ±", "A change that this torque cannot show",
+                      numbers=(1,), wide=(0, 2)),
+        block.rows(map(_direction, shown)),
         "directions",
         titled=True,
     )  # fmt: skip
-    sensitivity = TableBlock(
+    sensitivity = block.Grid(
         "Influence of every estimated parameter, and what to do about those that are not "
         "identified",
-        columns("Parameter", "Influence δ", "SEM alone", "Widened ×", "Verdict", "What to do",
-                numbers=(1, 2, 3), wide=(5,), looks={5: "why"}),
-        rows_of(_row(p, assessment) for p in sorted(own, key=lambda p: -p.sensitivity)),
+        block.columns("Parameter", "Influence δ", "SEM alone", "Widened ×", "Verdict", "What to do",
+                      numbers=(1, 2, 3), wide=(5,), looks={5: "why"}),
+        block.rows(_row(p, assessment) for p in sorted(own, key=lambda p: -p.sensitivity)),
         "sensitivity",
         titled=True,
     )  # fmt: skip
-    return SectionBlock(
+    return block.Section(
         title,
-        (TextBlock(text), directions, sensitivity, TextBlock(_NOTE, "note")),
+        (block.Text(text), directions, sensitivity, block.Text(_NOTE, "note")),
         "identifiability",
         "page",
     )
@@ -178,16 +169,16 @@ def _direction(direction: Direction) -> tuple[str, str, str]:
     return direction.words, _percent(direction.uncertainty), ", ".join(changes)
 
 
-def _row(parameter: Identified, assessment: Assessment) -> tuple[AnyCell, ...]:
+def _row(parameter: Identified, assessment: Assessment) -> tuple[block.AnyCell, ...]:
     """One parameter: influence, standard error if the others were known, and what widens it."""
     judged = assessment.parameters[parameter.name].verdict
     collinearity = parameter.collinearity
     return (
-        TableCell(parameter.name, kind="code"),
+        block.Cell(parameter.name, kind="code"),
         significant(parameter.sensitivity, 2),
         NO_NUMBER if parameter.alone is None else _percent(parameter.alone),
         NO_NUMBER if collinearity is None else significant(collinearity, 2),
-        verdict(judged),
+        block.verdict(judged),
         "" if judged is Verdict.IDENTIFIED else parameter.advice,
     )
 

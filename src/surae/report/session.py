@@ -9,22 +9,11 @@ from surae.formatting import percentage
 from surae.measures import Measure, Measures
 from surae.model.joint import ANKLE
 from surae.quality import Quality
+from surae.report import block, trials
 from surae.report.budget import budget_of, budget_section
 from surae.report.cards import AssessedFit, is_known, titled
-from surae.report.document import (
-    Document,
-    PictureBlock,
-    SectionBlock,
-    SignalsBlock,
-    TableBlock,
-    TableCell,
-    TableRow,
-    TextBlock,
-    columns,
-    paragraphs,
-    rows_of,
-)
-from surae.report.figures import WIDTH, Figure
+from surae.report.figures import Figure
+from surae.report.figures.cohort import trials_figure
 from surae.report.figures.research import budget_figure
 from surae.report.figures.tendon import film_figure
 from surae.report.figures.torque import fit_figure
@@ -35,16 +24,8 @@ from surae.report.output import Report
 from surae.report.parameters import parameters_section
 from surae.report.recordings import film_block
 from surae.report.traces import traces_of
-from surae.report.trials import (
-    agreement_figure,
-    agreement_section,
-    contradictions,
-    crossed_section,
-    findings_section,
-    trials_section,
-)
 from surae.report.wording import adequacy_words
-from surae.trials import Crossed, Trial, common_errors
+from surae.trials import Crossed, TrialSet, common_errors
 from surae.words import JUDGEMENTS
 
 
@@ -52,9 +33,7 @@ from surae.words import JUDGEMENTS
 class FittedLeg:
     """What a leg's page is made of."""
 
-    name: str  #: Of the session.
-    about: Mapping[str, str | None]  #: Side, date, condition, notes.
-    trials: Sequence[Trial]  #: All of them.
+    session: TrialSet  #: Its trials.
     fits: Mapping[str, AssessedFit]  #: Each trial's own.
     joint: AssessedFit | None  #: That of all together.
     joined: Sequence[str]  #: Trials of the joint fit.
@@ -83,13 +62,10 @@ class FittedLeg:
 def session_report(
     leg: FittedLeg, *, created: datetime, before: AssessedFit | None = None, language: str = "en"
 ) -> Report:
-    """The leg's page: four answers, then details and research, which are in English alone.
-
-    `before` is the fit of an earlier visit.
-    """
+    """The leg's page: four answers, then details and research, which are in English alone."""
     _, shown = words_in(language), leg.shown
-    contradicted = contradictions(leg.alone, leg.together)
-    answers = leg_answers(leg.trials, leg.fits, shown, _, contradicted=tuple(contradicted),
+    contradicted = trials.contradictions(leg.alone, leg.together)
+    answers = leg_answers(leg.session.trials, leg.fits, shown, _, contradicted=tuple(contradicted),
                           before=before)  # fmt: skip
     figures = dict(answers.figures)
     if language == "en":
@@ -102,14 +78,14 @@ def session_report(
     footer = _("Made by surae for research.")
     if language != "en":
         footer += " " + _("Trials, checks and fits are in the report in English.")
-    document = Document(
-        kicker=_about(leg.about, _),
-        heading=leg.name,
+    document = block.Document(
+        kicker=_about(leg.session, _),
+        heading=leg.session.name,
         under=f"{_summary(leg, _)} {written}",
-        title=leg.name,
+        title=leg.session.name,
         blocks=(
-            *paragraphs(_warnings(leg, _), "warning"),
-            SectionBlock("", answers.cards, look="leg"),
+            *block.paragraphs(_warnings(leg, _), "warning"),
+            block.Section("", answers.cards, look="leg"),
             *rest,
         ),
         footer=footer,
@@ -127,18 +103,24 @@ def _details(
     answers: LegAnswers,
     contradicted: Mapping[str, list[str]],
     figures: dict[str, Figure],
-) -> tuple[SectionBlock, ...]:
+) -> tuple[block.Section, ...]:
     """Details and research; their figures are added to `figures`."""
     shown, _ = leg.shown, words_in("en")
     details = [
-        trials_section(leg.trials, leg.alone, leg.failed, leg.quality, leg.joint_predictions)
+        trials.trials_section(
+            leg.session.trials, leg.alone, leg.failed, leg.quality, leg.joint_predictions
+        )
     ]
-    research: list[SectionBlock] = []
+    research: list[block.Section] = []
     if shown is not None:
         r2 = [f"R² {percentage(each.r2)} %" for each in shown[1].recordings]
         figures["torques"] = fit_figure(shown[0], r2)
-        details.append(_torques_section())
-        details.append(SectionBlock("The fit", (adequacy_words(shown[1].adequacy),), "fit"))
+        picture = block.Picture(
+            "torques", "Measured torque of each trial, and the model’s.",
+            "Measured torque (wide, pale) and the model’s (thin, dark), with its R².", "here",
+        )  # fmt: skip
+        details.append(block.Section("Torque", (picture,), "torques"))
+        details.append(block.Section("The fit", (adequacy_words(shown[1].adequacy),), "fit"))
         if answers.measures is not None:
             details.append(_in_words(answers.measures, answers.at, _))
             research.append(_other_measures(answers.measures))
@@ -151,39 +133,31 @@ def _details(
         if budget.rows:
             figures["budget"] = budget_figure(budget)
         research += [parameters_section(*shown, next_anchor=""), budget_section(budget)]
-    details.append(findings_section(leg.quality))
+    details.append(trials.findings_section(leg.quality))
     if leg.fits:
-        figures["trials"] = agreement_figure(leg.alone, leg.together, width=WIDTH)
-        research.append(agreement_section(contradicted))
+        figures["trials"] = trials_figure(leg.alone, leg.together, disputed=contradicted)
+        research.append(trials.agreement_section(contradicted))
     if leg.predictions:
-        research.append(crossed_section(leg.predictions, leg.joint_predictions, leg.trials))
+        research.append(
+            trials.crossed_section(leg.predictions, leg.joint_predictions, leg.session.trials)
+        )
     if leg.joined:
         blocks = tuple(
-            SignalsBlock(number, f"Signals of {name}, and the model’s torque", summary=name)
+            block.Explorer(number, f"Signals of {name}, and the model’s torque", summary=name)
             for number, name in enumerate(leg.joined)
         )
-        research.append(SectionBlock("Signals", blocks, "signals", "explorer"))
+        research.append(block.Section("Signals", blocks, "signals", "explorer"))
     return (
-        SectionBlock("Details", tuple(details), "details", "more"),
-        SectionBlock("Research", tuple(research), "research", "more"),
+        block.Section("Details", tuple(details), "details", "more"),
+        block.Section("Research", tuple(research), "research", "more"),
     )
-
-
-def _torques_section() -> SectionBlock:
-    picture = PictureBlock(
-        "torques",
-        "Measured torque of each trial, and the model’s.",
-        "Measured torque (wide, pale) and the model’s (thin, dark), with its R².",
-        "here",
-    )
-    return SectionBlock("Torque", (picture,), "torques")
 
 
 def _has_words(m: Measure) -> bool:
     return m.name.partition("@")[0] in MEASURES
 
 
-def _in_words(of_fit: Measures, at: float, _: Words) -> SectionBlock:
+def _in_words(of_fit: Measures, at: float, _: Words) -> block.Section:
     """The measures that a clinician reads, at an angle [deg] or at none."""
     order = list(MEASURES)
     chosen = [
@@ -195,22 +169,22 @@ def _in_words(of_fit: Measures, at: float, _: Words) -> SectionBlock:
     rows = (
         (
             titled(m, _),
-            TableCell(*_.estimate(m.value or 0.0, m.ci95)),
+            block.Cell(*_.estimate(m.value or 0.0, m.ci95)),
             _(JUDGEMENTS[m.verdict].plain),
         )
         for m in chosen
     )
-    heads = columns("", _("Value (95 %)"), _("Judgement"), numbers=(1,), wide=(0,))
-    table = TableBlock(_("The numbers"), heads, rows_of(rows))
-    return SectionBlock(_("The numbers"), (table,), "measures")
+    heads = block.columns("", _("Value (95 %)"), _("Judgement"), numbers=(1,), wide=(0,))
+    table = block.Grid(_("The numbers"), heads, block.rows(rows))
+    return block.Section(_("The numbers"), (table,), "measures")
 
 
-def _other_measures(of_fit: Measures) -> SectionBlock:
+def _other_measures(of_fit: Measures) -> block.Section:
     """Every other measure that is known, and how many are not."""
     every, _ = list(of_fit.values()), words_in("en")
-    rows: Iterator[TableRow] = (
+    rows: Iterator[block.Row] = (
         (
-            TableCell(m.name, kind="code", meaning=m.meaning),
+            block.Cell(m.name, kind="code", meaning=m.meaning),
             *_.estimate(m.value or 0.0, m.ci95),
             "" if m.unit == "-" else m.unit,
             _(JUDGEMENTS[m.verdict].plain),
@@ -218,18 +192,19 @@ def _other_measures(of_fit: Measures) -> SectionBlock:
         for m in every
         if is_known(m) and not _has_words(m)
     )
-    heads = columns("Measure", "Value", "95 % interval", "Unit", "", numbers=(1, 2), wide=(0,))
+    heads = block.columns(
+        "Measure", "Value", "95 % interval", "Unit", "", numbers=(1, 2), wide=(0,)
+    )
     unknown = sum(not is_known(m) for m in every)
     note = f"{unknown} measures are not known from these trials; surae measures lists why."
-    table = TableBlock("Other measures that are known", heads, rows_of(rows))
-    return SectionBlock("Other measures", (table, TextBlock(note, "note")), "other-measures")
+    table = block.Grid("Other measures that are known", heads, block.rows(rows))
+    return block.Section("Other measures", (table, block.Text(note, "note")), "other-measures")
 
 
-def _about(about: Mapping[str, str | None], _: Words) -> str:
+def _about(session: TrialSet, _: Words) -> str:
     """Which leg, when and how."""
-    sides = {"left": _("left leg"), "right": _("right leg")}
-    side = sides.get(about.get("side") or "", "")
-    return ", ".join(filter(None, (side, *(v for key, v in about.items() if key != "side"))))
+    side = {"left": _("left leg"), "right": _("right leg")}.get(session.side or "", "")
+    return ", ".join(filter(None, (side, session.date, session.condition, session.notes)))
 
 
 def _warnings(leg: FittedLeg, _: Words) -> Iterable[str]:
@@ -255,11 +230,11 @@ def _summary(leg: FittedLeg, _: Words) -> str:
     if leg.joined:
         uses[0] += " " + _("({n} together)", n=str(len(leg.joined)))
     for message, count in (
-        (_("{n} held still"), sum(t.use == "hold" for t in leg.trials)),
-        (_("{n} of maximal effort"), sum(t.effort == "maximal" for t in leg.trials)),
-        (_("{n} not used"), sum(bool(t.problem) for t in leg.trials)),
+        (_("{n} held still"), sum(t.use == "hold" for t in leg.session.trials)),
+        (_("{n} of maximal effort"), sum(t.effort == "maximal" for t in leg.session.trials)),
+        (_("{n} not used"), sum(bool(t.problem) for t in leg.session.trials)),
     ):
         if count:
             uses.append(message.format(n=count))
-    return _.many("{n} trial: {uses}.", "{n} trials: {uses}.", len(leg.trials),
+    return _.many("{n} trial: {uses}.", "{n} trials: {uses}.", len(leg.session.trials),
                   uses=", ".join(uses))  # fmt: skip

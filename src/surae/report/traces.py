@@ -72,14 +72,8 @@ def traces_of(result: FitResult) -> tuple[Traces, ...]:
     ]
     return tuple(
         Traces(
-            name=recording.name,
-            rate_hz=recording.rate_hz,
-            time=recording.time,
-            emg=recording.emg,
-            emg_unit=recording.emg_unit,
-            missing_emg=recording.missing_emg,
-            angle=recording.angle,
-            measured=recording.torque,
+            recording.name, recording.rate_hz, recording.time, recording.emg, recording.emg_unit,
+            recording.missing_emg, recording.angle, recording.torque,
             modelled=read_only(recording.torque - residual),
             parts=simulator.parts(vector),
             tendon=simulator.tendon(vector),
@@ -89,7 +83,7 @@ def traces_of(result: FitResult) -> tuple[Traces, ...]:
         )
         for (recording, simulator), residual in zip(tied, result.residuals, strict=True)
         if recording.torque is not None
-    )
+    )  # fmt: skip
 
 
 IndexArray = npt.NDArray[np.intp]
@@ -101,19 +95,9 @@ POINTS = 4000
 def min_max(
     time: FloatArray, values: FloatArray, points: int = POINTS
 ) -> tuple[FloatArray, FloatArray]:
-    """The smallest and the largest sample of each of `points`/2 equal stretches, and both ends.
+    """The least and greatest sample of each of `points`/2 equal stretches, and both ends.
 
-    Parameters
-    ----------
-    time, values : ndarray, shape (n,)
-        A signal.
-    points : int
-        A signal of no more samples is returned as it is.
-
-    Returns
-    -------
-    tuple of ndarray
-        Times and values of the samples that were kept, in order; at most `points` + 2 of them.
+    A signal of no more samples is returned as it is.
     """
     if len(values) <= points:
         return time, values
@@ -124,18 +108,8 @@ def min_max(
 def extremes(signals: Sequence[FloatArray], points: int = POINTS) -> IndexArray:
     """Which samples to show of signals with common instants, so that none loses a peak.
 
-    Parameters
-    ----------
-    signals : sequence of ndarray, shape (n,)
-        The signals whose peaks must stay; others can be shown at the same samples.
-    points : int
-        Of signals of no more samples all are shown.
-
-    Returns
-    -------
-    ndarray of int
-        Where any signal is smallest or largest within each of equal stretches, and both ends; in
-        order, at most `points` + 2.
+    Where any signal is least or greatest within each of equal stretches, and both ends: at most
+    `points` + 2.
     """
     n = len(signals[0])
     if n <= points:
@@ -155,18 +129,8 @@ _POINTS, _FEWEST = 12_000, 1500
 _STEPS = 65534
 
 
-@dataclass(frozen=True, slots=True)
-class Explorer:
-    """What the page needs for its plots."""
-
-    data: str  #: JSON of the signals, without any sign that could end an element of the page.
-    scripts: tuple[str, ...]  #: The scripts, to stand in the page as they are.
-    style: str  #: The plots' style sheet.
-    policy: str  #: The scripts' hashes: the page runs these and no others.
-
-
 def signals_of(recordings: Sequence[Traces]) -> str:
-    """The signals of every recording of a fit, as the plots read them; empty without any."""
+    """JSON of every recording's signals, with no sign that ends an element; empty without any."""
     if not recordings:
         return ""
     points = max(_POINTS // len(recordings), _FEWEST)
@@ -174,41 +138,29 @@ def signals_of(recordings: Sequence[Traces]) -> str:
     return data.replace("<", "\\u003c")
 
 
-def explorer(signals: str) -> Explorer:
-    """The plots of signals."""
-    scripts, style = _vendored()
-    hashes = (hashlib.sha256(script.encode()).digest() for script in scripts)
-    policy = " ".join(f"'sha256-{base64.b64encode(each).decode()}'" for each in hashes)
-    return Explorer(signals, scripts, style, policy)
-
-
 @cache
-def _vendored() -> tuple[tuple[str, ...], str]:
-    """The library of the plots, which the workbench has too, and the script that uses it."""
+def plots() -> dict[str, Any]:
+    """Scripts and style sheet of the plots; the page runs no others."""
     package = files("surae.report") / "static"
     library, own = package / "vendor" / "uplot", package / "explore.js"
-    scripts = tuple(
+    scripts = [
         path.read_text(encoding="utf-8").strip() for path in (library / "uPlot.iife.min.js", own)
-    )
-    return scripts, (library / "uPlot.min.css").read_text(encoding="utf-8").strip()
+    ]
+    style = (library / "uPlot.min.css").read_text(encoding="utf-8").strip()
+    hashes = (_base64(hashlib.sha256(script.encode()).digest()) for script in scripts)
+    policy = " ".join(f"'sha256-{each}'" for each in hashes)
+    return {"scripts": scripts, "style": style, "policy": policy}
 
 
 def _recording(traces: Traces, points: int) -> dict[str, Any]:
-    parts = traces.parts
+    names = ("tissue", "neural", "inertial", "gravitational", "reflex", "zero")
+    parts = [(n, values) for n in names if (values := getattr(traces.parts, n)) is not None]
     volts = traces.emg_unit == "V"
     muscles = [muscle for muscle in MUSCLES if muscle not in traces.missing_emg]
     panels: list[tuple[str, str, list[tuple[str, FloatArray]]]] = [
         ("Torque", "Nm", [("measured", traces.measured), ("modelled", traces.modelled)]),
         ("Residual", "Nm", [("measured minus modelled", traces.residual)]),
-        (
-            "Parts of the modelled torque",
-            "Nm",
-            [
-                (name, values)
-                for name in ("tissue", "neural", "inertial", "gravitational", "reflex", "zero")
-                if (values := getattr(parts, name)) is not None
-            ],
-        ),
+        ("Parts of the modelled torque", "Nm", parts),
         ("Ankle angle", "°", [("angle", np.degrees(traces.angle))]),
     ]
     if muscles:
@@ -244,5 +196,5 @@ def _packed(values: FloatArray) -> tuple[float, float, str]:
     return low, high, _base64(steps.astype("<u2"))
 
 
-def _base64(numbers: "np.ndarray[Any, Any]") -> str:
-    return base64.b64encode(numbers.tobytes()).decode()
+def _base64(numbers: "bytes | np.ndarray[Any, Any]") -> str:
+    return base64.b64encode(bytes(numbers)).decode()

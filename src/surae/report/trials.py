@@ -1,28 +1,13 @@
 """The trials of a session as tables: what each is, how fits follow it, what was found in it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from surae.assessment import Assessment
 from surae.formatting import NO_NUMBER, percentage, signed
 from surae.quality import SEVERITIES, Finding, Quality
-from surae.report.document import (
-    Block,
-    PictureBlock,
-    SectionBlock,
-    TableBlock,
-    TableCell,
-    TableRow,
-    TextBlock,
-    columns,
-    paragraphs,
-    rows_of,
-)
-from surae.report.figures import Figure
-from surae.report.figures.cohort import trials_figure
-from surae.report.parameters import shown_parameters
+from surae.report import block
 from surae.trials import Crossed, Trial
 
 _USES = {
@@ -33,21 +18,10 @@ _USES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class TrialWords:
-    """One trial in words."""
-
-    what: str
-    why: str
-    use: str
-    problem: str
-
-
-def trial_words(trial: Trial) -> TrialWords:
-    """What a trial is and is used for; what is not known is left open."""
+def trial_words(trial: Trial) -> tuple[str, str]:
+    """What a trial is, a dash where that is not known, and what it is used for."""
     what = f"{trial.effort}, {'moves' if trial.moves else 'holds still'}"
-    what = what if trial.why else NO_NUMBER
-    return TrialWords(what, trial.why, _USES[trial.use], trial.problem)
+    return what if trial.why else NO_NUMBER, _USES[trial.use]
 
 
 def trials_section(
@@ -56,28 +30,28 @@ def trials_section(
     failed: Mapping[str, str],
     quality: Mapping[str, Quality],
     joint: Mapping[str, Crossed],
-) -> SectionBlock:
+) -> block.Section:
     """What each trial is, how its own fit and that of all together follow it."""
-    rows = rows_of(
+    rows = block.rows(
         _trial(t, alone.get(t.name), joint.get(t.name), failed.get(t.name, ""), quality.get(t.name))
         for t in trials
     )
-    heads = columns("Trial", "What it is", "Used for", "Check", "Alone, R² [%]",
-                    "All together, R² [%]", numbers=(4, 5), wide=(1,),
-                    looks={0: "column", 1: "what"})  # fmt: skip
+    heads = block.columns("Trial", "What it is", "Used for", "Check", "Alone, R² [%]",
+                          "All together, R² [%]", numbers=(4, 5), wide=(1,),
+                          looks={0: "column", 1: "what"})  # fmt: skip
     note = (
         "R² says how well changes of the torque are followed; a hold has none. Shaded: the trial "
         "was in the fit, so that following it proves nothing."
     )
-    table = TableBlock("What each trial is, and how it is followed", heads, rows)
+    table = block.Grid("What each trial is, and how it is followed", heads, rows)
     holds = [t for t in trials if t.hold is not None]
-    blocks: list[Block] = [table, TextBlock(note, "note")]
+    blocks: list[block.Block] = [table, block.Text(note, "note")]
     if holds:
-        heads = columns("Held", "Effort", "Angle [°]", "Torque [Nm]", "Predicted [Nm]",
-                        numbers=(2, 3, 4))  # fmt: skip
-        points = rows_of(_hold(t, joint.get(t.name)) for t in holds)
-        blocks.append(TableBlock("Torque of trials that hold still", heads, points))
-    return SectionBlock("Trials", tuple(blocks), "trials")
+        heads = block.columns("Held", "Effort", "Angle [°]", "Torque [Nm]", "Predicted [Nm]",
+                              numbers=(2, 3, 4))  # fmt: skip
+        points = block.rows(_hold(t, joint.get(t.name)) for t in holds)
+        blocks.append(block.Grid("Torque of trials that hold still", heads, points))
+    return block.Section("Trials", tuple(blocks), "trials")
 
 
 def _trial(
@@ -86,18 +60,18 @@ def _trial(
     joint: Crossed | None,
     failed: str,
     checked: Quality | None,
-) -> TableRow:
-    words, worst = trial_words(trial), "" if checked is None else checked.worst
+) -> block.Row:
+    (what, use), worst = trial_words(trial), "" if checked is None else checked.worst
     badge = (f"severity {worst}", worst) if worst in ("error", "warning") else None
-    r2 = TableCell(NO_NUMBER)
+    r2 = block.Cell(NO_NUMBER)
     if alone is not None:
         grade = str(alone.adequacy.grade)
-        r2 = TableCell(percentage(alone.adequacy.r2), grade, grade)
+        r2 = block.Cell(percentage(alone.adequacy.r2), grade, grade)
     return (
         trial.name,
-        TableCell(words.what, meaning=words.problem or failed or words.why),
-        words.use,
-        TableCell(badge=badge, meaning=NO_NUMBER if checked is None else checked.summary),
+        block.Cell(what, meaning=trial.problem or failed or trial.why),
+        use,
+        block.Cell(badge=badge, meaning=NO_NUMBER if checked is None else checked.summary),
         r2,
         _cell(joint),
     )
@@ -120,7 +94,7 @@ def crossed_section(
     predictions: Mapping[str, Mapping[str, Crossed]],
     joint: Mapping[str, Crossed],
     trials: Sequence[Trial],
-) -> SectionBlock:
+) -> block.Section:
     """How the fit of each trial predicts the others."""
     note = (
         "R² [%] with which the parameters of a row’s trial predict the torque of a column’s; below "
@@ -129,47 +103,36 @@ def crossed_section(
         "doubtful, inadequate: less, or far less."
     )
     moving = [trial.name for trial in trials if trial.moves and not trial.problem]
-    heads = columns("Parameters of", *moving, looks={0: "column"} | {
+    heads = block.columns("Parameters of", *moving, looks={0: "column"} | {
         k + 1: "number column" for k in range(len(moving))})  # fmt: skip
-    rows = rows_of((name, *cells) for name, cells in crossings(predictions, joint, trials))
-    table = TableBlock("Cross-prediction", heads, rows, "small", repeated=1)
-    return SectionBlock("Each predicted by the others", (TextBlock(note, "note"), table), "crossed")
+    every = {**predictions, **({"all together": joint} if joint else {})}
+    rows = block.rows(
+        (name, *(_cell(row.get(predicted)) for predicted in moving)) for name, row in every.items()
+    )
+    table = block.Grid("Cross-prediction", heads, rows, "small", repeated=1)
+    return block.Section(
+        "Each predicted by the others", (block.Text(note, "note"), table), "crossed"
+    )
 
 
-def crossings(
-    predictions: Mapping[str, Mapping[str, Crossed]],
-    joint: Mapping[str, Crossed],
-    trials: Sequence[Trial],
-) -> tuple[tuple[str, tuple[TableCell, ...]], ...]:
-    """Whose fit, and how it follows each trial that moves."""
-    names = [trial.name for trial in trials if trial.moves and not trial.problem]
-    rows = [
-        (n, tuple(_cell(row.get(predicted)) for predicted in names))
-        for n, row in predictions.items()
-    ]
-    if joint:
-        rows.append(("all together", tuple(_cell(joint.get(predicted)) for predicted in names)))
-    return tuple(rows)
-
-
-def _cell(crossed: Crossed | None) -> TableCell:
+def _cell(crossed: Crossed | None) -> block.Cell:
     """How a trial is followed: R², or where its torque hardly changes nothing but the bias."""
     if crossed is None or crossed.rmse is None:
-        return TableCell(NO_NUMBER, "" if crossed is None else crossed.reason)
+        return block.Cell(NO_NUMBER, "" if crossed is None else crossed.reason)
     bias = NO_NUMBER if crossed.bias is None else signed(crossed.bias, 1)
     text = NO_NUMBER if crossed.r2 is None else percentage(crossed.r2)
     under = ", ".join(filter(None, (crossed.grade, f"bias {bias} Nm")))
-    return TableCell(text, under, "own" if crossed.fitted else crossed.grade)
+    return block.Cell(text, under, "own" if crossed.fitted else crossed.grade)
 
 
-def findings_section(quality: Mapping[str, Quality]) -> SectionBlock:
+def findings_section(quality: Mapping[str, Quality]) -> block.Section:
     """Each finding once, with the recordings that have it; and what could not be checked."""
     found: dict[tuple[int, str], list[tuple[str, Finding]]] = {}
     for name, checked in quality.items():
         for finding in checked.findings:
             place = SEVERITIES.index(finding.severity)
             found.setdefault((-place, finding.code), []).append((name, finding))
-    rows: list[TableRow] = []
+    rows: list[block.Row] = []
     for (_, code), those in sorted(found.items(), key=lambda item: item[0]):
         names, first = list(dict.fromkeys(name for name, _ in those)), those[0][1]
         where = f"{len(names)} trials: {', '.join(names)}"
@@ -178,24 +141,24 @@ def findings_section(quality: Mapping[str, Quality]) -> SectionBlock:
         others = len({finding.message for _, finding in those}) - 1
         more = f" (and {others} alike)" if others else ""
         badge = (f"severity {first.severity}", first.severity)
-        mark = TableCell(code, kind="code", badge=badge, under=where, meaning=first.channel or "")
-        rows.append((mark, TableCell(f"{first.message}{more}", why=first.advice)))
-    table = TableBlock("What was found in the recordings", columns("", "", wide=(1,)),
-                       rows_of(rows), "findings")  # fmt: skip
-    blocks: list[Block] = [table if rows else TextBlock("Nothing was found.")]
+        mark = block.Cell(code, kind="code", badge=badge, under=where, meaning=first.channel or "")
+        rows.append((mark, block.Cell(f"{first.message}{more}", why=first.advice)))
+    table = block.Grid("What was found in the recordings", block.columns("", "", wide=(1,)),
+                       block.rows(rows), "findings")  # fmt: skip
+    blocks: list[block.Block] = [table if rows else block.Text("Nothing was found.")]
     skipped = {
         f"{s.check} ({s.reason.rstrip('.')})": None
         for each in quality.values()
         for s in each.skipped
     }
     if skipped:
-        blocks.append(TextBlock(f"Not checked: {'; '.join(skipped)}", "note"))
-    return SectionBlock("Checks", tuple(blocks), "checks")
+        blocks.append(block.Text(f"Not checked: {'; '.join(skipped)}", "note"))
+    return block.Section("Checks", tuple(blocks), "checks")
 
 
-def agreement_section(contradicted: Mapping[str, list[str]]) -> SectionBlock:
+def agreement_section(contradicted: Mapping[str, list[str]]) -> block.Section:
     """Every parameter in every fit, as a figure; what is contradicted is said in words."""
-    picture = PictureBlock(
+    picture = block.Picture(
         "trials",
         "Each parameter by trial with its 95 % interval; the band is that of all together.",
         "Each parameter by trial, with its 95 % interval: dark where it is identified and no trial "
@@ -203,7 +166,7 @@ def agreement_section(contradicted: Mapping[str, list[str]]) -> SectionBlock:
         "bounds of the search; table.csv has the numbers. Agreement between trials does not "
         "exclude a shared bias.",
     )
-    warnings = paragraphs(
+    warnings = block.paragraphs(
         (
             f"{parameter}: {', '.join(apart)} and all together contradict each other; their 95 % "
             "intervals do not touch. Neither value can be trusted."
@@ -211,18 +174,7 @@ def agreement_section(contradicted: Mapping[str, list[str]]) -> SectionBlock:
         ),
         "warning",
     )
-    return SectionBlock("Parameters by trial", (*warnings, picture), "by-trial", "page")
-
-
-def agreement_figure(
-    alone: Mapping[str, Assessment], joint: Assessment | None, *, width: float
-) -> Figure:
-    """Every parameter by trial, with its interval; that of all together as a band."""
-    every = (*([] if joint is None else [joint]), *alone.values())
-    names = dict.fromkeys(p.name for fit in every for p in shown_parameters(fit) if p.free)
-    return trials_figure(
-        list(names), alone, joint, disputed=contradictions(alone, joint), width=width
-    )
+    return block.Section("Parameters by trial", (*warnings, picture), "by-trial", "page")
 
 
 def contradictions(

@@ -3,6 +3,7 @@
 import json
 import os
 from collections.abc import Callable, Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -12,26 +13,13 @@ from surae.files import PathLike, shown
 
 def has_typst() -> bool:
     """Whether typst is installed."""
-    try:
-        import typst  # noqa: F401
-    except ImportError:
-        return False
-    return True
-
-
-def require_typst() -> None:
-    """Refuse to make a PDF where nothing can set it."""
-    if not has_typst():
-        raise InputError(
-            'a PDF needs typst: pip install "surae[pdf]" installs it; the HTML report needs nothing'
-        )
+    return find_spec("typst") is not None
 
 
 def typeset(template: bytes, folder: Path, content: Mapping[str, Any]) -> bytes:
-    """The PDF that a template makes of plain data.
+    """The PDF that a template makes of plain data, with the images in `folder`.
 
-    The template is Typst's markup; it reads `content`, what JSON can hold, as data: no text in it
-    is ever markup. Its images are in `folder`.
+    The template is Typst's markup; it reads `content` as data: no text in it is ever markup.
 
     Raises
     ------
@@ -60,11 +48,6 @@ def is_pdf(path: PathLike) -> bool:
 def check_report(path: PathLike | None) -> None:
     """Refuse a report that could not be made, before the work instead of after it.
 
-    Parameters
-    ----------
-    path : path or None
-        Where it shall be written; None: nowhere.
-
     Raises
     ------
     InputError
@@ -75,5 +58,7 @@ def check_report(path: PathLike | None) -> None:
     ending = Path(path).suffix.lower()
     if ending not in ("", ".html", ".htm", ".pdf"):
         raise InputError(f"{shown(path)}: a report is a page or a PDF; give .html or .pdf")
-    if is_pdf(path):
-        require_typst()
+    if is_pdf(path) and not has_typst():
+        raise InputError(
+            'a PDF needs typst: pip install "surae[pdf]" installs it; the HTML report needs nothing'
+        )

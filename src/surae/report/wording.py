@@ -4,7 +4,7 @@ from surae.assessment import Assessment, Interval
 from surae.assessment.adequacy import Adequacy, Grade
 from surae.estimation import FitResult
 from surae.formatting import percentage
-from surae.report.document import AdequacyWords
+from surae.report import block
 from surae.report.provenance import emphasis_text
 
 #: A mark that is told from the others without colour, and what a grade means to the reader.
@@ -26,10 +26,10 @@ _WORDS = {
 }
 
 
-def adequacy_words(adequacy: Adequacy) -> AdequacyWords:
+def adequacy_words(adequacy: Adequacy) -> block.AdequacyWords:
     """Say what a fit is good for; the same words on screen, on paper and in the workbench."""
     mark, sentence = _WORDS[adequacy.grade]
-    return AdequacyWords(
+    return block.AdequacyWords(
         grade=str(adequacy.grade),
         mark=mark,
         sentence=sentence.format(r2=percentage(adequacy.r2)),

@@ -16,22 +16,7 @@ from surae.signals.settings import Preparation
 from surae.signals.weighting import Weighting, weighted
 
 __all__ = [
-    "EmgReference",
-    "Film",
-    "ModelInputs",
-    "Preparation",
-    "Weighting",
-    "check_estimable",
-    "emg_levels",
-    "emg_reference",
-    "inputs_as_given",
-    "normalise",
-    "normalised",
-    "prepare",
-    "quiet_levels",
-    "smooth_effort",
-    "steady_emg",
-    "thinned",
-    "thinning_factor",
-    "weighted",
-]
+    "EmgReference", "Film", "ModelInputs", "Preparation", "Weighting", "check_estimable",
+    "emg_levels", "emg_reference", "inputs_as_given", "normalise", "normalised", "prepare",
+    "quiet_levels", "smooth_effort", "steady_emg", "thinned", "thinning_factor", "weighted",
+]  # fmt: skip

@@ -20,7 +20,7 @@ from surae.errors import InputError
 from surae.units import FloatArray
 
 Ends = Literal["odd", "even"]
-_Kind = Literal["lowpass", "highpass", "bessel"]
+Kind = Literal["lowpass", "highpass", "bessel"]
 
 #: A cut-off must lie below this fraction of the sampling rate.
 HIGHEST_CUTOFF = 0.45
@@ -36,58 +36,15 @@ _MEMORY = 1e-4
 _HALF = math.sqrt(2.0) - 1.0
 
 
-def butterworth(
-    values: FloatArray,
-    rate_hz: float,
-    cutoff_hz: float,
-    order: int,
-    kind: Literal["lowpass", "highpass"],
-    *,
-    ends: Ends = "odd",
-    where: str = "signal",
-) -> FloatArray:
-    """Zero-phase Butterworth filter; `cutoff_hz` is the −3 dB point of both passes together.
+def zero_phase(
+    kind: Kind, values: FloatArray, rate_hz: float, cutoff_hz: float, order: int, *,
+    ends: Ends = "odd", where: str = "signal",
+) -> FloatArray:  # fmt: skip
+    """A Butterworth filter, or a Bessel low-pass, which does not overshoot at a step.
 
-    `order` is that of one pass; `ends` says how the signal is extended, reflected about its end
-    point or mirrored; the message of an error begins with `where`.
+    `cutoff_hz` is the −3 dB point of both passes together, `order` that of one; `ends` says how the
+    signal is extended, reflected about its end point or mirrored; `where` begins an error.
     """
-    return _both_ways(kind, values, rate_hz, cutoff_hz, order, ends, where)
-
-
-def bessel_lowpass(
-    values: FloatArray, rate_hz: float, cutoff_hz: float, order: int, *, where: str = "signal"
-) -> FloatArray:
-    """Zero-phase Bessel low-pass: no overshoot at a step. Parameters as of `butterworth`."""
-    return _both_ways("bessel", values, rate_hz, cutoff_hz, order, "odd", where)
-
-
-def antialias(
-    values: FloatArray,
-    rate_hz: float,
-    target_hz: float,
-    *,
-    ends: Ends = "odd",
-    where: str = "signal",
-) -> FloatArray:
-    """Low-pass before the signal is sampled at `target_hz`. Parameters as of `butterworth`.
-
-    Gain of the 10th-order Butterworth, both passes, as a fraction of the target rate: within 1e-6
-    of one up to 0.2 (20 Hz at 100 Hz), −3 dB at 0.4, at most −60 dB from 0.6 on.
-    """
-    cutoff = ANTIALIAS_PASS * target_hz
-    return _both_ways("lowpass", values, rate_hz, cutoff, ANTIALIAS_ORDER, ends, where)
-
-
-def _both_ways(
-    kind: _Kind,
-    values: FloatArray,
-    rate_hz: float,
-    cutoff_hz: float,
-    order: int,
-    ends: Ends,
-    where: str,
-) -> FloatArray:
-    """Run a filter forward and backward over the extended signal."""
     from scipy.signal import sosfiltfilt
 
     if cutoff_hz >= HIGHEST_CUTOFF * rate_hz:
@@ -102,12 +59,24 @@ def _both_ways(
             f"{where}: {len(values)} samples ({len(values) / rate_hz:.3g} s) are too few for a "
             f"filter at {cutoff_hz:g} Hz; record at least {(memory + 1) / rate_hz:.3g} s"
         )
-    filtered: FloatArray = sosfiltfilt(sections, values, padtype=ends, padlen=memory)
-    return filtered
+    return np.asarray(sosfiltfilt(sections, values, padtype=ends, padlen=memory))
+
+
+def antialias(
+    values: FloatArray, rate_hz: float, target_hz: float, *, ends: Ends = "odd",
+    where: str = "signal",
+) -> FloatArray:  # fmt: skip
+    """Low-pass before the signal is sampled at `target_hz`; ends and errors as of `zero_phase`.
+
+    Gain of the 10th-order Butterworth, both passes, as a fraction of the target rate: within 1e-6
+    of one up to 0.2 (20 Hz at 100 Hz), −3 dB at 0.4, at most −60 dB from 0.6 on.
+    """
+    cutoff = ANTIALIAS_PASS * target_hz
+    return zero_phase("lowpass", values, rate_hz, cutoff, ANTIALIAS_ORDER, ends=ends, where=where)
 
 
 @lru_cache
-def _one_pass(kind: _Kind, rate_hz: float, cutoff_hz: float, order: int) -> tuple[FloatArray, int]:
+def _one_pass(kind: Kind, rate_hz: float, cutoff_hz: float, order: int) -> tuple[FloatArray, int]:
     """One pass as second-order sections, shape (k, 6), and the samples until it has forgotten.
 
     To design it takes longer than to run it over a trial.

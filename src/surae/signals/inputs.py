@@ -18,24 +18,14 @@ from surae.units import FloatArray
 @filed(values="values_V", count="recordings")
 @dataclass(frozen=True, slots=True)
 class EmgReference:
-    """What EMG was divided by: one number for each muscle, the same for all recordings.
+    """What EMG was divided by: one number for each muscle, the same for all recordings."""
 
-    Attributes
-    ----------
-    kind : {"session", "mvc"}
-        The largest envelope of the session, or of maximum voluntary contractions.
-    values : tuple of (float or None)
-        Of TA, GL, SOL, GM [V]; None for a muscle without EMG.
-    files : tuple of SourceFile
-        What the recordings were read from that it was taken of.
-    count : int
-        Number of these recordings.
-    """
-
+    #: The largest envelope of the session, or of maximum voluntary contractions.
     kind: Literal["session", "mvc"]
+    #: Of TA, GL, SOL, GM [V]; None for a muscle without EMG.
     values: Annotated[tuple[float | None, ...], MUSCLES]
-    files: tuple[SourceFile, ...] = ()
-    count: int = 1
+    files: tuple[SourceFile, ...] = ()  #: Files of the recordings that it was taken of.
+    count: int = 1  #: Number of these recordings.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,75 +40,40 @@ class Film(Comparable):
 @filed(n="n", sparse=("films", "second", "own_envelopes"))
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelInputs(Comparable):
-    """Prepared signals of one recording, arrays read-only.
+    """Prepared signals of one recording, arrays read-only and of shape (n,) unless stated."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the recording.
-    rate_hz : float
-        Sampling rate [Hz].
-    time : ndarray, shape (n,)
-        Uniform time axis [s].
-    angle, velocity, acceleration : ndarray, shape (n,)
-        Ankle angle [rad] (dorsiflexion positive) and its derivatives [rad/s, rad/s²].
-    emg : ndarray, shape (n, 4)
-        EMG envelopes in the order TA, GL, SOL, GM; a missing muscle is a column of zeros.
-    emg_unit : {"V", "1"}
-        Unit of `emg`: volts, or a normalised envelope.
-    torque : ndarray, shape (n,), or None
-        Measured reaction torque [Nm], positive when the triceps pulls; None to simulate only.
-    missing_emg : tuple of str
-        Muscles (``"ta"`` …) without EMG; their weights must be fixed.
-    steps : tuple of str
-        What was done to the signals, in order, one plain sentence each.
-    prepared : bool
-        Whether the signals were used as they came, without filters or resampling.
-    weight : ndarray, shape (n,), or None
-        What each sample counts in a fit, 0 to leave it out; None: all the same.
-    emphasised : bool
-        What unequal weights mean: how much a sample matters (True, as `Weighting` makes them), or
-        how precise it is, noise having the inverse of the weight as its variance.
-    fixed : mapping of str to float
-        Parameter values that the recording prescribes.
-    files : tuple of SourceFile
-        What the recording was read from.
-    emg_reference : EmgReference or None
-        What the EMG was divided by; None for volts, and for EMG that came normalised.
-    lowpass : (float, int) or None
-        Cut-off [Hz] and order of the Bessel low-pass that angle and torque went through, and the
-        EMG did not; None for no such filter.
-    films : tuple of Film
-        Fascicles that were filmed while it was recorded.
-    measured : tuple of str
-        Which of ``"velocity"`` and ``"acceleration"`` were measured: no filter went over them.
-    own_envelopes : bool
-        Whether the envelopes were made of raw EMG here, by filters that do not delay.
-    second : tuple of two ndarray, shape (n,), or of none
-        Angle [rad] and velocity [rad/s] of a second joint that the muscles cross too.
-    """
-
-    name: str
-    rate_hz: float
-    time: FloatArray
+    name: str  #: Name of the recording.
+    rate_hz: float  #: Sampling rate [Hz].
+    time: FloatArray  #: Uniform time axis [s].
+    #: `angle`, `velocity`, `acceleration`: of the ankle, dorsiflexion positive [rad, rad/s, …].
     angle: FloatArray
     velocity: FloatArray
     acceleration: FloatArray
+    #: EMG envelopes in the order TA, GL, SOL, GM, shape (n, 4); a missing muscle has zeros.
     emg: FloatArray
-    emg_unit: str
+    emg_unit: str  #: "V", "1": volts, or a normalised envelope.
+    #: Measured reaction torque [Nm], positive when the triceps pulls; None to simulate only.
     torque: FloatArray | None
-    missing_emg: tuple[str, ...] = ()
-    steps: tuple[str, ...] = ()
-    prepared: bool = False
+    missing_emg: tuple[str, ...] = ()  #: Muscles ("ta" …) without EMG: their weights must be fixed.
+    steps: tuple[str, ...] = ()  #: What was done to the signals, in order, a plain sentence each.
+    prepared: bool = False  #: Whether the signals were used as they came.
+    #: What each sample counts in a fit, 0 to leave it out; None: all the same.
     weight: FloatArray | None = None
+    #: What unequal weights mean: how much a sample matters (True, as `Weighting` makes them), or
+    #: how precise it is, noise having the inverse of the weight as its variance.
     emphasised: bool = False
-    fixed: Mapping[str, float] = field(default_factory=dict)
-    files: tuple[SourceFile, ...] = ()
+    fixed: Mapping[str, float] = field(default_factory=dict)  #: Values that it prescribes.
+    files: tuple[SourceFile, ...] = ()  #: What the recording was read from.
+    #: What the EMG was divided by; None for volts, and for EMG that came normalised.
     emg_reference: EmgReference | None = None
+    #: Cut-off [Hz] and order of the Bessel low-pass that angle and torque went through, and the EMG
+    #: did not; None for no such filter.
     lowpass: tuple[float, int] | None = None
+    #: Which of "velocity" and "acceleration" were measured: no filter went over them.
     measured: tuple[str, ...] = ()
-    films: tuple[Film, ...] = ()
-    own_envelopes: bool = False
+    films: tuple[Film, ...] = ()  #: Fascicles that were filmed while it was recorded.
+    own_envelopes: bool = False  #: Whether envelopes were made of raw EMG here, without delay.
+    #: Angle [rad] and velocity [rad/s] of a second joint that the muscles cross too.
     second: tuple[FloatArray, ...] = ()
 
     def __post_init__(self) -> None:
@@ -151,16 +106,10 @@ class ModelInputs(Comparable):
 
 
 def inputs_as_given(
-    name: str,
-    rate_hz: float,
-    time: FloatArray,
-    motion: tuple[FloatArray, FloatArray, FloatArray],
-    emg: FloatArray,
-    *,
-    emg_unit: str = "V",
-    torque: FloatArray | None = None,
+    name: str, rate_hz: float, time: FloatArray, motion: tuple[FloatArray, FloatArray, FloatArray],
+    emg: FloatArray, *, emg_unit: str = "V", torque: FloatArray | None = None,
     steps: tuple[str, ...] = (),
-) -> ModelInputs:
+) -> ModelInputs:  # fmt: skip
     """Inputs of signals that are used as they are: simulated ones, or a protocol's.
 
     `motion` is angle, velocity and acceleration [rad, rad/s, rad/s²]; all else is as of

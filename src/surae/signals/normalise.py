@@ -13,7 +13,6 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.frozen import read_only
-from surae.names import NORMALISATIONS
 from surae.recording import MUSCLES, SourceFile
 from surae.signals.inputs import EmgReference, ModelInputs
 from surae.units import FloatArray
@@ -31,16 +30,12 @@ _OF = {"session": "the session's largest envelope", "mvc": "maximum voluntary co
 
 
 def normalise(
-    inputs: Sequence[ModelInputs],
-    reference: str | EmgReference = "session",
-    *,
-    mvc: Sequence[ModelInputs] = (),
+    inputs: Sequence[ModelInputs], reference: str = "session", *, mvc: Sequence[ModelInputs] = ()
 ) -> tuple[ModelInputs, ...]:
     """Divide the EMG of a session's recordings, in volts, by one number for each muscle.
 
     The reference is ``"session"``, the largest envelope in any of `inputs`, or ``"mvc"``, in any of
-    `mvc`, each averaged over 0.25 s; or one of before, such as that of a fit. It goes along as
-    `ModelInputs.emg_reference`.
+    `mvc`, each averaged over 0.25 s. It goes along as `ModelInputs.emg_reference`.
 
     Raises
     ------
@@ -48,10 +43,6 @@ def normalise(
         EMG is normalised already or silent, a muscle has no reference, or `mvc` does not go with
         `reference`.
     """
-    if isinstance(reference, EmgReference):
-        return tuple(normalised(recording, reference) for recording in inputs)
-    if reference not in NORMALISATIONS:
-        raise InputError(f"normalise is {reference!r}; use one of: {', '.join(NORMALISATIONS)}")
     if reference == "mvc" and not mvc:
         raise InputError("normalising by MVC needs recordings of maximum contractions; give mvc")
     if reference == "session" and mvc:
@@ -93,12 +84,7 @@ def emg_reference(
 def normalised(recording: ModelInputs, reference: EmgReference | None) -> ModelInputs:
     """A recording's EMG in parts of a reference, as the recordings of a fit have it.
 
-    Parameters
-    ----------
-    recording : ModelInputs
-        The recording; one that has this reference already is returned as it is.
-    reference : EmgReference or None
-        None: nothing is to be done.
+    One that has the reference already, or is given none, is returned as it is.
 
     Raises
     ------
@@ -125,13 +111,8 @@ def normalised(recording: ModelInputs, reference: EmgReference | None) -> ModelI
         f"EMG normalised: divided by {_OF[reference.kind]} (of {count}, averaged over "
         f"{AVERAGED_S:g} s): {', '.join(levels)}."
     )
-    return replace(
-        recording,
-        emg=read_only(recording.emg / factors),
-        emg_unit="1",
-        emg_reference=reference,
-        steps=(*recording.steps, step),
-    )
+    emg, steps = read_only(recording.emg / factors), (*recording.steps, step)
+    return replace(recording, emg=emg, emg_unit="1", emg_reference=reference, steps=steps)
 
 
 def _require_volts(recording: ModelInputs) -> None:

@@ -11,7 +11,7 @@ from surae.errors import InputError
 from surae.frozen import as_read_only, read_only
 from surae.recording import MUSCLES, Channel, Recording
 from surae.recording.emg_kind import contradiction, look_of
-from surae.signals.filters import HIGHEST_CUTOFF, bessel_lowpass, butterworth
+from surae.signals.filters import HIGHEST_CUTOFF, zero_phase
 from surae.signals.inputs import Film, ModelInputs
 from surae.signals.resample import (
     MINIMUM_SAMPLES,
@@ -131,8 +131,9 @@ def smoothed(inputs: ModelInputs) -> ModelInputs:
     cutoff, order = inputs.lowpass
 
     def low(signal: FloatArray) -> FloatArray:
-        passed = bessel_lowpass(signal, inputs.rate_hz, cutoff, order, where=inputs.where)
-        return read_only(passed)
+        return read_only(
+            zero_phase("bessel", signal, inputs.rate_hz, cutoff, order, where=inputs.where)
+        )
 
     left: dict[str, Any] = {name: low(signal) for name, signal in _filtered(inputs).items()}
     return replace(inputs, **left, second=tuple(map(low, inputs.second)))
@@ -223,9 +224,9 @@ def _chain(recording: Recording, settings: Preparation) -> _Signals:
     if settings.bessel_hz is not None:
         for role in mechanical:
             source = sources[role]
-            values = bessel_lowpass(
-                source.values, source.axis.rate_hz, settings.bessel_hz, settings.bessel_order,
-                where=source.where,
+            values = zero_phase(
+                "bessel", source.values, source.axis.rate_hz, settings.bessel_hz,
+                settings.bessel_order, where=source.where,
             )  # fmt: skip
             filtered[role] = source.replaced(values)
         which = " and ".join(mechanical).replace("_", " ").capitalize()
@@ -323,8 +324,8 @@ def envelope(source: Uniform, settings: Preparation) -> Uniform:
         cutoff, order = (getattr(settings, f"emg_{kind}_{what}") for what in ("hz", "order"))
         values = np.abs(values) if kind == "lowpass" else values
         if cutoff is not None:
-            values = butterworth(
-                values, source.axis.rate_hz, cutoff, order, kind, ends="even", where=source.where
+            values = zero_phase(
+                kind, values, source.axis.rate_hz, cutoff, order, ends="even", where=source.where
             )
     return source.replaced(values)
 
@@ -348,10 +349,7 @@ def refuse_not_raw(channel: Channel, source: Uniform, settings: Preparation) -> 
 
 
 def refuse_negative(channel: Channel, where: str, declared: str) -> None:
-    """Raise InputError where an envelope is negative by more than a tenth of its maximum.
-
-    `declared` is what the recording says that its EMG is.
-    """
+    """Refuse an envelope that is negative by more than a tenth of its maximum."""
     at = int(np.argmin(channel.values))
     lowest, highest = float(channel.values[at]), float(channel.values.max())
     if lowest < -NEGATIVE_FRACTION * max(highest, 0.0):

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -93,23 +94,15 @@ def _spline(x: FloatArray, y: FloatArray, at: FloatArray, where: str) -> FloatAr
             f"{where}: {len(x)} samples are too few to interpolate; at least {_DEGREE + 1} "
             f"are needed"
         )
-    interpolated: FloatArray = make_interp_spline(x, y, k=_DEGREE)(at)
-    return interpolated
+    return np.asarray(make_interp_spline(x, y, k=_DEGREE)(at))
 
 
 def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
-    """Every `factor`-th sample of the inputs.
+    """Every `factor`-th sample of the inputs; those that do not fill the last group are left out.
 
     EMG is averaged over the samples around each kept instant, which a low-pass activation filter
     cannot tell from the whole, and which comes neither early nor late; motion and torque are taken
     as they are at the kept instants.
-
-    Parameters
-    ----------
-    inputs : ModelInputs
-        Prepared signals.
-    factor : int
-        At least 1; samples that do not fill the last group are left out.
     """
     from scipy.ndimage import correlate1d
 
@@ -121,38 +114,21 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
     def kept(signal: FloatArray) -> FloatArray:
         return read_only(signal[factor // 2 : used : factor])
 
+    names = ("time", "angle", "velocity", "acceleration", "torque", "weight")
+    given = {name: getattr(inputs, name) for name in names}
+    thin: dict[str, Any] = {name: kept(each) for name, each in given.items() if each is not None}
     return replace(
         inputs,
+        **thin,
         rate_hz=inputs.rate_hz / factor,
-        time=kept(inputs.time),
-        angle=kept(inputs.angle),
-        velocity=kept(inputs.velocity),
-        acceleration=kept(inputs.acceleration),
         emg=kept(correlate1d(inputs.emg, around / factor, axis=0, mode="nearest")),
-        torque=None if inputs.torque is None else kept(inputs.torque),
-        weight=None if inputs.weight is None else kept(inputs.weight),
         second=tuple(map(kept, inputs.second)),
         steps=(*inputs.steps, f"Thinned to every {factor}th sample."),
     )
 
 
 def thinning_factor(inputs: ModelInputs, rate_hz: float, samples: int) -> int:
-    """The largest factor by which a recording may be thinned.
-
-    Parameters
-    ----------
-    inputs : ModelInputs
-        The recording.
-    rate_hz : float
-        Rate that must be left [Hz].
-    samples : int
-        Number of samples that must be left.
-
-    Returns
-    -------
-    int
-        1 where nothing may be left out.
-    """
+    """The largest factor that leaves a recording this rate [Hz] and so many samples; at least 1."""
     return max(1, min(int(np.floor(inputs.rate_hz / rate_hz)), inputs.n // samples))
 
 

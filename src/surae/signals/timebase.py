@@ -95,8 +95,6 @@ def common_axis(axes: Sequence[Axis], rate_hz: float, where: str, fewest: int) -
 
     Its rate is `rate_hz`, or that of the slowest channel where this is lower; then the axis is the
     slowest channel's own, so that its samples are used as they are.
-
-    It is refused where channels share no span of time, or fewer than `fewest` samples.
     """
     first = max(axis.start for axis in axes)
     last = min(axis.end for axis in axes)

@@ -5,15 +5,6 @@ from surae.trials.sorting import EFFORTS, Hold, Reading, Trial, sorted_trials
 from surae.trials.trial_set import Crossed, TrialSet, common_errors, prepared_for, reading_of
 
 __all__ = [
-    "EFFORTS",
-    "Crossed",
-    "Hold",
-    "Reading",
-    "Trial",
-    "TrialSet",
-    "common_errors",
-    "prepared_for",
-    "reading_of",
-    "sorted_trials",
-    "trial_files",
-]
+    "EFFORTS", "Crossed", "Hold", "Reading", "Trial", "TrialSet", "common_errors", "prepared_for",
+    "reading_of", "sorted_trials", "trial_files",
+]  # fmt: skip

@@ -36,10 +36,7 @@ class TrialSet:
 
     def __getitem__(self, name: str) -> Trial:
         """The trial of that name."""
-        for trial in self.trials:
-            if trial.name == name:
-                return trial
-        raise KeyError(name)
+        return {trial.name: trial for trial in self.trials}[name]
 
     def __repr__(self) -> str:
         count = f"{len(self.trials)} trial{'' if len(self.trials) == 1 else 's'}"

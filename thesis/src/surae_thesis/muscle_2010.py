@@ -35,7 +35,7 @@ from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
 from surae.model.tied import Simulator, Sums
 from surae.signals import ModelInputs
-from surae.signals.filters import HIGHEST_CUTOFF, butterworth
+from surae.signals.filters import HIGHEST_CUTOFF, zero_phase
 from surae.units import FloatArray
 from surae_thesis.model_2010 import PARAMETERS_2010
 
@@ -152,8 +152,8 @@ def integrated(inputs: ModelInputs) -> FloatArray:
     where = f"{inputs.where}: integrated EMG"
     return np.stack(
         [
-            butterworth(
-                channel, inputs.rate_hz, IEMG_HZ, IEMG_ORDER, "lowpass", ends="even", where=where
+            zero_phase(
+                "lowpass", channel, inputs.rate_hz, IEMG_HZ, IEMG_ORDER, ends="even", where=where
             )
             for channel in inputs.emg.T
         ]

@@ -8,21 +8,21 @@ from pathlib import Path
 from surae import __version__
 from surae.files import read_bytes, write_atomic
 from surae.report import has_typst
-from surae.report.document import (
+from surae.report.block import (
     Block,
+    Cell,
     Document,
+    Grid,
     KeyFigures,
-    ListBlock,
-    PictureBlock,
-    SectionBlock,
-    TableBlock,
-    TableCell,
-    TableRow,
-    TextBlock,
+    Picture,
+    Points,
+    Row,
+    Text,
     columns,
     paragraphs,
-    rows_of,
+    rows,
 )
+from surae.report.block import Section as Shown
 from surae_thesis.claims import JudgedClaim
 from surae_thesis.section import Cell as Value
 from surae_thesis.section import Chapters, Context, Result, Section, causes, chapters, counts
@@ -60,13 +60,13 @@ def document(context: Context, there: Chapters) -> Document:
     summary: tuple[Block, ...] = (
         KeyFigures(tuple((verdict, str(n), "") for verdict, n in counts(there).items())),
         *paragraphs(filter(None, [_causes(there)])),
-        TextBlock(
+        Text(
             "Each claim has the thesis's sentence and a numeric rule for when it holds, printed "
             "with it. The first column that it is judged in is how we read the thesis, and "
             "decides; the others show, ✓ where it holds, what another reading or the thesis's "
             "integrator changes. What is random has one seed, which was not chosen for its results."
         ),
-        ListBlock("", tuple(contents), links=tuple(section.name for section, _ in there)),
+        Points("", tuple(contents), links=tuple(section.name for section, _ in there)),
     )
     return Document(
         kicker="Reproduction",
@@ -74,17 +74,17 @@ def document(context: Context, there: Chapters) -> Document:
         under="Estimating ankle muscle parameters (van de Poll, 2015), every claim beside ours. "
         f"surae {__version__}, seed {context.seed}{quick}.",
         title=_TITLE,
-        blocks=(SectionBlock("Summary", summary, "summary"), *starmap(_chapter, there)),
+        blocks=(Shown("Summary", summary, "summary"), *starmap(_chapter, there)),
         footer="Made by surae for research. SEM: equation (34); IPDE: equation (35) as the root of "
         "the sum of squares over the upper triangle of the normalised covariance; VAF: equation "
         "(31).",
     )
 
 
-def _chapter(section: Section, result: Result) -> SectionBlock:
+def _chapter(section: Section, result: Result) -> Shown:
     """A section of the thesis: what we say of it, its claims, figures and tables."""
-    blocks: list[Block] = [TextBlock(f"Thesis: {section.source}", "under")]
-    blocks += [TextBlock("", lead=text) for text in result.insights]
+    blocks: list[Block] = [Text(f"Thesis: {section.source}", "under")]
+    blocks += [Text("", lead=text) for text in result.insights]
     blocks += paragraphs(result.notes)
     if result.findings:
         heads = columns(
@@ -92,37 +92,37 @@ def _chapter(section: Section, result: Result) -> SectionBlock:
             "Verdict", wide=range(1, 3 + len(result.views)),
             looks={0: "where", 3 + len(result.views): "judged"},
         )  # fmt: skip
-        rows = [row for f in result.findings for row in _claim_rows(f, result.views)]
-        blocks.append(TableBlock("Claims of the thesis and ours", heads, rows_of(rows), "claims"))
+        claims = [row for f in result.findings for row in _claim_rows(f, result.views)]
+        blocks.append(Grid("Claims of the thesis and ours", heads, rows(claims), "claims"))
     for drawing in result.figures:
-        picture = PictureBlock(drawing.name, drawing.alt, drawing.caption, "here", width=100)
-        blocks.append(SectionBlock(drawing.title, (picture,), drawing.name))
+        picture = Picture(drawing.name, drawing.alt, drawing.caption, "here", width=100)
+        blocks.append(Shown(drawing.title, (picture,), drawing.name))
     for table in result.tables:
         if table.long:
-            blocks.append(TextBlock(f"{table.title}: tables/{table.name}.csv", "note"))
+            blocks.append(Text(f"{table.title}: tables/{table.name}.csv", "note"))
             continue
         numbers = [
             k for k in range(len(table.columns))
             if k and all(isinstance(row[k], float | int | None) for row in table.rows)
         ]  # fmt: skip
         cells = (tuple(map(cell_text, row)) for row in table.rows)
-        shown = TableBlock(table.title, columns(*table.columns, numbers=numbers), rows_of(cells))
-        blocks.append(SectionBlock(table.title, (shown,)))
-    return SectionBlock(section.title, tuple(blocks), section.name, "page")
+        shown = Grid(table.title, columns(*table.columns, numbers=numbers), rows(cells))
+        blocks.append(Shown(table.title, (shown,)))
+    return Shown(section.title, tuple(blocks), section.name, "page")
 
 
-def _claim_rows(finding: JudgedClaim, views: Sequence[str]) -> tuple[TableRow, TableRow]:
+def _claim_rows(finding: JudgedClaim, views: Sequence[str]) -> tuple[Row, Row]:
     """A claim beside ours in every view, and below it its sentence, when it holds, and why."""
     badge = (f"verdict {CLASSES[finding.verdict]}", finding.said)
     return (
         (
-            TableCell(finding.source, under=finding.id),
+            Cell(finding.source, under=finding.id),
             finding.statement,
             finding.number,
             *(_view(finding, name) for name in views),
-            TableCell(badge=badge),
+            Cell(badge=badge),
         ),
-        (TableCell(meaning=_judged_by(finding), why=finding.reason),),
+        (Cell(meaning=_judged_by(finding), why=finding.reason),),
     )
 
 

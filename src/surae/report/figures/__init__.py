@@ -84,16 +84,11 @@ def legend(axes: Axes, columns: int) -> None:
     if narrow:
         columns = min(columns, int(room / _ENTRY))
     axes.legend(
-        loc="lower left" if narrow else "lower right",
-        bbox_to_anchor=(0.0 if narrow else 1.0, 1.0),
-        ncols=columns,
-        frameon=False,
-        fontsize=7 if narrow else 8,
-        labelcolor=INK,
-        handlelength=1.8 if narrow else 3.0,
-        borderaxespad=0.1,
+        loc="lower left" if narrow else "lower right", bbox_to_anchor=(0.0 if narrow else 1.0, 1.0),
+        ncols=columns, frameon=False, fontsize=7 if narrow else 8, labelcolor=INK,
+        handlelength=1.8 if narrow else 3.0, borderaxespad=0.1,
         columnspacing=1.0 if narrow else 1.6,
-    )
+    )  # fmt: skip
     if narrow and (text := axes.get_title(loc="left")):
         lines = -(-len(axes.get_legend_handles_labels()[0]) // columns)
         axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold", pad=5 + 12 * lines)

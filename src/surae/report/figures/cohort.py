@@ -8,18 +8,9 @@ from matplotlib.figure import Figure
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.measures.cohort import Pooled
 from surae.normal import NORMAL
-from surae.report.figures import (
-    BLUE,
-    GREY,
-    INK,
-    MUTED,
-    OCHRE,
-    RED,
-    WIDTH,
-    dress,
-    heading,
-    new_figure,
-)
+from surae.report import figures
+from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, WIDTH
+from surae.report.parameters import shown_parameters
 
 _COLOURS = (INK, BLUE, OCHRE, RED)
 _MARKERS = ("o", "s", "^", "D")
@@ -33,7 +24,7 @@ def forest_figure(pooled: Pooled) -> Figure:
     groups = list(dict.fromkeys(leg.group for leg in legs))
     rows = len(legs) + len(pooled.groups)
     step = 0.2 if len(legs) <= _MOST else 6.0 / len(legs)
-    figure = new_figure(1.0 + step * rows, width=7.2)
+    figure = figures.new_figure(1.0 + step * rows, width=7.2)
     axes = figure.subplots()
     for row, leg in enumerate(legs):
         look = groups.index(leg.group) % len(_COLOURS)
@@ -48,7 +39,7 @@ def forest_figure(pooled: Pooled) -> Figure:
         axes.fill([low, effects.mean, high, effects.mean], [row, row - 0.4, row, row + 0.4],
                   color=_COLOURS[look])  # fmt: skip
         axes.axvline(effects.mean, color=_COLOURS[look], linewidth=0.6, linestyle=":")
-    dress(axes, "", f"{pooled.name} [{pooled.unit}]")
+    figures.dress(axes, "", f"{pooled.name} [{pooled.unit}]")
     names = [leg.leg for leg in legs] if len(legs) <= _MOST else [""] * len(legs)
     axes.set_yticks(range(rows), [*names, *(f"{g or 'all'}, mean" for g in pooled.groups)],
                     fontsize=7)  # fmt: skip
@@ -60,11 +51,8 @@ def forest_figure(pooled: Pooled) -> Figure:
 def sessions_figure(
     label: str, sessions: Sequence[str], legs: Sequence[tuple[str, Sequence[tuple[str, float]]]]
 ) -> Figure:
-    """Each leg as a line over its sessions.
-
-    `legs` are the group of each, and its value by session.
-    """
-    figure = new_figure(2.6, width=7.2)
+    """Each leg, its group and values by session, as a line over its sessions."""
+    figure = figures.new_figure(2.6, width=7.2)
     axes = figure.subplots()
     groups = list(dict.fromkeys(group for group, _ in legs))
     for group, values in legs:
@@ -75,7 +63,7 @@ def sessions_figure(
                   color=_COLOURS[look], label="_")  # fmt: skip
     axes.set_xticks(range(len(sessions)), sessions)
     _legend(axes, groups)
-    dress(axes, label, "session")
+    figures.dress(axes, label, "session")
     return figure
 
 
@@ -92,26 +80,23 @@ _PANEL, _HEIGHT = 2.1, 0.16
 
 
 def trials_figure(
-    names: Sequence[str],
-    fits: Mapping[str, Assessment],
-    joint: Assessment | None,
-    *,
-    disputed: Collection[str] = (),
-    width: float = WIDTH,
+    fits: Mapping[str, Assessment], joint: Assessment | None, *, disputed: Collection[str] = ()
 ) -> Figure:
     """Each parameter's estimate and 95 % interval by trial, that of all together as a band.
 
     Where trials contradict each other in a parameter, it is `disputed` and none of them is drawn as
     identified. There is one panel a parameter; an open mark lies at a bound or has no interval.
     """
-    columns = max(round(width / _PANEL), 1)
+    every = [*([] if joint is None else [joint]), *fits.values()]
+    free = (p.name for fit in every for p in shown_parameters(fit) if p.free)
+    names, trials = list(dict.fromkeys(free)), list(fits)
+    columns = max(round(WIDTH / _PANEL), 1)
     rows = -(-len(names) // columns)
-    figure = new_figure(rows * (0.75 + _HEIGHT * max(len(fits), 2)), width=width)
+    figure = figures.new_figure(rows * (0.75 + _HEIGHT * max(len(fits), 2)))
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True)
-    trials = list(fits)
     for axes, name in zip(panels.flat, names, strict=False):
-        dress(axes, "")
-        heading(axes, name)
+        figures.dress(axes, "")
+        figures.heading(axes, name)
         if joint is not None and name in joint.parameters:
             _band(axes, joint.parameters[name])
         for place, trial in enumerate(trials):
@@ -121,15 +106,11 @@ def trials_figure(
         axes.set_ylim(len(trials) - 0.4, -0.6)
         axes.locator_params(axis="x", nbins=4)
         axes.xaxis.get_offset_text().set(fontsize=7, color=MUTED)
-        unit = next(p.unit for a in _every(fits, joint) if (p := a.parameters.get(name)))
+        unit = next(p.unit for a in every if (p := a.parameters.get(name)))
         axes.set_xlabel("" if unit == "-" else unit, fontsize=8, color=MUTED)
     for axes in panels.flat[len(names) :]:
         axes.set_visible(False)
     return figure
-
-
-def _every(fits: Mapping[str, Assessment], joint: Assessment | None) -> list[Assessment]:
-    return [*fits.values(), *([] if joint is None else [joint])]
 
 
 def _band(axes: Axes, p: ParameterEstimate) -> None:

@@ -25,10 +25,7 @@ def stiffness_figure(
     norms: Sequence[tuple[Norm, float]],
     _: Words,
 ) -> Figure:
-    """Measured torque of a relaxed ankle over its angle, the model over it, a norm behind.
-
-    Torques [Nm] have the session's zero taken off; `norms` are groups, each at an angle [deg].
-    """
+    """Measured torque [Nm] of a relaxed ankle over its angle, the model over it, norms behind."""
     figure = new_figure(2.9, width=_WIDTH)
     axes = figure.subplots()
     drawn: list[FloatArray] = []
@@ -53,15 +50,8 @@ def stiffness_figure(
                 drawn.append(torque)
     if holds:
         held = np.array([h.torque for h in holds])
-        axes.plot(
-            [h.angle for h in holds],
-            held,
-            "o",
-            color=INK,
-            ms=5,
-            zorder=4,
-            label=_("held still, measured"),
-        )
+        axes.plot([h.angle for h in holds], held, "o", color=INK, ms=5, zorder=4,
+                  label=_("held still, measured"))  # fmt: skip
         drawn.append(held)
     _dressed(axes, drawn, _)
     return figure
@@ -106,9 +96,7 @@ def shares_bar(parts: Sequence[tuple[str, float, tuple[float, float] | None]]) -
     figure = new_figure(0.95, width=_WIDTH)
     axes = figure.subplots()
     begin = 0.0
-    for (name, value, interval), colour in zip(
-        parts, (INK, BLUE, GREY, "#e3e6ea"), strict=False
-    ):  # fmt: skip
+    for (name, value, interval), colour in zip(parts, (INK, BLUE, GREY, "#e3e6ea"), strict=False):
         axes.barh(0, value, left=begin, height=0.6, color=colour, edgecolor="white")
         if value > 12.0:
             dark = colour in (INK, BLUE)

@@ -7,17 +7,8 @@ from matplotlib.figure import Figure
 
 from surae.protocol import Trajectory
 from surae.recording import MUSCLES
-from surae.report.figures import (
-    GREY,
-    INK,
-    OCHRE,
-    dress,
-    dress_degrees,
-    heading,
-    legend,
-    new_figure,
-    trace,
-)
+from surae.report import figures
+from surae.report.figures import GREY, INK, OCHRE
 
 #: Effort is drawn at this rate [Hz]: its bursts last about a second.
 _EFFORT_HZ = 40.0
@@ -26,17 +17,9 @@ _EFFORT_HZ = 40.0
 def protocol_figure(trajectory: Trajectory) -> Figure:
     """What a protocol asks of the device and the subject (thesis Figures 2, 6, 8, 9, 36, 37).
 
-    Parameters
-    ----------
-    trajectory : Trajectory
-        The protocol.
-
-    Returns
-    -------
-    Figure
-        Angle; velocity, with the device's limit; target effort, one strip for each muscle.
+    Angle; velocity, with the device's limit; target effort, one strip for each muscle.
     """
-    figure = new_figure(6.4)
+    figure = figures.new_figure(6.4)
     grid = figure.add_gridspec(6, 1, height_ratios=[1.9, 1.5, 0.42, 0.42, 0.42, 0.42])
     lowest = figure.add_subplot(grid[5])
     angle, velocity, *strips = (figure.add_subplot(grid[row], sharex=lowest) for row in range(5))
@@ -51,19 +34,19 @@ def protocol_figure(trajectory: Trajectory) -> Figure:
 
 
 def _angle(axes: Axes, trajectory: Trajectory) -> None:
-    dress(axes, "Angle [rad]")
+    figures.dress(axes, "Angle [rad]")
     settings = trajectory.settings
-    heading(axes, f"{settings.profile}, ankle angle, dorsiflexion positive")
+    figures.heading(axes, f"{settings.profile}, ankle angle, dorsiflexion positive")
     for end in settings.range_of_motion:
         axes.axhline(end, color=GREY, linewidth=0.9, linestyle=(0, (4, 2)))
-    trace(axes, trajectory.time, trajectory.angle, color=INK, linewidth=0.9)
-    dress_degrees(axes)
+    figures.trace(axes, trajectory.time, trajectory.angle, color=INK, linewidth=0.9)
+    figures.dress_degrees(axes)
 
 
 def _velocity(axes: Axes, trajectory: Trajectory) -> None:
-    dress(axes, "Velocity\n[rad/s]")
-    heading(axes, "Angular velocity")
-    trace(axes, trajectory.time, trajectory.velocity, color=INK, linewidth=0.7)
+    figures.dress(axes, "Velocity\n[rad/s]")
+    figures.heading(axes, "Angular velocity")
+    figures.trace(axes, trajectory.time, trajectory.velocity, color=INK, linewidth=0.7)
     device = trajectory.settings.device
     if device is not None and math.isfinite(device.max_velocity):
         for sign in (1.0, -1.0):
@@ -71,14 +54,14 @@ def _velocity(axes: Axes, trajectory: Trajectory) -> None:
                 sign * device.max_velocity, color=OCHRE, linewidth=1.3, linestyle=(0, (5, 2)),
                 label=f"limit of {device.name}" if sign > 0.0 else "_",
             )  # fmt: skip
-        legend(axes, 1)
+        figures.legend(axes, 1)
 
 
 def _effort(strips: list[Axes], trajectory: Trajectory) -> None:
     thin = max(1, round(trajectory.settings.rate_hz / _EFFORT_HZ))
     for column, (axes, muscle) in enumerate(zip(strips, MUSCLES, strict=True)):
         last = column == len(strips) - 1
-        dress(axes, "", "Time [s]" if last else "")
+        figures.dress(axes, "", "Time [s]" if last else "")
         axes.set_ylim(0.0, 1.08)
         axes.set_yticks([0.0, 0.5, 1.0])
         axes.set_yticklabels(["0", "", "1"])
@@ -86,10 +69,10 @@ def _effort(strips: list[Axes], trajectory: Trajectory) -> None:
         axes.tick_params(bottom=last)
         time, effort = trajectory.time[::thin], trajectory.effort[::thin, column]
         axes.fill_between(time, effort, color=GREY, alpha=0.6, linewidth=0)
-        trace(axes, time, effort, color=INK, linewidth=0.8)
+        figures.trace(axes, time, effort, color=INK, linewidth=0.8)
         axes.text(
             0.008, 0.9, muscle.upper(), transform=axes.transAxes, va="top", fontsize=8,
             weight="bold", color=INK,
         )  # fmt: skip
-    heading(strips[0], f"Target effort, {trajectory.settings.task}")
+    figures.heading(strips[0], f"Target effort, {trajectory.settings.task}")
     strips[1].set_ylabel("Effort [-]", fontsize=9, color=INK, y=0.0)

@@ -15,22 +15,9 @@ from surae.model import GeometryTable, ModelOptions
 from surae.model.geometry import paths
 from surae.model.joint import ANKLE
 from surae.model.sources import SOURCES
+from surae.report import figures
 from surae.report.budget import BudgetTable
-from surae.report.figures import (
-    BLUE,
-    GREY,
-    INK,
-    MUTED,
-    OCHRE,
-    RED,
-    WIDTH,
-    dress,
-    heading,
-    legend,
-    new_figure,
-    shade_excluded,
-    trace,
-)
+from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, WIDTH
 from surae.units import FloatArray
 
 __all__ = ["budget_figure", "correlation_figure", "geometry_figure", "residual_figure"]
@@ -42,23 +29,19 @@ def residual_figure(
     whiteness: Whiteness,
     excluded: Sequence[tuple[int, int]] = (),
 ) -> Figure:
-    """Residual against time, and its autocorrelation with the white-noise band.
-
-    The torque is in Nm; `excluded` are first and last sample of every stretch that the fit left
-    out.
-    """
-    figure = new_figure(4.2)
+    """Residual [Nm] against time, hatched where a fit left it out, and its autocorrelation."""
+    figure = figures.new_figure(4.2)
     axes, correlated = figure.subplots(2)
-    dress(axes, "Residual [Nm]", "Time [s]")
+    figures.dress(axes, "Residual [Nm]", "Time [s]")
     axes.axhline(0.0, color=MUTED, linewidth=0.7)
-    trace(axes, time, residual, color=INK, linewidth=0.7)
+    figures.trace(axes, time, residual, color=INK, linewidth=0.7)
     axes.set_xlim(float(time[0]), float(time[-1]))
     if excluded:
-        shade_excluded(axes, time, excluded)
-        legend(axes, 1)
+        figures.shade_excluded(axes, time, excluded)
+        figures.legend(axes, 1)
 
     axes = correlated
-    dress(axes, "Autocorrelation [-]", "Lag [s]")
+    figures.dress(axes, "Autocorrelation [-]", "Lag [s]")
     lags = np.arange(len(whiteness.correlation)) / whiteness.rate_hz
     axes.axhspan(
         -whiteness.band, whiteness.band, color=GREY, alpha=0.45, linewidth=0,
@@ -71,7 +54,7 @@ def residual_figure(
     )  # fmt: skip
     axes.set_xlim(0.0, float(lags[-1]))
     axes.set_ylim(top=1.05)
-    legend(axes, 1)
+    figures.legend(axes, 1)
 
     return figure
 
@@ -88,10 +71,10 @@ def correlation_figure(
     """Heat map of the correlations, values in the cells; on a new figure, or the one given."""
     k = len(names)
     side = min(WIDTH, 1.4 + 0.46 * k)
-    figure = new_figure(side) if figure is None else figure
+    figure = figures.new_figure(side) if figure is None else figure
     figure.set_size_inches(side, 0.93 * side)
     axes = figure.add_subplot()
-    dress(axes, "", grid=False)
+    figures.dress(axes, "", grid=False)
     edges = np.arange(k + 1) - 0.5
     shades = axes.pcolormesh(
         edges, edges, matrix, cmap=_MAP, vmin=-1, vmax=1, edgecolors="white", linewidth=0.8
@@ -135,9 +118,9 @@ def budget_figure(budget: BudgetTable) -> Figure:
     """Shares of the variance of every parameter, from 0 to 100 %, and how well it is known."""
     names = list(budget.rows)
     shares = 100.0 * np.array([shares for _, shares in budget.rows.values()])
-    figure = new_figure(1.1 + 0.2 * -(-len(budget.sources) // 3) + 0.24 * len(names))
+    figure = figures.new_figure(1.1 + 0.2 * -(-len(budget.sources) // 3) + 0.24 * len(names))
     axes = figure.add_subplot()
-    dress(axes, "", "Share of the variance [%]", grid=False)
+    figures.dress(axes, "", "Share of the variance [%]", grid=False)
     begins = np.zeros(len(names))
     patches = []
     for number, source in enumerate(budget.sources):
@@ -171,10 +154,7 @@ _POINTS = 200
 
 
 def geometry_figure(options: ModelOptions, names: tuple[str, ...]) -> Figure:
-    """Moment arm and change of length of both muscle groups, called so, over the angle.
-
-    With a second angle for its ends and its middle.
-    """
+    """Moment arm and change of length of both groups over the angle, and over a second one."""
     table = options.geometry
     assert isinstance(table, GeometryTable)
     angle = np.linspace(*table.range, _POINTS)
@@ -189,12 +169,12 @@ def geometry_figure(options: ModelOptions, names: tuple[str, ...]) -> Figure:
     for second, line in zip(table.second[:: len(table.second) - 1 or 1], (":", "--"), strict=False):
         how = f"second angle {math.degrees(second):.0f}°"
         drawn.append((how, BLUE, line, options, (still + second, still)))
-    figure = new_figure(4.6)
+    figure = figures.new_figure(4.6)
     for group, name in enumerate(names):
         arm, length = (figure.add_subplot(2, 2, 1 + group + row) for row in (0, 2))
-        heading(arm, name)
-        dress(arm, "Moment arm\n[mm]")
-        dress(length, "Change of length\n[mm]", "Angle [°]")
+        figures.heading(arm, name)
+        figures.dress(arm, "Moment arm\n[mm]")
+        figures.dress(length, "Change of length\n[mm]", "Angle [°]")
         middle = 0.0
         for how, colour, style, of, at in drawn:
             path = paths(angle=angle, velocity=still, options=of, second=at)[group]
@@ -204,5 +184,5 @@ def geometry_figure(options: ModelOptions, names: tuple[str, ...]) -> Figure:
             arm.plot(np.degrees(angle), 1e3 * np.abs(path.arm), label=how, **look)
             length.plot(np.degrees(angle), 1e3 * (path.length - middle), **look)
         if group == 0:
-            legend(arm, 1)
+            figures.legend(arm, 1)
     return figure

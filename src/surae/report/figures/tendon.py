@@ -8,19 +8,8 @@ from matplotlib.figure import Figure
 
 from surae.assessment.fascicles import Fascicles
 from surae.model import TendonLaw, TendonState
-from surae.report.figures import (
-    BLUE,
-    GREY,
-    INK,
-    OCHRE,
-    RED,
-    WIDTH,
-    dress,
-    heading,
-    legend,
-    new_figure,
-    trace,
-)
+from surae.report import figures
+from surae.report.figures import BLUE, GREY, INK, OCHRE, RED, WIDTH
 from surae.report.recordings import GROUPS
 from surae.report.traces import Traces
 from surae.units import FloatArray
@@ -35,11 +24,9 @@ _POINTS = 200
 def tendon_figure(traces: Traces, state: TendonState) -> Figure:
     """Muscle and tendon of both groups over time, and the tendons' curves (thesis Figure 39).
 
-    Triceps surae left, tibialis anterior right: muscle length and velocity in optimal lengths,
-    tendon elongation, tendon force, and force against elongation with the range that the recording
-    used.
+    Triceps surae left, tibialis anterior right; lengths and velocities in optimal lengths.
     """
-    figure = new_figure(10.2)
+    figure = figures.new_figure(10.2)
     grid = figure.add_gridspec(6, 2, height_ratios=[1.25, 1.1, 1.0, 1.35, 0.03, 1.75], wspace=0.05)
     start, end = float(traces.time[0]), float(traces.time[-1])
     for row, name in enumerate(GROUPS):
@@ -52,15 +39,19 @@ def tendon_figure(traces: Traces, state: TendonState) -> Figure:
             (length, "length\n[l0]", muscle, muscle + state.elongation[row]),
             (velocity, "velocity\n[l0/s]", speed, speed + state.tendon_velocity[row]),
         ):
-            dress(axes, f"Muscle {what}")
+            figures.dress(axes, f"Muscle {what}")
             # A wide pale line below a thin dark one: what lies between the two is the tendon's.
-            trace(axes, traces.time, rigid / optimal, label="on a rigid tendon", color=GREY,
+            figures.trace(axes, traces.time, rigid / optimal, label="on a rigid tendon", color=GREY,
                   linewidth=2.6)  # fmt: skip
-            trace(axes, traces.time, own / optimal, label="muscle", color=BLUE, linewidth=1.0)
-        heading(length, name)
-        legend(velocity, 2)
-        dress(elongation, "Tendon\nelongation [mm]")
-        trace(elongation, traces.time, _MILLI * state.elongation[row], color=INK, linewidth=1.0)
+            figures.trace(
+                axes, traces.time, own / optimal, label="muscle", color=BLUE, linewidth=1.0
+            )
+        figures.heading(length, name)
+        figures.legend(velocity, 2)
+        figures.dress(elongation, "Tendon\nelongation [mm]")
+        figures.trace(
+            elongation, traces.time, _MILLI * state.elongation[row], color=INK, linewidth=1.0
+        )
         elongation.set_ylim(bottom=min(0.0, elongation.get_ylim()[0]))
         _force(force, traces, state, row)
         force.set_xlim(start, end)
@@ -72,12 +63,12 @@ def tendon_figure(traces: Traces, state: TendonState) -> Figure:
 
 
 def _force(axes: Axes, traces: Traces, state: TendonState, row: int) -> None:
-    dress(axes, "Tendon force\n[N]", "Time [s]")
+    figures.dress(axes, "Tendon force\n[N]", "Time [s]")
     force, toe = state.tendon_force[row], state.laws[row].toe_force
-    trace(axes, traces.time, force, label="tendon", color=INK, linewidth=1.0)
-    trace(axes, traces.time, state.tissue_force[row], label="passive tissue", color=RED,
+    figures.trace(axes, traces.time, force, label="tendon", color=INK, linewidth=1.0)
+    figures.trace(axes, traces.time, state.tissue_force[row], label="passive tissue", color=RED,
           linewidth=1.6, linestyle=(0, (4, 1.5)))  # fmt: skip
-    highest, room = _highest(force), 1.12
+    highest, room = float(np.max(force[np.isfinite(force)], initial=0.0)), 1.12
     if toe <= _ROOM * highest:
         axes.axhline(toe, color=OCHRE, linewidth=1.2, linestyle=(0, (1, 1.5)), label="end of toe")
         highest = max(highest, toe)
@@ -88,11 +79,11 @@ def _force(axes: Axes, traces: Traces, state: TendonState, row: int) -> None:
             va="top", fontsize=8, color=INK,
         )  # fmt: skip
     axes.set_ylim(0.0, room * highest or 1.0)
-    legend(axes, 3)
+    figures.legend(axes, 3)
 
 
 def _curve(axes: Axes, law: TendonLaw, elongation: FloatArray) -> None:
-    dress(axes, "Tendon force\n[N]", "Tendon elongation [mm]")
+    figures.dress(axes, "Tendon force\n[N]", "Tendon elongation [mm]")
     known = elongation[np.isfinite(elongation)]
     low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
     end = 1.12 * max(high, law.toe_elongation)
@@ -106,12 +97,7 @@ def _curve(axes: Axes, law: TendonLaw, elongation: FloatArray) -> None:
               linestyle="none", markeredgecolor=INK, label="end of toe")  # fmt: skip
     axes.set_xlim(_MILLI * float(e[0]), _MILLI * end)
     axes.set_ylim(bottom=-0.03 * float(law.force(e[-1:])[0]))
-    legend(axes, 3)
-
-
-def _highest(values: FloatArray) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.max()) if known.size else 0.0
+    figures.legend(axes, 3)
 
 
 #: Of the figure [inch].
@@ -124,18 +110,17 @@ _MODEL: dict[str, Any] = {"color": BLUE, "linewidth": 1.1, "label": "model"}
 def film_figure(traces: Traces, film: Fascicles, figure: Figure | None = None) -> Figure:
     """Torque, fascicle length and tendon stretch over time, and force over both lengths.
 
-    What the film shows is wide and pale, the model thin and dark; force is the model's. It is drawn
-    on a new figure, or the one given.
+    What the film shows is wide and pale, the model thin and dark; force is the model's.
     """
-    figure = new_figure(_HEIGHT) if figure is None else figure
+    figure = figures.new_figure(_HEIGHT) if figure is None else figure
     figure.set_size_inches(WIDTH, _HEIGHT)
     grid = figure.add_gridspec(5, 2, height_ratios=[1.0, 1.2, 1.2, 0.04, 1.7])
     stretch = figure.add_subplot(grid[2, :])
     torque, length = (figure.add_subplot(grid[row, :], sharex=stretch) for row in (0, 1))
     for axes, what in ((torque, "Torque\n[Nm]"), (length, "Fascicle length\n[mm]")):
-        dress(axes, what)
+        figures.dress(axes, what)
         axes.tick_params(labelbottom=False)
-    dress(stretch, "Tendon stretch\n[mm]", "Time [s]")
+    figures.dress(stretch, "Tendon stretch\n[mm]", "Time [s]")
     torque.plot(traces.time, traces.measured, **{**_FILMED, "label": "measured"})
     torque.plot(traces.time, traces.modelled, **_MODEL)
     for axes, filmed, model in _pairs(film, length, stretch):
@@ -150,15 +135,15 @@ def film_figure(traces: Traces, film: Fascicles, figure: Figure | None = None) -
         axes.plot(model[0], film.force[0], "o", color=INK, markersize=5, label="begin",
                   clip_on=False)  # fmt: skip
         axes.set_ylim(bottom=0.0)
-    dress(loops[0], "Force in the model [N]", "Fascicle length [mm]")
-    dress(loops[1], "", "Tendon stretch [mm]")
+    figures.dress(loops[0], "Force in the model [N]", "Fascicle length [mm]")
+    figures.dress(loops[1], "", "Tendon stretch [mm]")
     for axes, text in (
         (torque, "Torque"), (length, "Muscle"), (stretch, "Tendon"),
         (loops[0], "Force over length"), (loops[1], "Force over stretch"),
     ):  # fmt: skip
-        heading(axes, text)
+        figures.heading(axes, text)
     for axes, columns in ((torque, 2), (length, 2), *((loop, 1) for loop in loops)):
-        legend(axes, columns)
+        figures.legend(axes, columns)
     figure.align_ylabels([torque, length, stretch, loops[0]])
     return figure
 

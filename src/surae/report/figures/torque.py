@@ -11,24 +11,9 @@ from surae.assessment import Prediction
 from surae.estimation import FitResult
 from surae.formatting import percentage
 from surae.recording import MUSCLES
+from surae.report import figures
 from surae.report.cycles import Cycles, find_cycles
-from surae.report.figures import (
-    BLUE,
-    GREY,
-    INK,
-    MUTED,
-    OCHRE,
-    RED,
-    WIDTH,
-    dress,
-    dress_degrees,
-    heading,
-    legend,
-    new_figure,
-    shade_excluded,
-    shared_legend,
-    trace,
-)
+from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, WIDTH
 from surae.report.provenance import excluded_spans
 from surae.report.traces import Traces, traces_of
 from surae.units import FloatArray
@@ -54,16 +39,15 @@ _MODELLED: _Look = {"color": BLUE, "linewidth": 1.0}
 def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None = None) -> Figure:
     """Figure like 18–20 of the thesis: what went in, what came out, and what it is made of.
 
-    The EMG that was recorded, a strip each on one scale; angle; torque; torque parts. A movement
-    that repeats itself has a second column, where there is room (`width` [inch]): mean and standard
-    deviation over the cycle. It is drawn on a new figure, or the one given.
+    A movement that repeats itself has a second column, where there is room (`width` [inch]): mean
+    and standard deviation over the cycle.
     """
     cycles = find_cycles(traces.angle, traces.rate_hz, traces.counted)
     muscles = [muscle for muscle in MUSCLES if muscle not in traces.missing_emg]
     heights = [_STRIP] * len(muscles) + [_ANGLE, _TORQUE, _TORQUE]
     both = cycles is not None and width > _BOTH
-    height = (_ROOM + sum(heights)) * _height(width)
-    figure = new_figure(height, width=width) if figure is None else figure
+    height = (_ROOM + sum(heights)) * (0.6 * WIDTH + 0.4 * width) / WIDTH  # narrower, if less so
+    figure = figures.new_figure(height, width=width) if figure is None else figure
     figure.set_size_inches(width, height)
     grid = figure.subplots(
         len(heights), 2 if both else 1, squeeze=False, sharex="col", sharey="row",
@@ -86,11 +70,6 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
     return figure
 
 
-def _height(width: float) -> float:
-    """How much lower a narrower figure is."""
-    return (0.6 * WIDTH + 0.4 * width) / WIDTH
-
-
 def _shown(traces: Traces, cycles: Cycles | None) -> tuple[float, float]:
     if cycles is None or len(cycles.spans) <= _SHOWN:
         return float(traces.time[0]), float(traces.time[-1])
@@ -100,15 +79,11 @@ def _shown(traces: Traces, cycles: Cycles | None) -> tuple[float, float]:
 
 
 def _draw(
-    row: _Row,
-    traces: Traces,
-    cycles: Cycles | None,
-    values: FloatArray,
-    look: _Look,
+    row: _Row, traces: Traces, cycles: Cycles | None, values: FloatArray, look: _Look,
     name: str = "",
-) -> None:
+) -> None:  # fmt: skip
     """A signal against time, and over the cycle."""
-    trace(row[0], traces.time, values, label=name, **look)
+    figures.trace(row[0], traces.time, values, label=name, **look)
     if cycles is not None and len(row) > 1:
         share, mean, spread = cycles.over(values)
         row[1].fill_between(
@@ -118,9 +93,9 @@ def _draw(
 
 
 def _dress(row: _Row, ylabel: str, xlabel: str = "") -> None:
-    dress(row[0], ylabel, xlabel)
+    figures.dress(row[0], ylabel, xlabel)
     for axes in row[1:]:
-        dress(axes, "")
+        figures.dress(axes, "")
 
 
 def _emg(
@@ -147,7 +122,7 @@ def _emg(
         )  # fmt: skip
         look = {"color": INK, "linewidth": 0.7}
         _draw(row, traces, cycles, signals[:, MUSCLES.index(muscle)], look)
-    heading(rows[0][0], "EMG, on one scale" if len(rows) > 1 else "EMG")
+    figures.heading(rows[0][0], "EMG, on one scale" if len(rows) > 1 else "EMG")
     rows[(len(rows) - 1) // 2][0].set_ylabel(
         f"EMG [{unit}]", fontsize=9, color=INK, y=0.5 * (len(rows) % 2)
     )
@@ -155,25 +130,25 @@ def _emg(
 
 def _angle(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
     _dress(row, "Angle [rad]")
-    heading(row[0], "Ankle angle, dorsiflexion positive")
+    figures.heading(row[0], "Ankle angle, dorsiflexion positive")
     _draw(row, traces, cycles, traces.angle, {"color": INK, "linewidth": 1.1})
-    dress_degrees(row[-1])
+    figures.dress_degrees(row[-1])
 
 
 def draw_torque(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:
     """Measured and modelled torque against time, and over the cycle where there is a column."""
     _dress(row, "Torque [Nm]")
-    heading(row[0], "Torque, triceps positive")
+    figures.heading(row[0], "Torque, triceps positive")
     _draw(row, traces, cycles, traces.measured, _MEASURED, "measured")
     _draw(row, traces, cycles, traces.modelled, _MODELLED, "modelled")
-    shade_excluded(row[0], traces.time, traces.excluded)
-    legend(row[0], 3)
+    figures.shade_excluded(row[0], traces.time, traces.excluded)
+    figures.legend(row[0], 3)
 
 
 def draw_parts(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:
     """What the modelled torque is made of, likewise."""
     _dress(row, "Torque [Nm]", "Time [s]")
-    heading(row[0], "Parts of the modelled torque")
+    figures.heading(row[0], "Parts of the modelled torque")
     parts = traces.parts
     looks: list[tuple[str, _Look]] = [
         ("tissue", {"color": RED, "linewidth": 2.0, "linestyle": "solid"}),
@@ -187,7 +162,7 @@ def draw_parts(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:
         looks.append(("zero", {"color": MUTED, "linewidth": 2.0, "linestyle": (0, (2, 3))}))
     for name, look in looks:
         _draw(row, traces, cycles, getattr(parts, name), look, name)
-    legend(row[0], len(looks))
+    figures.legend(row[0], len(looks))
 
 
 #: Panels side by side, and height of a row [inch].
@@ -211,38 +186,32 @@ class TorquePanel:
 def torques_figure(
     panels: Sequence[TorquePanel], who: str = "modelled", *, width: float = WIDTH
 ) -> Figure:
-    """A panel for each recording, all on one scale of torque.
-
-    `who` is what the thin dark line is: ``"modelled"`` or ``"predicted"``; `width` is in inches.
-    """
+    """A panel for each recording on one scale; `who` is what the thin dark line is."""
     columns = min(_COLUMNS, len(panels)) if width > 0.6 * WIDTH else 1
     rows = -(-len(panels) // columns)
-    figure = new_figure(_ROW * rows + 0.5, width=width)
+    figure = figures.new_figure(_ROW * rows + 0.5, width=width)
     grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
     for number, panel in enumerate(panels):
         row, column = divmod(number, columns)
         axes = grid[row, column]
         last = number + columns >= len(panels)
-        dress(axes, "Torque [Nm]" if column == 0 else "", "Time [s]" if last else "")
+        figures.dress(axes, "Torque [Nm]" if column == 0 else "", "Time [s]" if last else "")
         room = int(_LETTERS * width / columns)
         name = panel.name if len(panel.name) <= room else panel.name[: room - 1] + "…"
         axes.set_title(name, loc="left", fontsize=8, color=INK, weight="bold")
         axes.set_title(panel.note, loc="right", fontsize=8, color=MUTED)
-        trace(axes, panel.time, panel.measured, label="measured", color=GREY, linewidth=3.0)
-        trace(axes, panel.time, panel.other, label=who, color=BLUE, linewidth=1.0)
-        shade_excluded(axes, panel.time, panel.excluded)
+        figures.trace(axes, panel.time, panel.measured, label="measured", color=GREY, linewidth=3.0)
+        figures.trace(axes, panel.time, panel.other, label=who, color=BLUE, linewidth=1.0)
+        figures.shade_excluded(axes, panel.time, panel.excluded)
         axes.set_xlim(float(panel.time[0]), float(panel.time[-1]))
     for axes in grid.ravel()[len(panels) :]:
         axes.set_visible(False)
-    shared_legend(figure, list(grid.ravel()[: len(panels)]), 3)
+    figures.shared_legend(figure, list(grid.ravel()[: len(panels)]), 3)
     return figure
 
 
 def fit_figure(result: FitResult, notes: Sequence[str] = (), *, width: float = WIDTH) -> Figure:
-    """The figure of a fit: of one recording all its signals, of several their torque.
-
-    `notes` are a few letters on each recording, such as its R²; `width` is in inches.
-    """
+    """The figure of a fit: of one recording all its signals, of several torque with `notes`."""
     traces = traces_of(result)
     if len(traces) == 1:
         return torque_figure(traces[0], width=width)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from surae.cli.options import Range
+from surae.cli.options import RANGE
 from surae.errors import InputError
 from surae_workbench.options import server_options
 
@@ -24,7 +24,7 @@ from surae_workbench.options import server_options
 @click.option("--mapping", metavar="MAP.toml", help="Which channel of the streams is which signal.")
 @click.option("--device", default="achilles", show_default=True, metavar="NAME|FILE.toml",
               help="What moves the leg.")  # fmt: skip
-@click.option("--range", type=Range(), metavar="LOW:HIGH",
+@click.option("--range", type=RANGE, metavar="LOW:HIGH",
               help="Full plantarflexion and dorsiflexion of the subject, in rad.  "
               "[default: -0.9:0.6, as far as the device]")  # fmt: skip
 @click.option("--output", default="surae-live", show_default=True, metavar="DIR",

@@ -39,7 +39,8 @@ _OF_MOVEMENT = (
 
 def warm() -> None:
     """Judge a made-up trial, so that the first real one waits for nothing to be compiled."""
-    from surae.api import Protocol, XdfLog, generate, virtual_recording, virtual_subject
+    from surae.api import Protocol, generate, virtual_recording, virtual_subject
+    from surae_workbench.live.xdf import XdfLog
 
     protocol = Protocol(profile="multiple-holds", task="active", duration=10.0, rate_hz=1024.0)
     channels = virtual_recording(virtual_subject(1), generate(protocol)).channels
@@ -176,7 +177,7 @@ def together(
     `device` and `span` as ``device`` and ``range`` of `surae.measure_next`. Said are grade, vaf,
     reasons, parameters, measures; and next, sentences on what to measure next, which is `proposed`.
     """
-    fit = _session(recordings, efforts).fit_together()
+    fit = _session(recordings, efforts).fit()
     fit.save(output)
     measures = fit.measures(angles=(0.0, 10.0))
     return {

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from surae.api import XdfLog
 from surae.processes import where
 from surae.units import FloatArray
 from surae_workbench.live.lsl import lsl
 from surae_workbench.live.stream import Stream
+from surae_workbench.live.xdf import XdfLog
 
 #: Streams are asked for samples this often [s], and for their clocks: at first, and then.
 _POLL, _CLOCK_FIRST, _CLOCK = 0.015, 1.0, 5.0

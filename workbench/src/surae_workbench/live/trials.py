@@ -20,7 +20,7 @@ from typing import Any, Literal, TypedDict
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from surae.api import ROLES, mended_xdf
+from surae.api import ROLES
 from surae.database import lock
 from surae.errors import InputError, SuraeError
 from surae.files import PathLike, is_link, read_bytes, shown, write_atomic, write_json
@@ -30,6 +30,7 @@ from surae.units import plain as plain_unit
 from surae_workbench.live.recorder import Recorder, Show, Tell
 from surae_workbench.live.stream import Stream
 from surae_workbench.live.target import KIND
+from surae_workbench.live.xdf import mended_xdf
 from surae_workbench.web.rows import plain
 
 #: The JSON of a trial, its findings and reasons take far less [bytes].

@@ -141,11 +141,11 @@ def sorted_as(
     told = []
     for id_, row in rows.items():
         trial = trials[row["name"]]
-        words = api.trial_words(trial)
+        what, use = api.trial_words(trial)
         told.append({
             "recording": id_, "name": row["name"], "effort": trial.effort, "stated": trial.stated,
-            "fitted": trial.use == "fit", "what": words.what, "why": words.why, "use": words.use,
-            "problem": words.problem,
+            "fitted": trial.use == "fit", "what": what, "why": trial.why, "use": use,
+            "problem": trial.problem,
         })  # fmt: skip
     return told
 

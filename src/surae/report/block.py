@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 __all__ = [
-    "AdequacyWords", "AnyCell", "Block", "Document", "FactsBlock", "Group", "IntervalBar",
-    "KeyFigures", "ListBlock", "PictureBlock", "SectionBlock", "SignalsBlock", "TableBlock",
-    "TableCell", "TableColumn", "TableRow", "TextBlock", "columns", "facts_of", "paragraphs",
-    "rows_of", "verdict",
+    "AdequacyWords", "AnyCell", "Block", "Cell", "Document", "Explorer", "Facts", "Grid", "Group",
+    "Heading", "IntervalBar", "KeyFigures", "Picture", "Points", "Row", "Section", "Text",
+    "columns", "facts", "paragraphs", "rows", "verdict",
 ]  # fmt: skip
 
 
@@ -32,7 +31,7 @@ class IntervalBar:
 
 
 @dataclass(frozen=True, slots=True)
-class TableCell:
+class Cell:
     """A cell of a table: its text and what stands with it; empty where there is nothing."""
 
     text: str = ""
@@ -48,7 +47,7 @@ class TableCell:
 
 
 @dataclass(frozen=True, slots=True)
-class TableColumn:
+class Heading:
     """The heading of a column, and how its cells are shown."""
 
     head: str
@@ -56,18 +55,18 @@ class TableColumn:
     wide: bool = False  #: Whether it takes what others leave, on paper.
 
 
-AnyCell: TypeAlias = str | TableCell
-TableRow: TypeAlias = Sequence[AnyCell]
+AnyCell: TypeAlias = str | Cell
+Row: TypeAlias = Sequence[AnyCell]
 #: Rows of a table under their title.
-Group: TypeAlias = tuple[str, tuple[TableRow, ...]]
+Group: TypeAlias = tuple[str, tuple[Row, ...]]
 
 
 @dataclass(frozen=True, slots=True)
-class TableBlock:
+class Grid:
     """A table; the first cell of each row is its heading."""
 
     caption: str
-    columns: tuple[TableColumn, ...]
+    columns: tuple[Heading, ...]
     #: Rows by the title that stands above them, empty where there is but one group; the only cell
     #: of a row spans all columns.
     groups: tuple[Group, ...]
@@ -78,7 +77,7 @@ class TableBlock:
 
 
 @dataclass(frozen=True, slots=True)
-class TextBlock:
+class Text:
     """Text: plain, a ``note``, a ``warning``, ``say`` (an answer), ``choose`` (on screen alone)."""
 
     text: str
@@ -88,7 +87,7 @@ class TextBlock:
 
 
 @dataclass(frozen=True, slots=True)
-class ListBlock:
+class Points:
     """A list of sentences under a title, which links may lead to by `anchor`."""
 
     title: str
@@ -99,7 +98,7 @@ class ListBlock:
 
 
 @dataclass(frozen=True, slots=True)
-class FactsBlock:
+class Facts:
     """Labels and what they say: side by side, or as ``settings`` below each other."""
 
     facts: tuple[tuple[str, tuple[str, ...]], ...]  #: Label, and one text or several.
@@ -127,7 +126,7 @@ class AdequacyWords:
 
 
 @dataclass(frozen=True, slots=True)
-class PictureBlock:
+class Picture:
     """A figure of the report, by its name; left out where it was not drawn.
 
     `look` has the style sheet's classes; on paper it stays ``here``, or goes where there is room.
@@ -142,7 +141,7 @@ class PictureBlock:
 
 
 @dataclass(frozen=True, slots=True)
-class SignalsBlock:
+class Explorer:
     """The signals of the recording of this number, to zoom into; on paper there is nothing."""
 
     number: int
@@ -153,7 +152,7 @@ class SignalsBlock:
 
 
 @dataclass(frozen=True, slots=True)
-class SectionBlock:
+class Section:
     """Blocks under a heading; `look` has the style sheet's classes, ``page`` begins a new one."""
 
     title: str
@@ -164,15 +163,7 @@ class SectionBlock:
 
 
 Block: TypeAlias = (
-    TableBlock
-    | TextBlock
-    | ListBlock
-    | FactsBlock
-    | KeyFigures
-    | AdequacyWords
-    | PictureBlock
-    | SignalsBlock
-    | SectionBlock
+    Grid | Text | Points | Facts | KeyFigures | AdequacyWords | Picture | Explorer | Section
 )
 
 
@@ -194,29 +185,29 @@ def columns(
     numbers: Collection[int] = (),
     wide: Collection[int] = (),
     looks: Mapping[int, str] | None = None,
-) -> tuple[TableColumn, ...]:
+) -> tuple[Heading, ...]:
     """Columns of these headings; by place, which hold numbers, are wide, or have other looks."""
     return tuple(
-        TableColumn(head, (looks or {}).get(k, "number" if k in numbers else ""), k in wide)
+        Heading(head, (looks or {}).get(k, "number" if k in numbers else ""), k in wide)
         for k, head in enumerate(heads)
     )
 
 
-def rows_of(rows: Iterable[TableRow]) -> tuple[Group]:
+def rows(rows: Iterable[Row]) -> tuple[Group]:
     """The rows of a table that is not grouped."""
     return (("", tuple(map(tuple, rows))),)
 
 
-def facts_of(facts: Iterable[tuple[str, str]], look: str = "facts") -> FactsBlock:
+def facts(facts: Iterable[tuple[str, str]], look: str = "facts") -> Facts:
     """Facts of one text each."""
-    return FactsBlock(tuple((label, (text,)) for label, text in facts), look)
+    return Facts(tuple((label, (text,)) for label, text in facts), look)
 
 
-def paragraphs(texts: Iterable[str], look: str = "") -> tuple[TextBlock, ...]:
+def paragraphs(texts: Iterable[str], look: str = "") -> tuple[Text, ...]:
     """A paragraph of each text."""
-    return tuple(TextBlock(text, look) for text in texts)
+    return tuple(Text(text, look) for text in texts)
 
 
-def verdict(name: str, *, why: str = "", link: str = "") -> TableCell:
+def verdict(name: str, *, why: str = "", link: str = "") -> Cell:
     """A verdict as a badge, with the reason behind it."""
-    return TableCell(badge=(f"verdict {name}", name.replace("-", " ")), why=why, link=link)
+    return Cell(badge=(f"verdict {name}", name.replace("-", " ")), why=why, link=link)

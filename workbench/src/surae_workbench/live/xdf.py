@@ -10,14 +10,15 @@ import struct
 import uuid
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from surae.api import xdf_end
 from surae.units import FloatArray
 
-MAGIC = b"XDF:"
+_MAGIC = b"XDF:"
 _HEADER = b'<?xml version="1.0"?><info><version>1.0</version></info>'
 _FILE, _STREAM, _SAMPLES, _CLOCK, _BOUNDARY = 1, 2, 3, 4, 5
 #: Where readers find their way back after damage.
@@ -103,7 +104,7 @@ class XdfLog:
         """Write a whole chunk, or nothing of it: a full disk takes a part."""
         file = self._make() if self._file is None else self._file
         if not self._size:
-            chunk = MAGIC + _chunk(_FILE, _HEADER) + chunk
+            chunk = _MAGIC + _chunk(_FILE, _HEADER) + chunk
         done = 0
         try:
             while done < len(chunk):
@@ -122,9 +123,9 @@ def mended_xdf(path: Path) -> int:
     readers find their way back behind that. Such files are left as they are.
     """
     with path.open("r+b") as file:
-        if file.read(len(MAGIC)) != MAGIC:
+        if file.read(len(_MAGIC)) != _MAGIC:
             return 0
-        at = file.seek(end_of_chunks(file))
+        at = file.seek(xdf_end(file))
         torn = file.read()
         if _SIGN in torn:
             return 0
@@ -132,20 +133,6 @@ def mended_xdf(path: Path) -> int:
             file.truncate(at)
             os.fsync(file.fileno())
     return len(torn)
-
-
-def end_of_chunks(file: BinaryIO) -> int:
-    """Where the last whole chunk ends that follows others from the file's beginning."""
-    size, at = file.seek(0, os.SEEK_END), len(MAGIC)
-    while at < size:
-        file.seek(at)
-        head = file.read(9)
-        width = head[0] if head[0] in (1, 4, 8) else 0  # bytes of the length
-        length = int.from_bytes(head[1 : 1 + width], "little")
-        if not length or at + 1 + width + length > size:
-            break
-        at += 1 + width + length
-    return at
 
 
 def _chunk(tag: int, content: bytes) -> bytes:
