@@ -61,7 +61,7 @@ def judged(folder, family: str, seed: int, seconds: float = 35.0) -> Count:
 
 @pytest.mark.slow  # in the fast suite test_api_auto.py has one
 def test_a_leg_of_the_models_kind_is_known(tmp_path) -> None:
-    count = judged(tmp_path, "p", 31, seconds=20.0)
+    count = judged(tmp_path, "p", 31)
     assert count.claimed >= 0.3 * count.free
     assert count.keeps_the_promise()
 

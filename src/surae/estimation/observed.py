@@ -28,7 +28,7 @@ from surae.units import FloatArray
 _KEPT = 2
 #: Active state over which it reaches zero in a search [N]: resting muscles cross zero at one value
 #: of crosstalk or of EMG at rest, at which the model's kink would stop it.
-_SMOOTH = 2.0
+_SMOOTH = 0.3
 
 
 class SensorRows:
