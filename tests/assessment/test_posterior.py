@@ -17,7 +17,7 @@ from surae.signals import thinned
 from surae.studies import virtual_trial
 
 FEW = {"draws": 250, "evaluations": 1200}
-MANY = {"draws": 2000, "evaluations": 1800}
+MANY = {"draws": 2000, "evaluations": 3600}
 
 
 @pytest.fixture(scope="module")
