@@ -19,35 +19,21 @@ from surae.tables import Tabular, TextTable
 @filed("name")
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """One measure of a fit.
+    """One measure of a fit."""
 
-    Attributes
-    ----------
-    name, unit, meaning : str
-        As in `surae.measures.DEFINITIONS`, with its point in the name.
-    value : float or None
-        None where there is none, and `note` says why.
-    ci95 : tuple of float, or None
-        95 % interval, systematics included.
-    ci95_repeat : tuple of float, or None
-        95 % interval of what another trial of this leg would give.
-    verdict : Verdict
-        ``identified``: within 10 % (of an angle within 2°), measured and of an adequate fit.
-    note : str
-        The verdict in a plain sentence.
-    method : str
-        ``"linear"``: the interval is that of the covariance; ``"draws"``: of possible legs, as the
-        measure bends too much for it; empty without an interval.
-    """
-
+    #: `name`, `unit`, `meaning`: as in `surae.measures.DEFINITIONS`, with its point in the name.
     name: str
     unit: str
     meaning: str
-    value: float | None
-    ci95: tuple[float, float] | None
+    value: float | None  #: None where there is none, and `note` says why.
+    ci95: tuple[float, float] | None  #: 95 % interval, systematics included.
+    #: 95 % interval of what another trial of this leg would give.
     ci95_repeat: tuple[float, float] | None
+    #: ``identified``: within 10 % (of an angle within 2°), measured and of an adequate fit.
     verdict: Verdict
-    note: str
+    note: str  #: The verdict in a plain sentence.
+    #: ``"linear"``: the interval is that of the covariance; ``"draws"``: of possible legs, as the
+    #: measure bends too much for it; empty without an interval.
     method: str = ""
 
 

@@ -36,40 +36,25 @@ Row = tuple[float, ...]
 class GeometryTable:
     """Lengths and moment arms that somebody measured, or a scaled model has.
 
-    Attributes
-    ----------
-    name : str
-        The file it was read from.
-    angle : tuple of float
-        Joint angles, rising [rad].
-    length : tuple of two tuples of float
-        Of the triceps surae and the tibialis anterior, muscle and tendon together [m]; less the
-        tendon's slack length where `slack` is known. With a second angle for each pair of both,
-        the second running faster.
-    arm : tuple of two tuples of float
-        Moment arms, signed as the torque: triceps positive, tibialis negative [m].
-    tolerance : float
-        Most by which an arm differs from the slope of its length [m].
-    slack : bool
-        Whether the lengths are those of the muscle on a rigid tendon: less its slack length.
-    source : str
-        Where the numbers are from.
-    second : tuple of float
-        Angles, rising, of a second joint that the muscles cross too [rad]; empty without one.
-
     Raises
     ------
     InputError
         The numbers are no geometry: angles fall, or an arm is not the slope of its length.
     """
 
-    name: str
-    angle: Row
+    name: str  #: The file it was read from.
+    angle: Row  #: Joint angles, rising [rad].
+    #: Of the triceps surae and the tibialis anterior, muscle and tendon together [m]; less the
+    #: tendon's slack length where `slack` is known. With a second angle for each pair of both, the
+    #: second running faster.
     length: tuple[Row, Row]
+    #: Moment arms, signed as the torque: triceps positive, tibialis negative [m].
     arm: tuple[Row, Row]
-    tolerance: float = TOLERANCE
+    tolerance: float = TOLERANCE  #: Most by which an arm differs from the slope of its length [m].
+    #: Whether the lengths are those of the muscle on a rigid tendon: less its slack length.
     slack: bool = False
-    source: str = ""
+    source: str = ""  #: Where the numbers are from.
+    #: Angles, rising, of a second joint that the muscles cross too [rad]; empty without one.
     second: Row = ()
 
     def __post_init__(self) -> None:

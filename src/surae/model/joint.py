@@ -35,53 +35,32 @@ class Value:
 class Joint:
     """A joint that two groups of muscles turn.
 
-    Attributes
-    ----------
-    name : str
-        The joint, such as ``ankle``.
-    body : str
-        What has the joint, such as ``leg``.
-    limb : str
-        What turns about it, such as ``foot``.
-    groups, short : tuple of two str
-        The muscles that lengthen as the angle rises (`tri` in files) and their antagonists
-        (`tib`), by their names and in a word.
-    muscles : tuple of four str
-        Muscles of the channels ``emg_ta`` (an antagonist), ``emg_gl``, ``emg_sol``, ``emg_gm``;
-        empty where the joint has none, whose weight is then 0.
-    directions : tuple of two str
-        Of a rising and of a falling angle.
-    distance : float
-        From the axis to the point in which all mass is thought to be, and to the strap [m].
-    slack : tuple of two float
-        Slack lengths of both groups' tendons [m].
-    source : str
-        Where the constants are from.
-    parameters : mapping of str to Value
-        What is otherwise than at the ankle, all of `STATED` included.
-    nuisances : mapping of str to (float, float)
-        Priors of what the laboratory cannot rule out, mean and sd, where they are otherwise.
-    words : mapping of str to mapping of str to str
-        By language, what stands in place of the ankle's words on the leg's page.
-
     Raises
     ------
     InputError
         A constant is missing or not physical.
     """
 
-    name: str
-    body: str
-    limb: str
+    name: str  #: The joint, such as ``ankle``.
+    body: str  #: What has the joint, such as ``leg``.
+    limb: str  #: What turns about it, such as ``foot``.
+    #: `groups`, `short`: the muscles that lengthen as the angle rises (`tri` in files) and their
+    #: antagonists (`tib`), by their names and in a word.
     groups: tuple[str, str]
     short: tuple[str, str]
+    #: Muscles of the channels ``emg_ta`` (an antagonist), ``emg_gl``, ``emg_sol``, ``emg_gm``;
+    #: empty where the joint has none, whose weight is then 0.
     muscles: tuple[str, str, str, str]
-    directions: tuple[str, str]
+    directions: tuple[str, str]  #: Of a rising and of a falling angle.
+    #: From the axis to the point in which all mass is thought to be, and to the strap [m].
     distance: float
-    slack: tuple[float, float]
-    source: str
+    slack: tuple[float, float]  #: Slack lengths of both groups' tendons [m].
+    source: str  #: Where the constants are from.
+    #: What is otherwise than at the ankle, all of `STATED` included.
     parameters: Mapping[str, Value] = field(default_factory=FrozenDict)
+    #: Priors of what the laboratory cannot rule out, mean and sd, where they are otherwise.
     nuisances: Mapping[str, tuple[float, float]] = field(default_factory=FrozenDict)
+    #: By language, what stands in place of the ankle's words on the leg's page.
     words: Mapping[str, Mapping[str, str]] = field(default_factory=FrozenDict)
 
     def __post_init__(self) -> None:

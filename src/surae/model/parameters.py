@@ -47,65 +47,37 @@ class OtherReading(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter of a model.
+    """One parameter of a model."""
 
-    Attributes
-    ----------
-    name : str
-        The thesis's name, the same in files, figures and Python.
-    unit : str
-        SI unit; ``"-"`` when dimensionless.
-    meaning : str
-        What it is, in a few plain words.
-    group : {"limb", "passive", "active", "tendon", "measurement"}
-        Which part of the torque it acts on; the last are the laboratory's, not the leg's.
-    start : float
-        Where a fit starts, and the value of a tendon parameter that is left out.
-    lower, upper : float
-        Bounds of a fit.
-    positive : bool
-        Whether any use of the model needs a value above zero; otherwise zero is allowed too.
-    signed : bool
-        Whether values below zero have a meaning as well.
-    advice : str
-        What to measure, or to fix, where it is not known well enough, as an imperative.
-    known : mapping of str to Known
-        Its prior in each population; empty where a population has none.
-    wide : Known or None
-        Its prior of a leg of which nothing is known, where that is not the healthy one, widened.
-    drawn : mapping of str to (float, float)
-        Range from which virtual subjects of each population are drawn.
-    straight : bool
-        Whether a posterior is searched along it; otherwise along its logarithm.
-    travel : OtherReading or None
-        In the virtual-work geometry, whose muscles travel about 2.8 times (triceps) and 1.5 times
-        (tibialis) as far per radian.
-    strain : OtherReading or None
-        Of ε0 as a strain, times the slack length (Thelen 2003).
-    slack : float
-        That slack length [m].
-    torque : Added or None
-        The torque that it adds by itself.
-    """
-
-    name: str
-    unit: str
-    meaning: str
+    name: str  #: The thesis's name, the same in files, figures and Python.
+    unit: str  #: SI unit; ``"-"`` when dimensionless.
+    meaning: str  #: What it is, in a few plain words.
+    #: "limb", "passive", "active", "tendon", "measurement": Which part of the torque it acts on;
+    #: the last are the laboratory's, not the leg's.
     group: str
-    start: float
+    start: float  #: Where a fit starts, and the value of a tendon parameter that is left out.
+    #: `lower`, `upper`: bounds of a fit.
     lower: float
     upper: float
+    #: Whether any use of the model needs a value above zero; otherwise zero is allowed too.
     positive: bool = True
-    signed: bool = False
+    signed: bool = False  #: Whether values below zero have a meaning as well.
+    #: What to measure, or to fix, where it is not known well enough, as an imperative.
     advice: str = ""
+    #: Its prior in each population; empty where a population has none.
     known: Mapping[str, Known] = FrozenDict()
+    #: Its prior of a leg of which nothing is known, where that is not the healthy one, widened.
     wide: Known | None = None
+    #: Range from which virtual subjects of each population are drawn.
     drawn: Mapping[str, tuple[float, float]] = FrozenDict()
+    #: Whether a posterior is searched along it; otherwise along its logarithm.
     straight: bool = False
+    #: In the virtual-work geometry, whose muscles travel about 2.8 times (triceps) and 1.5 times
+    #: (tibialis) as far per radian.
     travel: OtherReading | None = None
-    strain: OtherReading | None = None
-    slack: float = 1.0
-    torque: Added | None = None
+    strain: OtherReading | None = None  #: Of ε0 as a strain, times the slack length (Thelen 2003).
+    slack: float = 1.0  #: That slack length [m].
+    torque: Added | None = None  #: The torque that it adds by itself.
 
     @property
     def off_at_zero(self) -> bool:

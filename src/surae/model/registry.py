@@ -35,46 +35,26 @@ _LINEAR = ("reflex_tri", "reflex_tib", *(p.name for p in OPTIONAL_PARAMETERS if 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelSpec(Comparable):
-    """A model as data.
+    """A model as data."""
 
-    Attributes
-    ----------
-    name : str
-        Its name on the command line and in files.
-    title : str
-        What it is called in tables and reports, with the thesis's number.
-    parameters : tuple of Parameter
-        All its parameters, in the order of its parameter vectors.
-    free : tuple of str
-        Those a fit estimates by default; the others keep their `start`.
-    tie : str
-        What ties the model to a recording, ``"module:class"``; `simulator` does it. It is imported
-        only when it is used: numba takes its time.
-    parent : str or None
-        The simpler model, of the same parameters and fewer, from whose solution a fit of this one
-        starts; None for a model whose start is solved for its linear parameters.
-    weights : tuple of str
-        The weights of the EMG of TA, GL, SOL and GM.
-    linear : tuple of str
-        Parameters in which the torque is linear, given those in none of these three.
-    slack : mapping of str to str
-        Slack lengths x0 by whose exp(−k·x0) it is linear too, each with its stiffness k.
-    scanned : tuple of str
-        Those along which the sum of squares, its linear parameters solved, has several valleys.
-    optional : tuple of str
-        Its optional parameters, the last of `parameters`, see `with_optional`; empty without.
-    """
-
-    name: str
-    title: str
-    parameters: tuple[Parameter, ...]
-    free: tuple[str, ...]
+    name: str  #: Its name on the command line and in files.
+    title: str  #: What it is called in tables and reports, with the thesis's number.
+    parameters: tuple[Parameter, ...]  #: All its parameters, in the order of its parameter vectors.
+    free: tuple[str, ...]  #: Those a fit estimates by default; the others keep their `start`.
+    #: What ties the model to a recording, ``"module:class"``; `simulator` does it. It is imported
+    #: only when it is used: numba takes its time.
     tie: str
+    #: The simpler model, of the same parameters and fewer, from whose solution a fit of this one
+    #: starts; None for a model whose start is solved for its linear parameters.
     parent: str | None = None
-    weights: tuple[str, ...] = _WEIGHTS
+    weights: tuple[str, ...] = _WEIGHTS  #: The weights of the EMG of TA, GL, SOL and GM.
+    #: Parameters in which the torque is linear, given those in none of these three.
     linear: tuple[str, ...] = ()
+    #: Slack lengths x0 by whose exp(−k·x0) it is linear too, each with its stiffness k.
     slack: Mapping[str, str] = field(default_factory=dict)
+    #: Those along which the sum of squares, its linear parameters solved, has several valleys.
     scanned: tuple[str, ...] = ()
+    #: Its optional parameters, the last of `parameters`, see `with_optional`; empty without.
     optional: tuple[str, ...] = ()
 
     @property

@@ -88,51 +88,30 @@ def _require(holds: bool, otherwise: str) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Given:
-    """Settings of a movement that no profile made: it was designed, or read from a file.
+    """Settings of a movement that no profile made: it was designed, or read from a file."""
 
-    Attributes
-    ----------
-    profile, task : str
-        What movement and effort are called.
-    range_of_motion : (float, float)
-        The subject's angles of full plantarflexion and full dorsiflexion [rad].
-    rate_hz : float
-        Sampling rate [Hz].
-    device : Device or None
-        Whose limits it keeps; None where nothing is known of them.
-    """
-
+    #: `profile`, `task`: what movement and effort are called.
     profile: str
     task: str
+    #: The subject's angles of full plantarflexion and full dorsiflexion [rad].
     range_of_motion: tuple[float, float]
-    rate_hz: float
-    device: Device | None = None
+    rate_hz: float  #: Sampling rate [Hz].
+    device: Device | None = None  #: Whose limits it keeps; None where nothing is known of them.
 
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """What a protocol asks of the device and of the subject; arrays read-only.
+    """What a protocol asks of the device and of the subject; arrays read-only."""
 
-    Attributes
-    ----------
-    settings : Protocol or Given
-        What it was generated from.
-    time : ndarray, shape (n,)
-        Uniform time axis from 0 [s].
-    angle, velocity, acceleration : ndarray, shape (n,)
-        Ankle angle, dorsiflexion positive, and its derivatives [rad, rad/s, rad/s²].
-    effort : ndarray, shape (n, 4)
-        Target effort 0…1 of TA, GL, SOL, GM.
-    adaptation : Adaptation or None
-        What was changed for the device and what that cost; None without a device.
-    """
-
-    settings: Protocol | Given
-    time: FloatArray
+    settings: Protocol | Given  #: What it was generated from.
+    time: FloatArray  #: Uniform time axis from 0 [s], shape (n,).
+    #: `angle`, `velocity`, `acceleration`: ankle angle, dorsiflexion positive, and its derivatives
+    #: [rad, rad/s, rad/s²], shape (n,).
     angle: FloatArray
     velocity: FloatArray
     acceleration: FloatArray
-    effort: FloatArray
+    effort: FloatArray  #: Target effort 0…1 of TA, GL, SOL, GM, shape (n, 4).
+    #: What was changed for the device and what that cost; None without a device.
     adaptation: Adaptation | None = None
 
     @property

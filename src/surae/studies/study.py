@@ -31,22 +31,13 @@ Value = str | float | int
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """A study as its file asks for it.
+    """A study as its file asks for it."""
 
-    Attributes
-    ----------
-    name : str
-        What it is called.
-    factors : mapping of str to tuple
-        The values of every factor, in the order of the table: `subject` and `repeat` are numbered
-        from 1. Model options are there only where the file gives them.
-    text : str
-        The file.
-    """
-
-    name: str
+    name: str  #: What it is called.
+    #: The values of every factor, in the order of the table: `subject` and `repeat` are numbered
+    #: from 1. Model options are there only where the file gives them.
     factors: Mapping[str, tuple[Value, ...]]
-    text: str
+    text: str  #: The file.
 
     @property
     def size(self) -> int:

@@ -59,40 +59,24 @@ class Expected:
 )
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Expectation(Tabular, Comparable):
-    """What a protocol will tell of legs.
+    """What a protocol will tell of legs."""
 
-    Attributes
-    ----------
-    protocol, model, legs : str
-        The protocol, the model, and whose legs.
-    seconds : float
-        Duration of the trial [s].
-    noise : float
-        Standard deviation of the torque's noise [Nm], white, sample by sample at `rate_hz`.
-    rate_hz : float
-        Sampling rate [Hz].
-    parameters : mapping of str to Expected
-        The leg's parameters that would be estimated.
-    nuisances : tuple of str
-        What of the laboratory would be estimated along.
-    relative : ndarray, shape (n_legs, n_parameters)
-        Relative standard error of each parameter of each leg; infinite where there is none.
-    correlation : Covariance or None
-        Of the leg in the middle of the others: names and correlation.
-    torque : (float, float)
-        Least and greatest torque that any of the legs asks of the device [Nm].
-    """
-
+    #: `protocol`, `model`, `legs`: the protocol, the model, and whose legs.
     protocol: str
     model: str
     legs: str
-    seconds: float
+    seconds: float  #: Duration of the trial [s].
+    #: Standard deviation of the torque's noise [Nm], white, sample by sample at `rate_hz`.
     noise: float
-    rate_hz: float
-    parameters: Mapping[str, Expected]
-    nuisances: tuple[str, ...]
+    rate_hz: float  #: Sampling rate [Hz].
+    parameters: Mapping[str, Expected]  #: The leg's parameters that would be estimated.
+    nuisances: tuple[str, ...]  #: What of the laboratory would be estimated along.
+    #: Relative standard error of each parameter of each leg; infinite where there is none, shape
+    #: (n_legs, n_parameters).
     relative: FloatArray
+    #: Of the leg in the middle of the others: names and correlation.
     correlation: Covariance | None
+    #: Least and greatest torque that any of the legs asks of the device [Nm].
     torque: tuple[float, float]
 
     @property

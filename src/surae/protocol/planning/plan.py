@@ -76,33 +76,15 @@ class Shake(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A designed protocol.
+    """A designed protocol."""
 
-    Attributes
-    ----------
-    name : str
-        What it is called.
-    seconds : float
-        Duration [s].
-    origin : float
-        Where it begins, as a part of the range of motion.
-    blend : float
-        Time in which a ramp gains or loses its speed [s].
-    ramps : tuple of Ramp
-        Speeds in ranges of motion per second.
-    shakes : tuple of Shake
-        Perturbations.
-    bursts : tuple of Burst
-        The subject's efforts.
-    """
-
-    name: str
-    seconds: float
-    origin: float
-    blend: float
-    ramps: tuple[Ramp, ...]
-    shakes: tuple[Shake, ...]
-    bursts: tuple[Burst, ...]
+    name: str  #: What it is called.
+    seconds: float  #: Duration [s].
+    origin: float  #: Where it begins, as a part of the range of motion.
+    blend: float  #: Time in which a ramp gains or loses its speed [s].
+    ramps: tuple[Ramp, ...]  #: Speeds in ranges of motion per second.
+    shakes: tuple[Shake, ...]  #: Perturbations.
+    bursts: tuple[Burst, ...]  #: The subject's efforts.
 
     @classmethod
     def sampled(
