@@ -10,9 +10,10 @@ from surae.model.geometry import moment_arm, paths
 from surae.protocol import Protocol, generate
 from surae.studies import Imperfections, virtual_subject, virtual_trial
 from surae.studies.leg import (
+    EMG_FULL,
+    EMG_REST,
     KNEE_ARM,
     KNEE_TISSUE,
-    UNMEASURED_VARIATION,
     VirtualTrial,
     knee_torque,
     misaligned,
@@ -21,10 +22,6 @@ from surae.studies.leg import (
 
 SUBJECT = virtual_subject(2)
 OPTIONS = ModelOptions()
-
-
-def trial_of(seed, trajectory, settings, trial) -> VirtualTrial:
-    return VirtualTrial(virtual_subject(seed), trajectory, settings, trial)
 
 
 @pytest.fixture(scope="module")
@@ -141,18 +138,19 @@ def test_knee_motion_has_its_size(trajectory, ideal):
 def test_effort_varies_about_its_target_by_as_much_as_asked(trajectory):
     settings = Imperfections(effort_variation=0.25)
     active = trajectory.effort > 0.05
-    gains = np.concatenate(
-        [
-            trial_of(seed, trajectory, settings, trial).effort()[active] / trajectory.effort[active]
-            for seed in range(30)
-            for trial in range(3)
-        ]
-    )
+
+    def effort(seed, trial):
+        envelopes, _ = VirtualTrial(virtual_subject(seed), trajectory, settings, trial).simulated(
+            "muscle", OPTIONS
+        )
+        return (envelopes - EMG_REST) / (EMG_FULL - EMG_REST)
+
+    efforts = [effort(seed, trial) for seed in range(30) for trial in range(3)]
+    gains = np.concatenate([done[active] / trajectory.effort[active] for done in efforts])
     assert gains.mean() == pytest.approx(1.0, abs=0.02)
     assert gains.std() == pytest.approx(0.25, abs=0.02)
     assert gains.min() > 0.0
-    relaxed = VirtualTrial(SUBJECT, trajectory, settings, 0).effort()[trajectory.effort == 0.0]
-    assert (relaxed == 0.0).all()
+    assert (efforts[0][trajectory.effort == 0.0] == 0.0).all()
 
 
 def test_effort_differs_between_repetitions_and_is_seen_in_emg(trajectory, ideal):
@@ -167,23 +165,3 @@ def test_effort_differs_between_repetitions_and_is_seen_in_emg(trajectory, ideal
     spec = get_model("muscle")
     torque = spec.simulator(first, OPTIONS).torque(spec.vector(SUBJECT.parameters, OPTIONS))
     np.testing.assert_allclose(first.torque, torque, atol=1e-9)
-
-
-def test_muscles_without_electrodes_add_their_share_on_average(trajectory):
-    settings = Imperfections(unmeasured=0.2)
-    envelopes = 6e-4 * trajectory.effort + 1e-6
-    shares = np.stack(
-        [
-            trial_of(seed, trajectory, settings, trial).drive(envelopes) / envelopes - 1.0
-            for seed in range(30)
-            for trial in range(3)
-        ]
-    )
-    assert shares.mean() == pytest.approx(0.2, abs=0.005)
-    assert shares.std() == pytest.approx(0.2 * UNMEASURED_VARIATION, rel=0.05)
-    wander = shares[:, ::50, 0] - 0.2  # each subject's and each trial's own
-    assert np.abs(np.corrcoef(wander) - np.eye(len(wander))).mean() < 0.25
-    # The three heads have the same helpers, the tibialis others.
-    np.testing.assert_allclose(shares[:, :, 1], shares[:, :, 3])
-    assert abs(np.corrcoef(shares[:, :, 0].ravel(), shares[:, :, 1].ravel())[0, 1]) < 0.1
-    assert VirtualTrial(SUBJECT, trajectory, Imperfections(), 0).drive(envelopes) is envelopes

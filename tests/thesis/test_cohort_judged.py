@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from surae.model import get_model
-from surae.studies import Imperfections
 from surae_thesis.claims import INTEGRATOR, judge, judge_all, read_claims
 from surae_thesis.cohort import beyond, drawings, rules, subjects
 from surae_thesis.cohort.boxes import Box, snsem_figure, vaf_figure
 from surae_thesis.cohort.drawings import spectra_figure
+from surae_thesis.cohort.imperfections import CohortImperfections
 from surae_thesis.cohort.members import COMPLETED, make_cohort
 from surae_thesis.cohort.results import Fits, Ways, clearly_lower, paired
 from surae_thesis.cohort.rules import CONSTANT, WANDERING, described, spectrum, thesis_means
@@ -158,7 +158,7 @@ def test_each_rule_can_say_no(changes, differ):
 
 def test_outliers_are_of_noted_subjects_or_the_claim_differs():
     fits = made_up()
-    healthy = tuple(replace(m, imperfections=Imperfections()) for m in MEMBERS)
+    healthy = tuple(replace(m, imperfections=CohortImperfections()) for m in MEMBERS)
     assert rules.remarked(fits).holds
     assert not rules.remarked(replace(fits, members=healthy)).holds
     several = {k: v for k, v in fits.single.items() if k != NOTED}

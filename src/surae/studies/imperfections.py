@@ -1,6 +1,7 @@
 """What a real measurement has and the thesis's simulated one does not: all off by default."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,10 @@ from surae.setting import Request, documented, setting
 from surae.signals import Preparation
 from surae.studies.populations import VirtualSubject, stream
 from surae.units import FloatArray
+
+#: Log-normal factors of mean 1 of a trial: of which disturbance, their coefficient of variation and
+#: how many columns.
+Gains = Callable[[str, float, int], FloatArray]
 
 
 @documented
@@ -61,17 +66,6 @@ class Imperfections(Request):
         "a gain of mean 1, log-normal, that wanders within seconds and differs from trial to "
         "trial.", least=0.0,
     )  # fmt: skip
-    gain_variation: float = setting(
-        0.0, "Coefficient of variation of the force that a muscle makes of its EMG: a gain of "
-        "mean 1, log-normal, that wanders within seconds and differs from trial to trial, as by "
-        "fatigue or an electrode that sees a part of the muscle.", least=0.0,
-    )  # fmt: skip
-    unmeasured: float = setting(
-        0.0, "Torque of muscles without electrodes (deep plantarflexors, toe extensors), as a "
-        "part of that of the measured muscles that they help. Their activity follows that of "
-        "their helpers only roughly, see `VirtualTrial.drive` of `surae.studies.leg`; it is in the "
-        "torque and in no EMG.", least=0.0, most=0.99,
-    )  # fmt: skip
     reflex_gain: float = setting(
         0.0, "Stretch reflex of the triceps: effort for each l0/s of stretch velocity above "
         "`reflex_threshold`, `reflex_delay` later [1/(l0/s)]. It drives torque and EMG alike.",
@@ -93,9 +87,6 @@ class Imperfections(Request):
         """One plain sentence for each disturbance that is on."""
         sentences = {
             "effort_variation": f"Effort varies by {100 * self.effort_variation:g} %.",
-            "gain_variation": f"Force for the same EMG varies by {100 * self.gain_variation:g} %.",
-            "unmeasured": f"Muscles without electrodes: {100 * self.unmeasured:g} % of the "
-            "activity of the others, following it roughly.",
             "reflex_gain": f"Stretch reflex of the triceps: {self.reflex_gain:g} of full effort "
             f"per l0/s above {self.reflex_threshold:g} l0/s, {1e3 * self.reflex_delay:g} ms later, "
             f"at most {self.reflex_limit:g}.",
@@ -107,6 +98,11 @@ class Imperfections(Request):
             f"{self.torque_noise_time:g} s.",
         }
         return tuple(text for name, text in sentences.items() if getattr(self, name) != 0.0)
+
+    def drive(self, envelopes: FloatArray, gains: Gains) -> FloatArray:
+        """What drives the torque, shape (n, 4) [V]: the envelopes, unless a subclass has more."""
+        del gains
+        return envelopes
 
 
 def realistic_imperfections(subject: VirtualSubject) -> Imperfections:

@@ -8,6 +8,7 @@ from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
 from surae.model.geometry import JointAxis, moment_arm, paths
 from surae.protocol import Trajectory
+from surae.protocol.adaptation import Motion
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, inputs_as_given
 from surae.studies.imperfections import Imperfections, coloured_noise, wandering
@@ -26,15 +27,9 @@ KNEE_TISSUE = 0.5
 #: Seconds between the independent values of the knee's angle, and of the gains of the effort.
 KNEE_PERIOD = 2.0
 EFFORT_PERIOD = 1.0
-#: Coefficient of variation of the activity of muscles without electrodes over that of the muscles
-#: that they help; no source.
-UNMEASURED_VARIATION = 0.5
 
 _HEADS = [MUSCLES.index(muscle) for muscle in ("gl", "sol", "gm")]
 _NOT_GASTROCNEMIUS = [MUSCLES.index(muscle) for muscle in ("ta", "sol")]
-
-#: Angle, velocity and acceleration [rad, rad/s, rad/s²].
-Motion = tuple[FloatArray, FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +57,9 @@ class VirtualTrial:
         """
         spec, trajectory, of = get_model(model), self.trajectory, self.imperfections
         ankle, turn = misaligned(trajectory.motion, of.axis_forward, of.axis_up)
-        done = self.effort()
+        done, variation = trajectory.effort, of.effort_variation
+        if variation > 0.0:
+            done = done * self.gains("effort", variation, len(MUSCLES))
         if of.reflex_gain > 0.0:
             triceps, _ = paths(angle=ankle[0], velocity=ankle[1], options=options)
             stretch = triceps.speed / self.subject.parameters["l0_tri"]
@@ -70,8 +67,9 @@ class VirtualTrial:
             done[:, _HEADS] += reflex(trajectory.time, stretch, of)[:, None]
         envelopes = EMG_REST + (EMG_FULL - EMG_REST) * done
         inputs = inputs_as_given(
-            self.name, trajectory.settings.rate_hz, trajectory.time, ankle, self.drive(envelopes)
-        )
+            self.name, trajectory.settings.rate_hz, trajectory.time, ankle,
+            of.drive(envelopes, self.gains),
+        )  # fmt: skip
         values = spec.vector(self.subject.truth(model, options), options)
         torque = spec.simulator(inputs, options).torque(values)
         if of.knee_motion > 0.0:
@@ -79,32 +77,14 @@ class VirtualTrial:
             torque = torque + knee_torque(inputs, model, options, values, knee)
         return envelopes, torque if turn is None else turn * torque
 
-    def effort(self) -> FloatArray:
-        """What the subject does of what it is asked for, shape (n, 4): the target times a gain."""
-        variation, target = self.imperfections.effort_variation, self.trajectory.effort
-        if variation == 0.0:
-            return target
-        return target * _log_normal(self._wandering("effort", len(MUSCLES)), variation)
+    def gains(self, of: str, variation: float, columns: int) -> FloatArray:
+        """Log-normal factors of mean 1 and this coefficient of variation, shape (n, columns).
 
-    def drive(self, envelopes: FloatArray) -> FloatArray:
-        """What drives the torque, shape (n, 4) [V]: envelopes, and muscles without electrodes.
-
-        Each muscle's force for its EMG wanders within seconds, log-normal. Those that help the
-        triceps, and those that help the tibialis, each do a share of its activity that wanders
-        about its mean within seconds, log-normal (`UNMEASURED_VARIATION`).
+        They wander within seconds, by draws of this trial that are `of` one disturbance.
         """
-        of = self.imperfections
-        if of.gain_variation > 0.0:
-            gains = self._wandering("gain", len(MUSCLES))
-            envelopes = envelopes * _log_normal(gains, of.gain_variation)
-        if of.unmeasured == 0.0:
-            return envelopes
-        values = self._wandering("unmeasured", 2)
-        share = of.unmeasured * _log_normal(values, UNMEASURED_VARIATION)
-        driven = envelopes * (1.0 + share[:, :1])
-        tibialis = MUSCLES.index("ta")
-        driven[:, tibialis] = envelopes[:, tibialis] * (1.0 + share[:, 1])
-        return driven
+        spread = np.sqrt(np.log1p(variation**2))
+        gains = np.exp(spread * self._wandering(of, columns, EFFORT_PERIOD) - 0.5 * spread**2)
+        return np.asarray(gains)
 
     def torque_noise(self) -> FloatArray | float:
         """Noise of the torque's sensor [Nm]."""
@@ -116,17 +96,10 @@ class VirtualTrial:
             stream(self.subject, "torque", self.seed),
         )  # fmt: skip
 
-    def _wandering(self, what: str, columns: int, period: float = EFFORT_PERIOD) -> FloatArray:
+    def _wandering(self, what: str, columns: int, period: float) -> FloatArray:
         return wandering(
             self.trajectory.time, period, columns, stream(self.subject, what, self.seed)
         )
-
-
-def _log_normal(values: FloatArray, variation: float) -> FloatArray:
-    """Standard normal values as factors of mean 1 with this coefficient of variation."""
-    spread = np.sqrt(np.log1p(variation**2))
-    factors: FloatArray = np.exp(spread * values - 0.5 * spread**2)
-    return factors
 
 
 def reflex(time: FloatArray, stretch: FloatArray, imperfections: Imperfections) -> FloatArray:

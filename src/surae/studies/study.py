@@ -14,7 +14,7 @@ from surae.model.registry import OWN
 from surae.protocol import PROFILES, TASKS, Protocol, chirp_rate
 from surae.protocol.profiles import DEFAULT_RATE
 from surae.setting import Setting, checked
-from surae.studies.virtual import POPULATIONS
+from surae.studies.populations import POPULATIONS
 
 #: More than this is a slip of the keyboard: it would take months.
 MOST_FITS = 1_000_000

@@ -149,7 +149,8 @@ def _fit(task: FitTask) -> TaskOutcome:
     from surae.assessment import assess
     from surae.estimation import FitSettings, make_problem, solve
     from surae.model import ModelOptions, get_model
-    from surae.studies.virtual import virtual_subject, virtual_trial
+    from surae.studies.populations import virtual_subject
+    from surae.studies.virtual import virtual_trial
 
     options, spec = ModelOptions.of(**dict(task.options)), get_model(task.model)
     drawn = virtual_subject(_SUBJECTS * task.seed + task.subject, task.population, tendons=True)

@@ -14,19 +14,9 @@ from surae.studies.imperfections import (
     mixing,
     raw_emg,
 )
-from surae.studies.leg import EMG_FULL, EMG_REST, VirtualTrial
-from surae.studies.populations import POPULATIONS, VirtualSubject, stream, virtual_subject
+from surae.studies.leg import VirtualTrial
+from surae.studies.populations import VirtualSubject, stream
 from surae.units import FloatArray
-
-__all__ = [
-    "EMG_FULL",
-    "EMG_REST",
-    "POPULATIONS",
-    "VirtualSubject",
-    "virtual_recording",
-    "virtual_subject",
-    "virtual_trial",
-]
 
 _IDEAL = Imperfections()
 

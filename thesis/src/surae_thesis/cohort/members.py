@@ -28,7 +28,7 @@ effort               follows the target 0.1 to 0.4 s late; its level differs by 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -36,11 +36,11 @@ import numpy as np
 from surae.errors import InputError
 from surae.protocol import Protocol
 from surae.studies import (
-    Imperfections,
     VirtualSubject,
     realistic_imperfections,
     stream,
 )
+from surae_thesis.cohort.imperfections import CohortImperfections
 from surae_thesis.legs import protocol, thesis_leg
 
 #: Subjects of the thesis, how many of them are women, their ages [years] (2.6).
@@ -83,7 +83,7 @@ class CohortSubject:
     age: int
     subject: VirtualSubject
     range_of_motion: tuple[float, float]
-    imperfections: Imperfections
+    imperfections: CohortImperfections
     level_variation: float
     completed: tuple[str, ...]
 
@@ -155,15 +155,16 @@ def _member(
     usual = realistic_imperfections(subject)
     misaligned = uniform("misaligned", 0.0, 1.0) < _ODD
     flexible = uniform("flexible", 0.0, 1.0) < _ODD
-    imperfections = replace(
-        usual,
-        axis_up=uniform("high axis", 0.012, 0.020) if misaligned else usual.axis_up,
-        knee_motion=uniform("moving knee", 0.08, 0.15) if flexible else usual.knee_motion,
+    imperfections = CohortImperfections(
+        **asdict(usual) | {
+            "axis_up": uniform("high axis", 0.012, 0.020) if misaligned else usual.axis_up,
+            "knee_motion": uniform("moving knee", 0.08, 0.15) if flexible else usual.knee_motion,
+            "reflex_gain": uniform("reflex", 0.02, 0.10),
+            "torque_noise": _QUIET * usual.torque_noise,
+        },
         unmeasured=uniform("unmeasured", 0.10, 0.20),
-        reflex_gain=uniform("reflex", 0.02, 0.10),
-        torque_noise=_QUIET * usual.torque_noise,
         gain_variation=gain,
-    )
+    )  # fmt: skip
     return CohortSubject(
         id=f"S{number + 1:02d}",
         sex=sex,
