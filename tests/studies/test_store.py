@@ -28,7 +28,7 @@ def path(tmp_path):
 
 
 def keep(store, outcomes) -> None:
-    store.add([(key, outcome.plain()) for key, outcome in outcomes])
+    store.add([(key, to_plain(outcome)) for key, outcome in outcomes])
 
 
 def fill(path, text=TEXT, outcome=DONE, most=99):

@@ -11,7 +11,7 @@ from surae.files import PathLike, csv_row, write_table
 from surae.model import MODELS
 from surae.processes import Plain
 from surae.progress import Progress
-from surae.records import from_plain
+from surae.records import from_plain, to_plain
 from surae.runner import Batch, Died, Engine, Ledger, results
 from surae.studies.study import Study, Value, parse_study
 from surae.studies.tasks import FitTask, TaskOutcome, run_task, task_of
@@ -185,7 +185,7 @@ def _computed(tasks: Mapping[str, FitTask], engine: Engine) -> Generator[Batch]:
         for key, task in tasks.items():
             models.setdefault(task.model, key)
         for key in models.values():
-            yield [(key, run_task(rest.pop(key)).plain())]
+            yield [(key, to_plain(run_task(rest.pop(key))))]
     if rest:
         calls = {key: {"key": key, "settings": asdict(task)} for key, task in rest.items()}
         yield from results("surae.studies.tasks:outcome_of", calls, engine)

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import math
 import time
 import zlib
 from collections.abc import Mapping
@@ -17,7 +16,7 @@ from surae.errors import ComputationError
 from surae.frozen import read_only
 from surae.protocol import TASKS, Protocol, Trajectory, generate
 from surae.protocol.effort import effort
-from surae.records import from_plain
+from surae.records import from_plain, to_plain
 from surae.studies.study import OPTIONS, Value, motion, rise
 
 _PACKAGE = Path(__file__).resolve().parents[1]
@@ -102,10 +101,6 @@ class TaskOutcome:
     estimates: tuple[TaskEstimate, ...] = ()
     seconds: float = 0.0  #: Time that it took.
 
-    def plain(self) -> dict[str, Any]:
-        """Give the outcome as plain data."""
-        return asdict(self)
-
 
 def task_of(combination: Mapping[str, Any]) -> FitTask:
     """The task of a study's combination; those that differ in nothing that matters share one."""
@@ -126,7 +121,7 @@ def outcome_of(key: str, settings: Mapping[str, Any]) -> dict[str, Any]:
             "a worker has another surae, or other libraries, than the run: install the same "
             "everywhere and run the same command again: what is finished is kept"
         )
-    return run_task(task).plain()
+    return dict(to_plain(run_task(task)))
 
 
 def run_task(task: FitTask) -> TaskOutcome:
@@ -157,14 +152,12 @@ def _fit(task: FitTask) -> TaskOutcome:
     # A tendon of the subject's own only where it is estimated: what is fixed is fixed rightly.
     own = {name: value for name, value in drawn.tendons.items() if name in spec.free}
     subject = replace(drawn, tendons=own)
+    # Another noise in every motion, effort and repeat; models and their options share it.
+    cell = [task.protocol, task.task, task.chirp_amplitude, task.chirp_rate, task.rate_hz]
     trial = virtual_trial(
-        subject,
-        _trajectory(task),
-        model=task.model,
-        options=options,
-        noise=task.noise,
-        seed=_noise_seed(task),
-    )
+        subject, _trajectory(task), model=task.model, options=options, noise=task.noise,
+        seed=zlib.crc32(json.dumps([*cell, task.repeat]).encode()),
+    )  # fmt: skip
     settings = FitSettings(task.model, options, starts=task.starts, seed=task.seed)
     result = solve(make_problem([trial], settings))
     if result.starts[-1].outcome == "interrupted":
@@ -172,27 +165,13 @@ def _fit(task: FitTask) -> TaskOutcome:
     assessment = assess(result)
     truth = subject.truth(task.model, options)
     return TaskOutcome(
-        result.status,
-        result.message,
-        _finite(assessment.vaf),
-        _finite(assessment.ipde),
+        result.status, result.message, assessment.vaf, assessment.ipde,
         tuple(
-            TaskEstimate(name, _finite(p.value), _finite(p.sem), truth[name])
+            TaskEstimate(name, p.value, p.sem, truth[name])
             for name, p in assessment.parameters.items()
             if p.free
         ),
-    )
-
-
-def _noise_seed(task: FitTask) -> int:
-    """Another noise in every motion, effort and repeat; models and their options share it."""
-    cell = [task.protocol, task.task, task.chirp_amplitude, task.chirp_rate, task.rate_hz]
-    return zlib.crc32(json.dumps([*cell, task.repeat]).encode())
-
-
-def _finite(value: float | None) -> float | None:
-    """A number, or None where there is none."""
-    return None if value is None or not math.isfinite(value) else float(value)
+    )  # fmt: skip
 
 
 def _trajectory(task: FitTask) -> Trajectory:
