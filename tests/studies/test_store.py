@@ -11,6 +11,7 @@ from dataclasses import replace
 import pytest
 
 from surae.errors import ComputationError, InputError
+from surae.records import to_plain
 from surae.studies.store import Store, export_study, study_columns, study_table
 from surae.studies.study import parse_study
 from surae.studies.tasks import TaskEstimate, TaskOutcome

@@ -19,12 +19,7 @@ import math
 import numpy as np
 
 from surae.model.activation import IntArray
-from surae.model.contraction import (
-    FECC,
-    MVSH,
-    force_length,
-    force_velocity,
-)
+from surae.model.contraction import FECC, MVSH, force_length, force_velocity
 from surae.model.equilibrium import solve
 from surae.model.jit import jit
 from surae.model.rigid import K_REL, L0, TAU, X0, K

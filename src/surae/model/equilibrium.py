@@ -19,11 +19,7 @@ ends the muscle yields in a jump, which is what the equations say.
 
 import math
 
-from surae.model.contraction import (
-    MVSHL,
-    force_length,
-    force_velocity,
-)
+from surae.model.contraction import MVSHL, force_length, force_velocity
 from surae.model.jit import jit
 from surae.model.passive import elastic_force
 from surae.model.tendon import TendonCurve, tendon_force

@@ -7,20 +7,6 @@ and ends with its parent, however that ended: its standard input closes everywhe
 it. Ctrl-C in the terminal is the parent's.
 """
 
-from surae.processes.child import Child, End, Plain, guarded
-from surae.processes.inside import function, tell, without_interrupt
-from surae.processes.messages import FULL, NO_ROOM, one_line, where
+from surae._lazy import lazy_names
 
-__all__ = [
-    "FULL",
-    "NO_ROOM",
-    "Child",
-    "End",
-    "Plain",
-    "function",
-    "guarded",
-    "one_line",
-    "tell",
-    "where",
-    "without_interrupt",
-]
+__getattr__, __dir__ = lazy_names(__name__, __file__)

@@ -1,18 +1,5 @@
 """Many calls of one function: run anywhere, stopped at any time, kept, and gone on with."""
 
-from surae.runner.engines import AGAIN, KINDS, Batch, Died, Engine, Work, cores, results
-from surae.runner.ledger import Ledger, LedgerStatus, Running
+from surae._lazy import lazy_names
 
-__all__ = [
-    "AGAIN",
-    "KINDS",
-    "Batch",
-    "Died",
-    "Engine",
-    "Ledger",
-    "LedgerStatus",
-    "Running",
-    "Work",
-    "cores",
-    "results",
-]
+__getattr__, __dir__ = lazy_names(__name__, __file__)

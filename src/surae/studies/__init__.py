@@ -1,18 +1,5 @@
 """Virtual subjects and what is learnt from fitting them."""
 
-from surae.studies.imperfections import Imperfections, realistic_imperfections
-from surae.studies.populations import POPULATIONS, VirtualSubject, stream, virtual_subject
-from surae.studies.tasks import fingerprint
-from surae.studies.virtual import virtual_recording, virtual_trial
+from surae._lazy import lazy_names
 
-__all__ = [
-    "POPULATIONS",
-    "Imperfections",
-    "VirtualSubject",
-    "fingerprint",
-    "realistic_imperfections",
-    "stream",
-    "virtual_recording",
-    "virtual_subject",
-    "virtual_trial",
-]
+__getattr__, __dir__ = lazy_names(__name__, __file__)
