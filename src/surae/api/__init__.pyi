@@ -96,7 +96,6 @@ from surae.protocol.planning.plan import Plan as Plan
 from surae.protocol.planning.ready import ready_protocols as ready_protocols
 from surae.protocol.planning.torque import held_to_torque as held_to_torque
 from surae.protocol.planning.torque import requested_limits as requested_limits
-from surae.protocol.profiles import DEFAULT_RATE as DEFAULT_RATE
 from surae.protocol.profiles import chirp_rate as chirp_rate
 from surae.protocol.profiles import smooth_step as smooth_step
 from surae.quality import Finding as Finding

@@ -79,13 +79,9 @@ def peaks(motion: Motion) -> tuple[float, float]:
 
 
 def fit_device(
-    device: Device,
-    motion: Motion,
-    *,
-    rate_hz: float,
-    highest_hz: float,
+    device: Device, motion: Motion, *, rate_hz: float, highest_hz: float,
     range_of_motion: tuple[float, float],
-) -> AdaptedMotion:
+) -> AdaptedMotion:  # fmt: skip
     """The motion filtered until the device can follow it, still over the whole range if it can.
 
     The motion spans `range_of_motion`, the angles of full plantarflexion and full dorsiflexion
@@ -97,10 +93,9 @@ def fit_device(
     if _excess(device, motion) <= 1.0 and highest_hz <= device.bandwidth:
         return AdaptedMotion(motion)
 
-    spectrum = spectrum_of(motion[0])
+    spectrum, (low, high) = spectrum_of(motion[0]), range_of_motion
 
     def filtered(cutoff_hz: float) -> AdaptedMotion:
-        low, high = range_of_motion
         angle, velocity, acceleration = low_pass(spectrum, cutoff_hz, rate_hz)
         lowest = float(angle.min())
         gain = (high - low) / (float(angle.max()) - lowest)
@@ -119,7 +114,10 @@ def fit_device(
                 best, cutoff = candidate, candidate.cutoff_hz
             else:
                 too_high = candidate.cutoff_hz
-    return _shrunk(best, max(1.0, _excess(device, best.motion)), sum(range_of_motion) / 2)
+    times, middle = max(1.0, _excess(device, best.motion)), sum(range_of_motion) / 2
+    angle, velocity, acceleration = best.motion
+    shrunk = (middle + (angle - middle) / times, velocity / times, acceleration / times)
+    return AdaptedMotion(shrunk, best.cutoff_hz, best.gain / times)
 
 
 def refusal(device: Device, motion: Motion, highest_hz: float) -> str | None:
@@ -167,10 +165,3 @@ def _excess(device: Device, motion: Motion) -> float:
     """How many times a motion goes beyond the limits; at most 1 if it can be followed."""
     velocity, acceleration = peaks(motion)
     return max(velocity / device.max_velocity, acceleration / device.acceleration_limit)
-
-
-def _shrunk(fitted: AdaptedMotion, times: float, middle: float) -> AdaptedMotion:
-    """The motion made `times` smaller about the angle `middle` [rad]."""
-    angle, velocity, acceleration = fitted.motion
-    motion = (middle + (angle - middle) / times, velocity / times, acceleration / times)
-    return AdaptedMotion(motion, fitted.cutoff_hz, fitted.gain / times)

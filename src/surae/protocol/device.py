@@ -13,15 +13,10 @@ from surae.records import OrInfinite, from_file, read_toml
 
 
 @filed(
-    strict=True,
-    max_velocity="max_velocity_rad_s",
-    max_acceleration="max_acceleration_rad_s2",
-    max_torque="max_torque_Nm",
-    bandwidth="bandwidth_Hz",
-    inertia="inertia_kg_m2",
-    chirp_amplitudes="chirp_amplitudes_rad",
-    range_of_motion="range_rad",
-)
+    strict=True, max_velocity="max_velocity_rad_s", max_acceleration="max_acceleration_rad_s2",
+    max_torque="max_torque_Nm", bandwidth="bandwidth_Hz", inertia="inertia_kg_m2",
+    chirp_amplitudes="chirp_amplitudes_rad", range_of_motion="range_rad",
+)  # fmt: skip
 @dataclass(frozen=True, slots=True)
 class Device:
     """A manipulator; a limit that isn't known is infinite, and missing or null in files."""

@@ -6,7 +6,6 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.files import PathLike, shown, write_atomic
-from surae.frozen import read_only
 from surae.protocol.protocol import Given, Trajectory
 from surae.recording import MUSCLES
 from surae.recording.formats import open_table
@@ -148,16 +147,7 @@ def read_protocol(path: PathLike) -> Trajectory:
         raise InputError(f"{where}: angle_rad goes beyond ±3 rad; is it in degrees?")
     rate_hz = 1.0 / step
     velocity, acceleration = derivatives(angle, rate_hz, where=where)
-    return Trajectory(
-        settings=Given(
-            profile=shown(path),
-            task="as in the file" if effort.any() else "passive",
-            range_of_motion=(float(angle.min()), float(angle.max())),
-            rate_hz=rate_hz,
-        ),
-        time=read_only(time - time[0]),
-        angle=read_only(angle),
-        velocity=read_only(velocity),
-        acceleration=read_only(acceleration),
-        effort=read_only(effort),
-    )
+    task = "as in the file" if effort.any() else "passive"
+    span = float(angle.min()), float(angle.max())
+    given = Given(profile=shown(path), task=task, range_of_motion=span, rate_hz=rate_hz)
+    return Trajectory(given, time - time[0], angle, velocity, acceleration, effort)

@@ -20,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 
 from surae.errors import InputError
-from surae.names import CHIRP_RATE
 from surae.units import FloatArray
 
 #: Time in which a ramp gains or loses its speed [s].
@@ -116,19 +115,10 @@ def sine(t: FloatArray) -> FloatArray:
 #: Slow, with long holds, while the subject is passive (to 11 s); then holds at many lengths,
 #: reached at 0.15 to 0.8 /s.
 MULTIPLE_HOLDS = (
-    Ramp(0.5, 1.0, 0.5),
-    Ramp(5.0, 0.0, 0.25),
-    Ramp(10.5, 0.5, 0.6),
-    Ramp(12.5, 0.8, 0.15),
-    Ramp(15.5, 0.3, 0.6),
-    Ramp(17.5, 1.0, 0.35),
-    Ramp(20.8, 0.65, 0.8),
-    Ramp(22.4, 0.1, 0.25),
-    Ramp(25.8, 0.9, 0.7),
-    Ramp(28.1, 0.4, 0.4),
-    Ramp(30.5, 0.7, 0.2),
-    Ramp(32.8, 0.0, 0.6),
-)
+    Ramp(0.5, 1.0, 0.5), Ramp(5.0, 0.0, 0.25), Ramp(10.5, 0.5, 0.6), Ramp(12.5, 0.8, 0.15),
+    Ramp(15.5, 0.3, 0.6), Ramp(17.5, 1.0, 0.35), Ramp(20.8, 0.65, 0.8), Ramp(22.4, 0.1, 0.25),
+    Ramp(25.8, 0.9, 0.7), Ramp(28.1, 0.4, 0.4), Ramp(30.5, 0.7, 0.2), Ramp(32.8, 0.0, 0.6),
+)  # fmt: skip
 
 
 def multiple_holds(t: FloatArray) -> FloatArray:
@@ -198,9 +188,6 @@ def named_profile(name: str) -> Profile:
     if name not in PROFILES:
         raise InputError(f"profile {name!r} is not known; use one of: {', '.join(PROFILES)}")
     return PROFILES[name]
-
-
-DEFAULT_RATE = CHIRP_RATE
 
 
 def chirp_rate(factor: float) -> float:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surae.errors import InputError
-from surae.frozen import read_only
+from surae.frozen import as_read_only, read_only
 from surae.protocol.adaptation import Adaptation, Motion, fit_device, peaks, refusal
 from surae.protocol.device import Device, allowed_range
 from surae.protocol.effort import effort, named_task
@@ -114,6 +114,11 @@ class Trajectory:
     #: What was changed for the device and what that cost; None without a device.
     adaptation: Adaptation | None = None
 
+    def __post_init__(self) -> None:
+        """Have no array written to."""
+        for name in ("time", "angle", "velocity", "acceleration", "effort"):
+            object.__setattr__(self, name, as_read_only(getattr(self, name)))
+
     @property
     def motion(self) -> Motion:
         """Angle, velocity and acceleration [rad, rad/s, rad/s²]."""
@@ -140,15 +145,8 @@ def generate(settings: Protocol) -> Trajectory:
         adapted, adaptation = _adapted(settings, settings.device, fine)
         angle, velocity, acceleration = (signal[::oversampling] for signal in adapted)
         motion = angle, velocity, acceleration
-    return Trajectory(
-        settings=settings,
-        time=read_only(time.time),
-        angle=read_only(motion[0]),
-        velocity=read_only(motion[1]),
-        acceleration=read_only(motion[2]),
-        effort=read_only(effort(time.time, named_task(settings.task))),
-        adaptation=adaptation,
-    )
+    target = effort(time.time, named_task(settings.task))
+    return Trajectory(settings, time.time, *motion, target, adaptation)
 
 
 class _Grid(NamedTuple):
@@ -219,17 +217,20 @@ def _adapted(settings: Protocol, device: Device, fine: _Grid) -> tuple[Motion, A
     amplitude = device.chirp_amplitude(settings.profile, settings.chirp_amplitude)
     end_hz = settings.chirp_rate * settings.seconds if amplitude > 0.0 else 0.0
     if not settings.adapt:
-        _refuse(settings, device, wanted, end_hz)
         amplitude = settings.chirp_amplitude
+        added = f"a chirp of {amplitude:g} rad" if end_hz > 0.0 else "no chirp"
+        reason = refusal(device, wanted, end_hz)
+        _require(
+            reason is None,
+            f"{settings.profile} with {added} {reason}; allow adaptation, or use a smaller or "
+            "slower chirp or a longer duration",
+        )
     used = replace(settings, chirp_amplitude=amplitude)
     motion = wanted if used == settings else _motion(used, fine, _base_range(used, fine))
     fitted = fit_device(
-        device,
-        motion,
-        rate_hz=fine.rate_hz,
-        highest_hz=end_hz,
+        device, motion, rate_hz=fine.rate_hz, highest_hz=end_hz,
         range_of_motion=settings.range_of_motion,
-    )
+    )  # fmt: skip
     before, after = peaks(wanted), peaks(fitted.motion)
     low, high = settings.range_of_motion
     return fitted.motion, Adaptation(
@@ -240,15 +241,4 @@ def _adapted(settings: Protocol, device: Device, fine: _Grid) -> tuple[Motion, A
         peak_velocity=(before[0], after[0]),
         peak_acceleration=(before[1], after[1]),
         span=(float(fitted.motion[0].max()) - float(fitted.motion[0].min())) / (high - low),
-    )
-
-
-def _refuse(settings: Protocol, device: Device, motion: Motion, end_hz: float) -> None:
-    """Raise InputError unless the device follows the motion as it is."""
-    added = f"a chirp of {settings.chirp_amplitude:g} rad" if end_hz > 0.0 else "no chirp"
-    reason = refusal(device, motion, end_hz)
-    _require(
-        reason is None,
-        f"{settings.profile} with {added} {reason}; allow adaptation, or use a smaller or slower "
-        "chirp or a longer duration",
     )

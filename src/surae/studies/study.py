@@ -11,8 +11,8 @@ from surae.errors import InputError
 from surae.files import PathLike, read_bytes, shown
 from surae.model import ModelOptions
 from surae.model.registry import OWN
+from surae.names import CHIRP_RATE
 from surae.protocol import PROFILES, TASKS, Protocol, chirp_rate
-from surae.protocol.profiles import DEFAULT_RATE
 from surae.setting import Setting, checked
 from surae.studies.populations import POPULATIONS
 
@@ -55,7 +55,7 @@ class Study:
 FACTORS: dict[str, tuple[Setting, tuple[Value, ...]]] = {
     "protocol": (Setting(meaning="Of `PROFILES`.", choices=tuple(PROFILES)), ()),
     "chirp_amplitude": (Setting(meaning="Of the added chirp [rad].", least=0.0), (0.0,)),
-    "chirp_rate": (Setting(meaning="Rise of its frequency [Hz/s].", least=0.0), (DEFAULT_RATE,)),
+    "chirp_rate": (Setting(meaning="Rise of its frequency [Hz/s].", least=0.0), (CHIRP_RATE,)),
     "task": (Setting(meaning="Of `TASKS`.", choices=tuple(TASKS)), ("part-passive",)),
     "population": (Setting(meaning="Of the subjects.", choices=tuple(POPULATIONS)), ("healthy",)),
     "subjects": (Setting(meaning="How many.", least=1, most=999_999), (1,)),
@@ -171,7 +171,7 @@ def motion(combination: Mapping[str, Any]) -> Protocol:
         profile=combination["protocol"],
         task=combination["task"],
         chirp_amplitude=amplitude,
-        chirp_rate=rise(combination) if amplitude > 0.0 else DEFAULT_RATE,
+        chirp_rate=rise(combination) if amplitude > 0.0 else CHIRP_RATE,
         rate_hz=combination["rate_hz"],
     )
 

@@ -13,7 +13,6 @@ from typing import Any
 
 from surae._version import __version__
 from surae.errors import ComputationError
-from surae.frozen import read_only
 from surae.protocol import TASKS, Protocol, Trajectory, generate
 from surae.protocol.effort import effort
 from surae.records import from_plain, to_plain
@@ -179,7 +178,7 @@ def _trajectory(task: FitTask) -> Trajectory:
     settings = motion(asdict(task))
     still = _motion(replace(settings, task="passive"))
     target = effort(still.time, TASKS[settings.task])
-    return replace(still, settings=settings, effort=read_only(target))
+    return replace(still, settings=settings, effort=target)
 
 
 @lru_cache(_MOTIONS)

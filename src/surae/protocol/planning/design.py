@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,7 +18,7 @@ from surae.protocol.planning.expectation import Expectation, expected
 from surae.protocol.planning.genes import Genes
 from surae.protocol.planning.information import SINGULAR, information, prior_precision
 from surae.protocol.planning.legs import Legs
-from surae.protocol.planning.plan import Limits, Plan, highest_hz, limits_of
+from surae.protocol.planning.plan import Limits, Plan, eased, highest_hz, limits_of
 from surae.protocol.planning.ready import Ready
 from surae.protocol.planning.search import MEAN, SEARCH_RATE, WORST, make_aim, search
 from surae.protocol.planning.torque import within_torque
@@ -61,8 +61,7 @@ class Design(Tabular, Comparable):
 
     def to_json(self) -> dict[str, Any]:
         """Give as plain data the plan, what it keeps, and what it will tell."""
-        plain: dict[str, Any] = to_plain(self)
-        return plain
+        return dict(to_plain(self))
 
     def write(self, path: PathLike, *, without_limits: str | None = None) -> None:
         """Write the protocol for a device: CSV, or MATLAB where the path ends in ``.mat``.
@@ -83,23 +82,11 @@ class Design(Tabular, Comparable):
 
 
 def make_design(
-    *,
-    name: str,
-    seconds: float,
-    rate_hz: float,
-    device: Device | None,
-    range_of_motion: tuple[float, float],
-    legs: Legs,
-    unseen: Legs,
-    noise: float,
-    aim: str,
-    effort: bool,
-    evaluations: int,
-    seed: int,
-    known: FloatArray | None = None,
-    start: Ready | None = None,
-    progress: SearchProgress | None = None,
-) -> Design:
+    *, name: str, seconds: float, rate_hz: float, device: Device | None,
+    range_of_motion: tuple[float, float], legs: Legs, unseen: Legs, noise: float, aim: str,
+    effort: bool, evaluations: int, seed: int, known: FloatArray | None = None,
+    start: Ready | None = None, progress: SearchProgress | None = None,
+) -> Design:  # fmt: skip
     """Search a protocol, hold it to the device, and judge it.
 
     The subject's range is in rad, `noise` [Nm] is the standard deviation of the torque's, sample by
@@ -111,7 +98,7 @@ def make_design(
     limits = limits_of(device, range_of_motion)
     genes = Genes(name, seconds, limits, highest_hz(device), effort)
     torque = math.inf if device is None else device.max_torque
-    relaxed = genes.plan(genes.start()).eased(0.0)
+    relaxed = eased(genes.plan(genes.start()), 0.0)
     _, limits, given_up = within_torque(relaxed, limits, unseen, device)
     genes = replace(genes, limits=limits)
     result = search(
@@ -122,23 +109,18 @@ def make_design(
     )  # fmt: skip
     plan, limits, notes = within_torque(genes.plan(result.genes), limits, unseen, device)
     trajectory = plan.trajectory(limits, rate_hz, device=device)
+    span = float(np.ptp(trajectory.angle)) / (limits.high - limits.low)
+    reached = () if span > 0.98 else (f"Only {100 * span:.0f} % of the range is used.",)
     if result.stopped:
-        notes = (
-            *notes,
-            f"Stopped by the user after {result.evaluations:,} plans: the best is kept.",
-        )
+        many = f"{result.evaluations:,} plans"
+        notes = (*notes, f"Stopped by the user after {many}: the best is kept.")
     return Design(
-        plan=plan,
-        limits=limits,
-        trajectory=trajectory,
-        device=device,
+        plan, limits, trajectory, device,
         expectation=expected(trajectory, unseen, noise, known=known),
         aimed=FrozenDict(_aimed(trajectory, unseen, noise, aim, known)),
-        notes=(*_slow(trajectory, limits), *given_up[:-1], *notes),
-        curve=result.curve,
-        seconds=time.perf_counter() - begin,
-        stopped=result.stopped,
-    )
+        notes=(*reached, *given_up[:-1], *notes),
+        curve=result.curve, seconds=time.perf_counter() - begin, stopped=result.stopped,
+    )  # fmt: skip
 
 
 def _aimed(
@@ -177,11 +159,3 @@ def _along(precision: FloatArray, slopes: FloatArray, values: FloatArray) -> Flo
     variance = (parts[:, ~nothing] / level[~nothing]).sum(axis=1)
     missed = parts[:, nothing].sum(axis=1) > _MISSED * parts.sum(axis=1)
     return np.where(missed, np.inf, variance)
-
-
-def _slow(trajectory: Trajectory, limits: Limits) -> Sequence[str]:
-    """What of the range is not reached."""
-    span = float(np.ptp(trajectory.angle)) / (limits.high - limits.low)
-    if span > 0.98:
-        return ()
-    return (f"Only {100 * span:.0f} % of the range is used.",)

@@ -49,14 +49,9 @@ class Expected:
 
 
 @filed(
-    "relative",
-    "correlation",
-    noise="noise_Nm",
-    torque="torque_Nm",
-    worst="worst",
-    weakest="weakest",
-    geometric_mean="geometric_mean",
-)
+    "relative", "correlation", noise="noise_Nm", torque="torque_Nm", worst="worst",
+    weakest="weakest", geometric_mean="geometric_mean",
+)  # fmt: skip
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Expectation(Tabular, Comparable):
     """What a protocol will tell of legs."""
@@ -88,11 +83,9 @@ class Expectation(Tabular, Comparable):
     @property
     def weakest(self) -> str:
         """The parameter that `worst` is of."""
-
-        def sem(p: Expected) -> float:
-            return np.inf if p.relative_sem is None else p.relative_sem
-
-        return max(self.parameters.values(), key=sem).name
+        sems = {p.name: np.inf if p.relative_sem is None else p.relative_sem
+                for p in self.parameters.values()}  # fmt: skip
+        return max(sems, key=lambda name: sems[name])
 
     @property
     def geometric_mean(self) -> float | None:
@@ -138,8 +131,7 @@ class Expectation(Tabular, Comparable):
 
     def to_json(self) -> dict[str, Any]:
         """Give what E.json holds, as plain data."""
-        plain: dict[str, Any] = to_plain(self)
-        return plain
+        return dict(to_plain(self))
 
 
 def expected(
@@ -169,8 +161,9 @@ def expected(
                 relative[k, j] = np.sqrt(estimate.matrix[i, i]) / value
         if legs.beliefs:
             shares.append(_shares(estimate, own))
-    middle = _middle(relative)
-    central = covariances[middle]
+    # the leg whose largest error is the median one
+    order = np.argsort(relative.max(axis=1), kind="stable")
+    central = covariances[int(order[len(relative) // 2])]
     wide = half_width(1.0, 1e9)
     parameters = {}
     for j, name in enumerate(own):
@@ -196,23 +189,13 @@ def expected(
             name, p.unit, p.meaning, value, sem, half, verdict, note, share, FrozenDict(budget)
         )
     return Expectation(
-        protocol=trajectory.settings.profile,
-        model=legs.spec.name,
-        legs=legs.name,
-        seconds=float(trajectory.time[-1]),
-        noise=noise,
-        rate_hz=trajectory.settings.rate_hz,
+        protocol=trajectory.settings.profile, model=legs.spec.name, legs=legs.name,
+        seconds=float(trajectory.time[-1]), noise=noise, rate_hz=trajectory.settings.rate_hz,
         parameters=FrozenDict(parameters),
         nuisances=tuple(n for n in legs.free if n in legs.beliefs),
-        relative=read_only(relative),
-        correlation=central,
+        relative=read_only(relative), correlation=central,
         torque=(float(trial.torque[:, 0].min()), float(trial.torque[:, 1].max())),
-    )
-
-
-def _middle(relative: FloatArray) -> int:
-    """The leg whose largest error is the median one."""
-    return int(np.argsort(relative.max(axis=1), kind="stable")[len(relative) // 2])
+    )  # fmt: skip
 
 
 def _shares(known: Covariance, own: tuple[str, ...]) -> dict[str, dict[str, float]]:

@@ -126,14 +126,11 @@ class Genes:
         (origin, first), targets, speeds, holds, *efforts = blocks[:-5]
         begin = float(_squash(origin))
         return Plan(
-            name=self.name,
-            seconds=self.seconds,
-            origin=begin,
-            blend=self.blend,
+            self.name, self.seconds, begin, self.blend,
             ramps=self._ramps(begin, float(first), targets, speeds, holds),
             shakes=self._shakes(*blocks[-5:]),
             bursts=self._bursts(float(efforts[0][0]), *efforts[1:]) if efforts else (),
-        )
+        )  # fmt: skip
 
     def _ramps(
         self, origin: float, first: float, targets: FloatArray, speeds: FloatArray,

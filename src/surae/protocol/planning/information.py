@@ -139,13 +139,9 @@ def filmed(legs: Legs, muscles: Sequence[str]) -> Legs:
 
 
 def rows_of_films(
-    muscles: Sequence[str],
-    simulator: object,
-    spec: ModelSpec,
-    free: Sequence[str],
-    values: FloatArray,
-    time: FloatArray,
-) -> list[FloatArray]:
+    muscles: Sequence[str], simulator: object, spec: ModelSpec, free: Sequence[str],
+    values: FloatArray, time: FloatArray,
+) -> list[FloatArray]:  # fmt: skip
     """Whitened derivatives of each film by the free parameters, shape (p, frames) each."""
     step = max(round(len(time) / ((time[-1] - time[0]) * _RATE)), 1)
     at = np.arange(0, len(time), step)

@@ -64,14 +64,10 @@ class Legs(Comparable):
 
 
 def population_legs(
-    model: str,
-    population: str | None,
-    count: int,
-    *,
-    first: int = 0,
+    model: str, population: str | None, count: int, *, first: int = 0,
     nuisances: str | Mapping[str, tuple[float, float]] | None = None,
     options: ModelOptions | None = None,
-) -> Legs:
+) -> Legs:  # fmt: skip
     """Legs drawn from a population, or half from each.
 
     `model` may be ``"auto"``: the family's richest one, with the laboratory's nuisances, all by
@@ -99,15 +95,9 @@ def population_legs(
         truth = {n: v for n, v in truth.items() if n not in TENDONS["healthy"] or n in free}
         rows.append(spec.vector(truth | {n: b.mean for n, b in beliefs.items()}, options))
     return Legs(
-        name=f"{count} {_WHO[population]}",
-        spec=spec,
-        options=options,
-        free=free,
-        beliefs=beliefs,
-        values=read_only(np.array(rows)),
-        emg_rest=read_only(np.full(4, EMG_REST)),
-        emg_full=read_only(levels),
-    )
+        f"{count} {_WHO[population]}", spec, options, free, beliefs, read_only(np.array(rows)),
+        emg_rest=read_only(np.full(4, EMG_REST)), emg_full=read_only(levels),
+    )  # fmt: skip
 
 
 def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int = 0) -> Legs:
@@ -137,16 +127,10 @@ def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int
         rows.append(row)
     levels = _levels(problem.inputs)
     return Legs(
-        name="the fitted leg, as far as the fit knows it",
-        spec=problem.spec,
-        options=problem.options,
-        free=problem.free,
-        beliefs=beliefs,
-        values=read_only(np.array(rows)),
-        emg_rest=read_only(np.zeros(4)),
-        emg_full=read_only(levels),
-        emg_unit=problem.inputs[0].emg_unit,
-    )
+        "the fitted leg, as far as the fit knows it", problem.spec, problem.options, problem.free,
+        beliefs, read_only(np.array(rows)), emg_rest=read_only(np.zeros(4)),
+        emg_full=read_only(levels), emg_unit=problem.inputs[0].emg_unit,
+    )  # fmt: skip
 
 
 def _spec_of(

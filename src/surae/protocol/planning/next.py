@@ -59,8 +59,7 @@ class NextTrial(Comparable):
 
     def to_json(self) -> dict[str, Any]:
         """Give all of it as plain data."""
-        plain: dict[str, Any] = to_plain(self)
-        return plain
+        return dict(to_plain(self))
 
 
 def known_from(result: FitResult, assessment: Assessment, legs: Legs) -> FloatArray:
@@ -89,17 +88,10 @@ def known_from(result: FitResult, assessment: Assessment, legs: Legs) -> FloatAr
 
 
 def measure_next_of(
-    result: FitResult,
-    assessment: Assessment,
-    legs: Legs,
-    *,
-    noise: float,
-    device: Device | None,
-    range_of_motion: tuple[float, float],
-    longest: float,
-    wanted: Sequence[str] | None = None,
+    result: FitResult, assessment: Assessment, legs: Legs, *, noise: float, device: Device | None,
+    range_of_motion: tuple[float, float], longest: float, wanted: Sequence[str] | None = None,
     rate_hz: float = 256.0,
-) -> NextTrial:
+) -> NextTrial:  # fmt: skip
     """The ready trial that adds most to a fit.
 
     The legs are the fitted leg's, `range_of_motion` is the subject's [rad], `noise` [Nm] the
@@ -174,13 +166,8 @@ def measure_next_of(
     weak_still = [n for n in weak if n not in reached]
     if weak_still:
         sentences.append(f"{', '.join(weak_still)} would stay weak after {MOST} such trials.")
-    return NextTrial(
-        ready.name,
-        tuple(sentences),
-        FrozenDict({n: (finite(before[n]), finite(halves[0][n])) for n in weak}),
-        FrozenDict(many),
-        trajectory,
-    )
+    gains = FrozenDict({n: (finite(before[n]), finite(halves[0][n])) for n in weak})
+    return NextTrial(ready.name, tuple(sentences), gains, FrozenDict(many), trajectory)
 
 
 def _half_widths(

@@ -10,23 +10,22 @@ what the base leaves of the limits, so these hold too (`Limits`).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from surae.errors import InputError
-from surae.frozen import read_only
 from surae.protocol import Device, Given, Trajectory, allowed_range
+from surae.protocol.adaptation import Motion
 from surae.protocol.effort import Burst, burst_effort
 from surae.protocol.planning.kernels import plan_motion
 from surae.protocol.profiles import Ramp
-from surae.records import from_plain
 from surae.units import FloatArray
 
+#: What has bursts, and can be asked for with less effort.
+_Plan = TypeVar("_Plan", bound=Any)
 #: The movement is checked against its limits at this rate at least [Hz].
 _FINE_RATE = 256.0
-
-
 #: Rounding must not make a limit exceeded.
 EXACT = 1.0 - 1e-9
 #: Velocity [rad/s], acceleration [rad/s²] and frequency [Hz] that are not exceeded where a device's
@@ -86,34 +85,7 @@ class Plan:
     shakes: tuple[Shake, ...]  #: Perturbations.
     bursts: tuple[Burst, ...]  #: The subject's efforts.
 
-    @classmethod
-    def sampled(
-        cls,
-        data: dict[str, Any],
-        limits: Sequence[float],
-        rate_hz: float,
-        device: Device | None = None,
-    ) -> Trajectory:
-        """The protocol of a plan's plain data.
-
-        Parameters
-        ----------
-        data : dict
-            As a design has it.
-        limits : sequence of float
-            Those of `Limits` that the movement keeps, in order.
-        rate_hz : float
-            Sampling rate [Hz].
-        device : Device, optional
-            Whose limits these are.
-        """
-        return from_plain(cls, data).trajectory(Limits(*limits), rate_hz, device=device)
-
-    def eased(self, part: float) -> "Plan":
-        """The same with all effort times `part`."""
-        return replace(self, bursts=eased(self.bursts, part))
-
-    def motion(self, t: FloatArray, limits: Limits) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def motion(self, t: FloatArray, limits: Sequence[float]) -> Motion:
         """Angle, velocity and acceleration at increasing times `t`; they keep the limits there."""
         angle, velocity, acceleration = plan_motion(
             t, _rows(self.ramps, 3), self.origin, self.blend, _rows(self.shakes, 5), *limits
@@ -121,14 +93,10 @@ class Plan:
         return angle, velocity, acceleration
 
     def trajectory(
-        self,
-        limits: Limits,
-        rate_hz: float,
-        *,
-        device: Device | None = None,
+        self, limits: Sequence[float], rate_hz: float, *, device: Device | None = None,
         fine_hz: float = _FINE_RATE,
-    ) -> Trajectory:
-        """The protocol sampled at a rate, its limits kept at `fine_hz` at least.
+    ) -> Trajectory:  # fmt: skip
+        """The protocol sampled at a rate; `limits` (`Limits`) are kept at `fine_hz` at least.
 
         Raises
         ------
@@ -141,26 +109,19 @@ class Plan:
         n = int(self.seconds * rate_hz + 1e-9) + 1
         fine = np.arange((n - 1) * times + 1) / (rate_hz * times)
         angle, velocity, acceleration = (x[::times] for x in self.motion(fine, limits))
-        time = np.arange(n) / rate_hz
-        return Trajectory(
-            settings=Given(
-                profile=self.name,
-                task="designed" if self.bursts else "passive",
-                range_of_motion=(limits.low, limits.high),
-                rate_hz=rate_hz,
-                device=device,
-            ),
-            time=read_only(time),
-            angle=read_only(angle),
-            velocity=read_only(velocity),
-            acceleration=read_only(acceleration),
-            effort=read_only(burst_effort(time, self.bursts)),
-        )
+        time, task = np.arange(n) / rate_hz, "designed" if self.bursts else "passive"
+        settings = Given(
+            profile=self.name, task=task, range_of_motion=(limits[0], limits[1]), rate_hz=rate_hz,
+            device=device,
+        )  # fmt: skip
+        effort = burst_effort(time, self.bursts)
+        return Trajectory(settings, time, angle, velocity, acceleration, effort)
 
 
-def eased(bursts: Sequence[Burst], part: float) -> tuple[Burst, ...]:
-    """Bursts with all effort times `part`."""
-    return tuple(burst._replace(level=part * burst.level) for burst in bursts)
+def eased(plan: _Plan, part: float) -> _Plan:
+    """A plan with all effort times `part`."""
+    bursts = (burst._replace(level=part * burst.level) for burst in plan.bursts)
+    return replace(plan, bursts=tuple(bursts))
 
 
 def _rows(items: Sequence[Ramp | Shake], width: int) -> FloatArray:

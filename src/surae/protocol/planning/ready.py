@@ -4,19 +4,17 @@ Genes are no movement yet: read for another range, device or duration they are a
 those limits, so a ready protocol fits whoever is to be measured, and a search may begin with it.
 """
 
-import json
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-import numpy as np
-
-from surae.frozen import Comparable, read_only
+from surae.frozen import Comparable
 from surae.protocol import Device, Trajectory
 from surae.protocol.planning.genes import Genes
 from surae.protocol.planning.legs import Legs
 from surae.protocol.planning.plan import highest_hz, limits_of
 from surae.protocol.planning.torque import within_torque
+from surae.records import from_plain, read_json
 from surae.units import FloatArray
 
 _FILES = Path(__file__).parent / "ready"
@@ -40,12 +38,9 @@ class Ready(Comparable):
     genes: FloatArray  #: As `Genes` reads them, shape (d,).
 
     def trajectory(
-        self,
-        device: Device | None,
-        range_of_motion: tuple[float, float],
-        rate_hz: float,
+        self, device: Device | None, range_of_motion: tuple[float, float], rate_hz: float,
         legs: Legs,
-    ) -> Trajectory:
+    ) -> Trajectory:  # fmt: skip
         """The protocol on a device: within its limits, and its torque for these legs."""
         limits = limits_of(device, range_of_motion)
         genes = Genes(self.name, self.seconds, limits, highest_hz(device), self.effort)
@@ -57,12 +52,10 @@ class Ready(Comparable):
 @cache
 def ready_protocols() -> dict[str, Ready]:
     """The protocols that come with surae, by name."""
-    by_name = {}
-    for path in sorted(_FILES.glob("*.json")):
-        data = json.loads(path.read_text(encoding="utf-8"))
-        data |= {"counts": tuple(data["counts"]), "genes": read_only(np.array(data["genes"]))}
-        by_name[path.stem] = Ready(name=path.stem, **data)
-    return by_name
+    return {
+        path.stem: from_plain(Ready, {"name": path.stem, **read_json(path)})
+        for path in sorted(_FILES.glob("*.json"))
+    }
 
 
 def start_for(seconds: float, model: str, aim: str, effort: bool) -> Ready | None:

@@ -143,18 +143,10 @@ class _SpentError(Exception):
 
 
 def search(
-    genes: Genes,
-    legs: Legs,
-    aim: Aim,
-    *,
-    noise: float,
-    torque: float,
-    evaluations: int,
-    seed: int,
-    known: FloatArray | None = None,
-    start: FloatArray | None = None,
+    genes: Genes, legs: Legs, aim: Aim, *, noise: float, torque: float, evaluations: int, seed: int,
+    known: FloatArray | None = None, start: FloatArray | None = None,
     progress: SearchProgress | None = None,
-) -> Search:
+) -> Search:  # fmt: skip
     """Search the plan of the smallest cost; the same arguments always find the same one.
 
     `noise` is the standard deviation of the torque's [Nm], sample by sample at `SEARCH_RATE`;

@@ -13,7 +13,6 @@ from typing import TypeVar
 import numpy as np
 
 from surae.errors import InputError
-from surae.frozen import read_only
 from surae.protocol import Device, Protocol, Trajectory, generate
 from surae.protocol.effort import GAP, Burst, burst_effort, named_task, task_bursts
 from surae.protocol.planning.information import model_inputs
@@ -40,16 +39,6 @@ class ProfilePlan:
     settings: Protocol  #: What it is.
     bursts: tuple[Burst, ...]  #: The subject's efforts.
 
-    @classmethod
-    def of(cls, settings: Protocol) -> "ProfilePlan":
-        """A protocol with all that its task asks for."""
-        end = generate(settings).time[-1]
-        return cls(settings, tuple(task_bursts(named_task(settings.task), float(end))))
-
-    def eased(self, part: float) -> "ProfilePlan":
-        """The same with all effort times `part`."""
-        return replace(self, bursts=eased(self.bursts, part))
-
     def trajectory(self, limits: Limits, rate_hz: float) -> Trajectory:
         """The protocol over a range, at a multiple of a rate at which its chirp can be sampled."""
         settings = self.settings
@@ -60,7 +49,7 @@ class ProfilePlan:
 
     def effort(self, time: FloatArray) -> FloatArray:
         """The requested effort at increasing times [s], shape (n, 4)."""
-        return read_only(burst_effort(time, self.bursts))
+        return burst_effort(time, self.bursts)
 
 
 #: What can be held to a torque: a designed protocol, or one of the thesis.
@@ -98,26 +87,26 @@ def within_torque(
             f"{limits.low:.2f} and {limits.high:.2f}: stiff legs would ask more than the "
             f"{device.max_torque:g} Nm of {device.name}, even relaxed."
         )
-    eased = _eased(plan, narrowed, legs, limit)
-    if eased != plan:
-        before, after = (sum(b.level * b.length for b in p.bursts) for p in (plan, eased))
+    held = _eased(plan, narrowed, legs, limit)
+    if held != plan:
+        before, after = (sum(b.level * b.length for b in p.bursts) for p in (plan, held))
         notes.append(
             f"Efforts are lowered by {100 * (1 - after / before):.2g} % in all, to keep within the "
             f"{device.max_torque:g} Nm of {device.name}."
         )
-    most = float(np.nanmax(np.abs(torques(eased, narrowed, legs))))
+    most = float(np.nanmax(np.abs(torques(held, narrowed, legs))))
     notes.append(
         f"None of {len(legs.values)} virtual legs asks more than {most:.3g} of {device.name}'s "
         f"{device.max_torque:g} Nm."
     )
-    return eased, narrowed, tuple(notes)
+    return held, narrowed, tuple(notes)
 
 
 def _narrowed(
     plan: Plan | ProfilePlan, limits: Limits, legs: Legs, device: Device, limit: float
 ) -> Limits:
     """The range over which relaxed legs ask no more than the limit."""
-    relaxed, span = plan.eased(0.0), limits.high - limits.low
+    relaxed, span = eased(plan, 0.0), limits.high - limits.low
 
     def narrower(lower: float, upper: float) -> Limits:
         return limits._replace(low=limits.low + lower * span, high=limits.high - upper * span)
@@ -149,7 +138,7 @@ def _eased(plan: _Plan, limits: Limits, legs: Legs, limit: float) -> _Plan:
     """The plan with each burst as low as its own torque asks for."""
     if not plan.bursts:
         return plan
-    relaxed = torques(plan.eased(0.0), limits, legs)
+    relaxed = torques(eased(plan, 0.0), limits, legs)
     time = np.arange(relaxed.shape[1]) / _RATE
     for _ in range(_ROUNDS):
         needed = torques(plan, limits, legs)
@@ -166,7 +155,7 @@ def _eased(plan: _Plan, limits: Limits, legs: Legs, limit: float) -> _Plan:
             lowered.append(burst._replace(level=burst.level * float(part[felt].min(initial=1.0))))
         plan = replace(plan, bursts=tuple(lowered))
     while np.abs(torques(plan, limits, legs)).max() > limit:
-        plan = plan.eased(0.9)
+        plan = eased(plan, 0.9)
     return plan
 
 
@@ -247,7 +236,8 @@ def held_to_torque(settings: Protocol) -> tuple[Trajectory, tuple[str, ...]]:
     trajectory = generate(settings)
     if not any(limit.exceeded for limit in requested_limits(trajectory)):
         return trajectory, ()
-    whole = ProfilePlan.of(settings)
+    bursts = task_bursts(named_task(settings.task), float(trajectory.time[-1]))
+    whole = ProfilePlan(settings, tuple(bursts))
     legs = population_legs("muscle", None, _LEGS)
     limits = Limits(*settings.range_of_motion, math.inf, math.inf)
     plan, limits_held, notes = within_torque(whole, limits, legs, settings.device)

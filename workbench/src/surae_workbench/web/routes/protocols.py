@@ -9,6 +9,7 @@ from fastapi import APIRouter, Response
 from surae import api
 from surae.errors import InputError
 from surae.names import FITTED
+from surae.records import from_plain
 from surae_workbench.web.answers import Job, Protocol
 from surae_workbench.web.curves import plain
 from surae_workbench.web.fits import model_title
@@ -155,7 +156,8 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
         limits = settings.limits or (*settings.range_of_motion, 1e6, 1e6)
         api.allowed_range(device, limits[:2])
         plan = settings.plan.model_dump(exclude={"model", "population"})  # whom it is for
-        return api.Plan.sampled(plan, limits, settings.rate_hz, device)
+        designed = from_plain(api.Plan, plan)
+        return designed.trajectory(limits, settings.rate_hz, device=device)
     if settings.profile in api.ready_protocols():
         reached = settings.range_of_motion
         return api.ready_trajectory(settings.profile, device, reached, settings.rate_hz)
