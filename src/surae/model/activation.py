@@ -169,14 +169,9 @@ class ActivationFilter:
     """
 
     def __init__(
-        self,
-        *,
-        f0: float,
-        beta: float,
-        dt: float,
-        lags: tuple[float, ...],
+        self, *, f0: float, beta: float, dt: float, lags: tuple[float, ...],
         columns: tuple[int, int] = (-1, -1),
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._f0, self._beta, self._dt, self._lags = float(f0), float(beta), dt, lags
         self._columns = columns
         self._steps: dict[float, list[tuple[FloatArray, int]]] = {}
@@ -204,9 +199,10 @@ class ActivationFilter:
             if drive.delay_column >= 0:
                 self._by_delay(drive, slopes[len(columns)])
                 columns.append(drive.delay_column)
-            if drive.slopes:
-                self._respond_each(drive, slopes[len(columns) :])
-                columns.extend(column for column, _ in drive.slopes)
+            for column, signal in drive.slopes:
+                row = slopes[len(columns)]
+                self._respond(np.ascontiguousarray(signal), drive.delay, [row])
+                columns.append(column)
         of = np.array([*columns, *(self._columns[k] for k in by_filter)], dtype=np.int64)
         return ActiveState(sum(shares[1:], start=shares[0]), slopes, of, tuple(shares))
 
@@ -222,11 +218,6 @@ class ActivationFilter:
         if first != 0.0:
             for moving, still in zip(rows, self._held(len(rows), rows[0].shape), strict=True):
                 np.add(moving, first * still, out=moving)
-
-    def _respond_each(self, drive: Drive, out: FloatArray) -> None:
-        """Responses to the slopes of a drive, into the first of (…, L, n)."""
-        for row, (_, signal) in zip(out, drive.slopes, strict=False):
-            self._respond(np.ascontiguousarray(signal), drive.delay, [row])
 
     def _held(self, count: int, shape: tuple[int, ...]) -> list[FloatArray]:
         """Response, and with a count of three its derivatives, to a step at the first sample."""

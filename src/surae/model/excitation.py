@@ -81,14 +81,9 @@ class Excitation:
     """
 
     def __init__(
-        self,
-        inputs: ModelInputs,
-        options: ModelOptions,
-        *,
-        at: Mapping[str, int],
-        weights: tuple[str, ...],
-        emg: FloatArray,
-    ) -> None:
+        self, inputs: ModelInputs, options: ModelOptions, *, at: Mapping[str, int],
+        weights: tuple[str, ...], emg: FloatArray,
+    ) -> None:  # fmt: skip
         curved = "emg_shape" in at or "emg_power" in at
         #: ∂ê/∂ρ, shape (4, n); None where there is no release.
         self._by_release: FloatArray | None = None
@@ -173,11 +168,7 @@ class Excitation:
         weighted = envelopes.weighted[channels] * grown
         # einsum, not BLAS: its threads cost more than they save on so few rows
         signal = np.einsum("c,cn->n", weights, weighted)
-        slopes = [
-            (column, envelope)
-            for column, envelope in zip(columns, weighted, strict=True)
-            if column in wanted
-        ]
+        slopes = [(c, row) for c, row in zip(columns, weighted, strict=True) if c in wanted]
         for name, by in (
             ("emg_shape", envelopes.by_shape),
             ("emg_power", envelopes.by_power),

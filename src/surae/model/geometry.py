@@ -86,12 +86,9 @@ class Path:
 
 
 def paths(
-    *,
-    angle: FloatArray,
-    velocity: FloatArray,
-    options: ModelOptions,
+    *, angle: FloatArray, velocity: FloatArray, options: ModelOptions,
     second: tuple[FloatArray, ...] = (),
-) -> tuple[Path, Path]:
+) -> tuple[Path, Path]:  # fmt: skip
     """Paths of the triceps surae and of the tibialis anterior, in this order.
 
     `second` is the angle and velocity of a second joint that a table may have.
@@ -115,13 +112,9 @@ def _assumed(options: ModelOptions, group: int, angle: FloatArray, velocity: Flo
 
 
 def _of_table(
-    options: ModelOptions,
-    table: GeometryTable,
-    group: int,
-    angle: FloatArray,
-    velocity: FloatArray,
-    second: tuple[FloatArray, ...],
-) -> Path:
+    options: ModelOptions, table: GeometryTable, group: int, angle: FloatArray,
+    velocity: FloatArray, second: tuple[FloatArray, ...],
+) -> Path:  # fmt: skip
     """Path of a group by a table, whose lengths are those of muscle and tendon.
 
     Where it states no slack lengths, those of another joint's tendons are taken off; of the ankle's

@@ -112,15 +112,11 @@ def _notes(source: Source) -> dict[str, float]:
     for line in source.lines():
         if match := _NOTE.fullmatch(line.strip()):
             kind, unit = ("length", match[2]) if match[1] else ("angle", match[4])
-            notes[match[1] or match[3]] = _number(match[5], source.shown) * FACTORS[kind][unit]
+            try:
+                notes[match[1] or match[3]] = float(match[5]) * FACTORS[kind][unit]
+            except ValueError:
+                raise InputError(f"{source.shown}: {match[5]!r} is not a number") from None
     return notes
-
-
-def _number(text: str, where: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(f"{where}: {text!r} is not a number") from None
 
 
 def _table(
@@ -139,8 +135,8 @@ def _table(
         if length is None and (arm is None or len(seconds)):
             without = "" if arm is None else ", which a table over a second angle needs"
             raise InputError(
-                f"{where}: no length{' and no arm' * (arm is None)} of {_words(group, shares)}"
-                f"{without}"
+                f"{where}: no length{' and no arm' * (arm is None)} of {group} (or of "
+                f"{', '.join(shares)}){without}"
             )
         if arm is not None:
             arm = arm * sign * np.sign(arm.sum())  # an arm that turns round is kept so
@@ -199,10 +195,6 @@ def _group(
         raise InputError(f"{where}: {what} of {', '.join(found)}, but not of {', '.join(missing)}")
     whole: FloatArray = np.sum([shares[m] * values for m, values in found.items()], axis=0)
     return whole
-
-
-def _words(group: str, shares: Mapping[str, float]) -> str:
-    return f"{group} (or of {', '.join(shares)})"
 
 
 def _of_opensim(path: Path) -> GeometryTable:

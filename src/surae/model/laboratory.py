@@ -15,10 +15,8 @@ ALL, NONE = "all", "none"
 _NUISANCES: dict[str, Nuisance] = {g: s.nuisance for g, s in NUISANCES.items() if s.nuisance}
 #: Parameters of each group of nuisances; a group is in a model as a whole or not at all.
 GROUPS = {group: nuisance.parameters for group, nuisance in _NUISANCES.items()}
-#: Groups that differ between trials of one session, those that do beside them when electrodes and
-#: foot are mounted anew, and those that the leg itself knows nothing of.
+#: Groups that differ between trials of one session, and those that the leg itself knows nothing of.
 EACH_TRIAL = tuple(group for group, n in _NUISANCES.items() if n.anew == "trial")
-EACH_MOUNTING = tuple(group for group, n in _NUISANCES.items() if n.anew == "mounting")
 OUTSIDE = tuple(group for group, n in _NUISANCES.items() if not n.of_leg)
 #: Groups that are in a model only where the data ask for them.
 DEPARTURES = tuple(group for group, n in _NUISANCES.items() if n.departs)
@@ -36,13 +34,9 @@ def richest(model: str) -> str:
 
 
 def laboratory(
-    nuisances: str | Mapping[str, tuple[float, float]] = ALL,
-    quiet: Sequence[float] | None = None,
-    *,
-    measured: bool = False,
-    mounted: bool = True,
-    joint: Joint = ANKLE,
-) -> dict[str, Gaussian]:
+    nuisances: str | Mapping[str, tuple[float, float]] = ALL, quiet: Sequence[float] | None = None,
+    *, measured: bool = False, mounted: bool = True, joint: Joint = ANKLE,
+) -> dict[str, Gaussian]:  # fmt: skip
     """The priors of all nuisances, by parameter.
 
     `nuisances` is ``"all"``, ``"none"``, or other priors, (mean, sd), for groups or parameters; the
@@ -59,7 +53,7 @@ def laboratory(
     beliefs: dict[str, Gaussian] = {}
     for n in _NUISANCES.values():
         none = n.of_device and not mounted
-        beliefs |= {name: _NOTHING if none else n.prior_of(name) for name in n.parameters}
+        beliefs |= {name: _NOTHING if none else n.own.get(name, n.prior) for name in n.parameters}
         beliefs |= n.measured if measured else {}
     given: Mapping[str, tuple[float, float]] = {}
     if not isinstance(nuisances, str):

@@ -143,10 +143,8 @@ class Movement:
             velocity = velocity - given[_GIVE] * self._pull_rate
         still, same = np.zeros_like(angle), np.ones_like(angle)
         turning = [name for name in columns if name in _TURNING]
-        joint, slopes = (
-            JointAngle(angle, same, still),
-            [JointAngle(same, still, still)] * len(turning),
-        )
+        joint = JointAngle(angle, same, still)
+        slopes = [JointAngle(same, still, still)] * len(turning)
         if _AXIS[0] in given:
             axis = JointAxis(
                 angle=angle, forward=given[_AXIS[0]], up=given[_AXIS[1]], strap=distance
@@ -177,11 +175,9 @@ class Movement:
             second=inputs.second,
         )  # fmt: skip
         rest = paths(angle=np.zeros(1), velocity=np.zeros(1), options=options)
-        muscles = []
+        muscles, turned = [], (joint.angle, joint.factor * velocity)
         for group, path in enumerate(plain):
-            at_rest = float(rest[group].length[0])
-            turned = joint.angle, joint.factor * velocity
-            bent, by_own = _own_path(path, at_rest, *turned, given, group)
+            bent, by_own = _own_path(path, float(rest[group].length[0]), *turned, given, group)
             arm, length, speed = np.zeros((3, len(columns), inputs.n))
             for row, name in enumerate(columns):
                 if name in by_own:
@@ -199,12 +195,9 @@ class Movement:
                 MusclePath(joint.factor * bent.arm, bent.length, bent.speed, arm, length, speed)
             )
         return LegMovement(
-            inertia=joint.factor * inertia,
-            gravity=joint.factor * gravity,
-            muscles=(muscles[0], muscles[1]),
-            columns=tuple(columns.values()),
-            limb_slopes=limb_slopes,
-        )
+            joint.factor * inertia, joint.factor * gravity, (muscles[0], muscles[1]),
+            columns=tuple(columns.values()), limb_slopes=limb_slopes,
+        )  # fmt: skip
 
 
 def _own_path(

@@ -27,9 +27,7 @@ class MuscleSimulator(Simulator):
     def __init__(
         self, inputs: ModelInputs, options: ModelOptions, optional: Sequence[str] = ()
     ) -> None:
-        super().__init__(
-            inputs, options, own=_NAMES, optional=optional, weights=("g1", "g2", "g3", "g4")
-        )
+        super().__init__(inputs, options, own=_NAMES, optional=optional)
 
     def _forces(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState

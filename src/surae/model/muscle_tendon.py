@@ -9,12 +9,10 @@ from surae.errors import InputError
 from surae.frozen import read_only
 from surae.model.activation import ActiveState, IntArray
 from surae.model.compliant import (
-    ELONGATION,
     EPS0,
     FORCE,
     GAMMA,
     LENGTH,
-    SPEED,
     STIFFNESS,
     TISSUE,
     compliant_states,
@@ -123,10 +121,7 @@ class MuscleTendonSimulator(Simulator):
         self, inputs: ModelInputs, options: ModelOptions, optional: Sequence[str] = ()
     ) -> None:
         lags = ((1.0 - GAMMA) / inputs.rate_hz, 0.0)
-        super().__init__(
-            inputs, options, own=_NAMES, optional=optional, weights=("g1", "g2", "g3", "g4"),
-            lags=lags,
-        )  # fmt: skip
+        super().__init__(inputs, options, own=_NAMES, optional=optional, lags=lags)
         self._n = inputs.n
         self._slack = np.array(options.anatomy.slack)
         in_metres = options.tendon_strain == "thesis"
@@ -140,26 +135,17 @@ class MuscleTendonSimulator(Simulator):
         """Lengths, velocities and forces of muscles and tendons over time."""
         p = np.array(values, dtype=np.float64)
         leg = self._movement.at(p)
-        states = np.stack(
-            [
-                self._states(p, group, leg.muscles[group], active)
-                for group, active in enumerate(self._active(p, leg))
-            ]
-        )
+        active = self._active(p, leg)
+        states = np.stack([self._states(p, g, leg.muscles[g], active[g]) for g in range(2)])
         speeds = np.stack([muscle.speed for muscle in leg.muscles])
-        first = [_first_not_finite(group) for group in states]
+        wrong = np.asarray(~np.isfinite(states).all(axis=1))
+        first = [int(group.argmax()) if group.any() else None for group in wrong]
+        length, speed, elongation, force, tissue = np.swapaxes(states, 0, 1)
         return TendonState(
-            muscle_length=read_only(states[:, LENGTH]),
-            muscle_velocity=read_only(states[:, SPEED]),
-            tendon_length=read_only(self._slack[:, None] + states[:, ELONGATION]),
-            elongation=read_only(states[:, ELONGATION]),
-            tendon_velocity=read_only(speeds - states[:, SPEED]),
-            tendon_force=read_only(states[:, FORCE]),
-            tissue_force=read_only(states[:, TISSUE]),
-            active_force=read_only(states[:, FORCE] - states[:, TISSUE]),
-            laws=(self._law(p, 0), self._law(p, 1)),
-            unsolved=(first[0], first[1]),
-        )
+            read_only(length), read_only(speed), read_only(self._slack[:, None] + elongation),
+            read_only(elongation), read_only(speeds - speed), read_only(force), read_only(tissue),
+            read_only(force - tissue), (self._law(p, 0), self._law(p, 1)), (first[0], first[1]),
+        )  # fmt: skip
 
     def muscles(self, values: FloatArray) -> FloatArray:
         """Muscle length [m], tendon elongation [m] and force [N] of both groups, (3, 2, n)."""
@@ -227,26 +213,21 @@ class MuscleTendonSimulator(Simulator):
         states = np.stack(into.states)
         arms = np.stack([muscle.arm for muscle in leg.muscles])
         return Tangent(
-            torque=into.torque,
-            jacobian=into.jacobian[:-1],
-            active=arms * (states[:, FORCE] - states[:, TISSUE]),
-            lengths=states[:, LENGTH],
+            into.torque, into.jacobian[:-1],
+            active=arms * (states[:, FORCE] - states[:, TISSUE]), lengths=states[:, LENGTH],
             length_jacobian=np.empty((2, 0, n)) if seen is None else seen[:, :-1],
             response=self._response(p, linear, arms),
-        )
+        )  # fmt: skip
 
     def _response(self, p: FloatArray, linear: FloatArray, arms: FloatArray) -> DriveResponse:
         delay = float(p[self._at["emd"]]) if "emd" in self._at else 0.0
         instants = self.activation(p).instants(delay)
         k_rel, tau = p[COLUMNS[0][K_REL]], p[COLUMNS[0][TAU]]
         return DriveResponse(
-            drives=self._excitation.weighted(p),
-            steps=np.stack([steps for steps, _ in instants]),
-            back=np.array([back for _, back in instants], dtype=np.int64),
-            linear=linear,
-            arms=arms,
+            self._excitation.weighted(p), np.stack([steps for steps, _ in instants]),
+            np.array([back for _, back in instants], dtype=np.int64), linear, arms,
             keep=1.0 / (1.0 + GAMMA * self._dt * (1.0 + k_rel) / tau),
-        )
+        )  # fmt: skip
 
     def _stages(self, group: int, muscle: MusclePath) -> tuple[FloatArray, FloatArray]:
         """Lengths and their slopes at the stages; once, where no parameter touches them."""
@@ -277,9 +258,3 @@ def muscle_tendon_simulator(
         tied: MuscleTendonSimulator = added[options.integrator](inputs, options, optional)
         return tied
     return MuscleTendonSimulator(inputs, options, optional)
-
-
-def _first_not_finite(states: FloatArray) -> int | None:
-    """First sample of a group's states, shape (5, n), that are not all finite numbers."""
-    wrong = np.flatnonzero(~np.isfinite(states).all(axis=0))
-    return int(wrong[0]) if wrong.size else None

@@ -132,8 +132,7 @@ class ModelOptions(Request):
         """The options as plain data, without those that are not given."""
         from surae.records import to_plain
 
-        plain: dict[str, Any] = to_plain(self)
-        return plain
+        return dict(to_plain(self))
 
 
 def with_files(given: Mapping[str, Any]) -> dict[str, Any]:

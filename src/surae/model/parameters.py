@@ -211,14 +211,9 @@ _GROUPS = {"tri": "triceps surae", "tib": "tibialis anterior"}
 
 
 def _measurement(
-    name: str,
-    unit: str,
-    meaning: str,
-    lower: float,
-    upper: float,
-    advice: str,
+    name: str, unit: str, meaning: str, lower: float, upper: float, advice: str,
     torque: Added | None = None,
-) -> Parameter:
+) -> Parameter:  # fmt: skip
     """What the laboratory cannot rule out: nothing at 0, where a fit starts."""
     return Parameter(name, unit, meaning, "measurement", 0.0, lower, upper, False, lower < 0.0,
                      advice, straight=True, torque=torque)  # fmt: skip

@@ -83,13 +83,7 @@ def relaxation_step(
     h_tau, h_k = -h / tau_rel, dt / tau_rel
     gain_k = 1.0 / (1.0 + k_rel) ** 2
     return (
-        a,
-        gain * c0,
-        gain * c1,
-        -a * h_tau,
-        gain * d_c0 * h_tau,
-        gain * d_c1 * h_tau,
-        -a * h_k,
-        gain * d_c0 * h_k + gain_k * c0,
-        gain * d_c1 * h_k + gain_k * c1,
-    )
+        a, gain * c0, gain * c1,
+        -a * h_tau, gain * d_c0 * h_tau, gain * d_c1 * h_tau,
+        -a * h_k, gain * d_c0 * h_k + gain_k * c0, gain * d_c1 * h_k + gain_k * c1,
+    )  # fmt: skip

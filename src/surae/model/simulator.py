@@ -68,19 +68,15 @@ class TendonState(Comparable):
 
     def columns(self) -> Mapping[str, FloatArray]:
         """The states under the names they have in files, triceps (tri) before tibialis (tib)."""
-        named = {
-            ("muscle_length", "m"): self.muscle_length,
-            ("muscle_velocity", "m_s"): self.muscle_velocity,
-            ("tendon_length", "m"): self.tendon_length,
-            ("tendon_elongation", "m"): self.elongation,
-            ("tendon_velocity", "m_s"): self.tendon_velocity,
-            ("tendon_force", "N"): self.tendon_force,
-            ("tissue_force", "N"): self.tissue_force,
-            ("active_force", "N"): self.active_force,
-        }
+        units = {
+            "muscle_length": "m", "muscle_velocity": "m_s", "tendon_length": "m",
+            "tendon_elongation": "m", "tendon_velocity": "m_s", "tendon_force": "N",
+            "tissue_force": "N", "active_force": "N",
+        }  # fmt: skip
+        arrays = {"tendon_elongation": self.elongation}
         return {
-            f"{quantity}_{group}_{unit}": values[row]
-            for (quantity, unit), values in named.items()
+            f"{name}_{group}_{unit}": (arrays[name] if name in arrays else getattr(self, name))[row]
+            for name, unit in units.items()
             for row, group in enumerate(("tri", "tib"))
         }
 
@@ -133,23 +129,13 @@ class TorqueParts(Comparable):
 
     def columns(self) -> Mapping[str, FloatArray]:
         """The parts under the names they have in files, sums first, optional ones last."""
-        columns = {
-            "tissue_Nm": self.tissue,
-            "neural_Nm": self.neural,
-            "inertial_Nm": self.inertial,
-            "gravitational_Nm": self.gravitational,
-            "tissue_tri_Nm": self.tissue_tri,
-            "tissue_tib_Nm": self.tissue_tib,
-            "neural_tri_Nm": self.neural_tri,
-            "neural_tib_Nm": self.neural_tib,
-        }
-        optional = {
-            "torque_zero_Nm": self.zero,
-            "reflex_Nm": self.reflex,
-            "reflex_tri_Nm": self.reflex_tri,
-            "reflex_tib_Nm": self.reflex_tib,
-        }
-        return columns | {name: part for name, part in optional.items() if part is not None}
+        names = (
+            "tissue", "neural", "inertial", "gravitational", "tissue_tri", "tissue_tib",
+            "neural_tri", "neural_tib", "zero", "reflex", "reflex_tri", "reflex_tib",
+        )  # fmt: skip
+        parts = {name: getattr(self, name) for name in names}
+        called = {"zero": "torque_zero"}
+        return {f"{called.get(n, n)}_Nm": part for n, part in parts.items() if part is not None}
 
 
 def check_finite_torque(torque: FloatArray, inputs: ModelInputs) -> None:

@@ -52,10 +52,6 @@ class Nuisance:
     measured: Mapping[str, Gaussian] = field(default_factory=FrozenDict)
     departs: bool = False  #: Whether it is in the model only where the data ask for it.
 
-    def prior_of(self, parameter: str) -> Gaussian:
-        """What is known of one of its parameters."""
-        return self.own.get(parameter, self.prior)
-
 
 @dataclass(frozen=True, slots=True)
 class UncertaintySource:
@@ -102,8 +98,7 @@ SHARED = 0.15
 _SOURCES = (
     UncertaintySource(
         "noise", "noise of the torque", "what scatters in the torque without a pattern",
-        N_("Measure longer, or with more movement and effort."),
-        Fill("measured"), fresh=True,
+        N_("Measure longer, or with more movement and effort."), Fill("measured"), fresh=True,
     ),
     UncertaintySource(
         "emg_noise", "error of the EMG", "how far the EMG is from the effort at each moment",
@@ -112,27 +107,21 @@ _SOURCES = (
     ),
     UncertaintySource(
         "zero", "torque zero", "what the sensor shows without torque",
-        N_("Measure the zero of the torque sensor."),
-        Fill("ink"),
-        Nuisance(
+        N_("Measure the zero of the torque sensor."), Fill("ink"), Nuisance(
             "zero", OPTIONAL["torque_zero"], Gaussian(0.0, 10.0), "Nm",
             "a dynamometer’s zero was off by 12 to 19 Nm with a foot strapped in", anew="trial",
         ),
     ),
     UncertaintySource(
         "delay", "delay", "from the EMG to the force",
-        N_("Measure the delay from EMG to torque with a twitch."),
-        Fill("surface", "/"),
-        Nuisance(
+        N_("Measure the delay from EMG to torque with a twitch."), Fill("surface", "/"), Nuisance(
             "delay", OPTIONAL["emd"], Gaussian(0.03, 0.03), "s",
             "20 to 100 ms from EMG to force (Cavanagh and Komi 1979)", of_leg=True,
         ),
     ),
     UncertaintySource(
         "crosstalk", "crosstalk", "part of another muscle’s EMG that an electrode picks up",
-        N_("Test the electrodes muscle by muscle."),
-        Fill("series-1"),
-        Nuisance(
+        N_("Test the electrodes muscle by muscle."), Fill("series-1"), Nuisance(
             "crosstalk", OPTIONAL["crosstalk"], Gaussian(0.04, 0.03), "",
             "3 to 10 % of a neighbour’s rectified EMG (De Luca and Merletti 1988)", anew="mounting",
         ),
@@ -140,8 +129,7 @@ _SOURCES = (
     UncertaintySource(
         "axis", "axis", "how far the ankle’s axis lies from the device’s",
         N_("Align the ankle’s axis with the device’s, or measure their distance."),
-        Fill("surface", "|"),
-        Nuisance(
+        Fill("surface", "|"), Nuisance(
             "axis", OPTIONAL["axis"], Gaussian(0.0, 0.01), "m",
             "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting", of_device=True,
         ),
@@ -153,9 +141,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "emg_rest", "EMG at rest", "what an electrode shows of a muscle that rests",
-        N_("Record all muscles at rest."),
-        Fill("series-1", "-"),
-        Nuisance(
+        N_("Record all muscles at rest."), Fill("series-1", "-"), Nuisance(
             "rest", OPTIONAL["emg_rest"], Gaussian(0.0, 1.0), "of the level at rest",
             "the level that the electrode shows at its quietest: an envelope is never below zero, "
             "so that noise alone lifts it", anew="trial",
@@ -163,9 +149,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "emg_shape", "EMG curve", "bend from EMG to activation; 0 is a straight line",
-        N_("Measure several levels of effort."),
-        Fill("surface", "."),
-        Nuisance(
+        N_("Measure several levels of effort."), Fill("surface", "."), Nuisance(
             "shape", (*OPTIONAL["emg_shape"], *OPTIONAL["emg_power"]), Gaussian(-0.5, 1.0), "",
             "between −3 and 0, and powers of 0.5 to 1 (Lloyd and Besier 2003)", departs=True,
             own=FrozenDict({"emg_power": Gaussian(0.0, 0.25)}),
@@ -173,8 +157,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "release", "release", "how much slower muscles let go than they take hold",
-        N_("Ask for bursts of effort that end as fast as they begin."),
-        Fill("series-2", "x"),
+        N_("Ask for bursts of effort that end as fast as they begin."), Fill("series-2", "x"),
         Nuisance(
             "release", OPTIONAL["release"], Gaussian(0.03, 0.03), "s",
             "10 to 15 ms to activate, 40 to 50 to deactivate (Zajac 1989; Thelen 2003)",
@@ -192,9 +175,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "tendon", "tendons", "how far they stretch, and where their force curve becomes straight",
-        N_("Measure the tendon’s strain by ultrasound."),
-        Fill("surface", "\\"),
-        Nuisance(
+        N_("Measure the tendon’s strain by ultrasound."), Fill("surface", "\\"), Nuisance(
             "toe", ("pt_tri", "pt_tib"), Gaussian(0.3, 0.1, off=0.3), "",
             "Table 2 of the thesis, after Thelen (2003); the spread is assumed", of_leg=True,
         ),
@@ -212,8 +193,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "film", "filmed fascicle", "how far the fascicle in the film differs from the whole muscle",
-        N_("Film a longer piece of the muscle, or several places of it."),
-        Fill("series-1", "."),
+        N_("Film a longer piece of the muscle, or several places of it."), Fill("series-1", "."),
         Nuisance(
             "film", tuple(name for at in FILMED for name in OPTIONAL[f"film_{at}"]),
             Gaussian(0.0, 0.06), "",
@@ -228,18 +208,15 @@ _SOURCES = (
     ),
     UncertaintySource(
         "film_drift", "drift of the film", "how far the film's tracker drifts within the trial",
-        N_("Correct the tracker at key frames."),
-        Fill("series-1", "/"), fresh=True,
+        N_("Correct the tracker at key frames."), Fill("series-1", "/"), fresh=True,
     ),
     UncertaintySource(
         "unheard", "muscles without EMG", "what muscles do that no electrode records",
-        N_("Record the EMG of all four muscles."),
-        Fill("series-2", "\\"),
+        N_("Record the EMG of all four muscles."), Fill("series-2", "\\"),
     ),
     UncertaintySource(
         "trials", "differences between trials", "by how much trials of this leg disagree",
-        N_("Record more trials of the same kind."),
-        Fill("series-6"), fresh=True, knowable=False,
+        N_("Record more trials of the same kind."), Fill("series-6"), fresh=True, knowable=False,
     ),
     UncertaintySource(
         "torque_drift", "drift of the torque", "change of the torque’s zero within the trial",
@@ -248,8 +225,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "plate", "foot plate", "inertia and weight of a plate that was not tared",
-        N_("Record the moving plate without the foot, and subtract it."),
-        Fill("ink", "x"),
+        N_("Record the moving plate without the foot, and subtract it."), Fill("ink", "x"),
         Nuisance(
             "plate", OPTIONAL["plate"], Gaussian(0.0, 5.0), "Nm",
             "plates of 1 to 3 kg, their centre 5 to 15 cm from the axis; assumed", departs=True,
@@ -259,8 +235,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "give", "give of the plate", "how far the foot turns on its plate under load",
-        N_("Strap the foot tighter, or measure the angle at the ankle."),
-        Fill("series-6", "/"),
+        N_("Strap the foot tighter, or measure the angle at the ankle."), Fill("series-6", "/"),
         Nuisance(
             "give", OPTIONAL["plate_give"], Gaussian(0.0, 8e-4), "rad/Nm",
             "a heel lifts by 2 to 6° in strong contractions (Karamanidis et al. 2005)",
@@ -269,8 +244,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "arms", "moment arms", "how far the leg’s moment arms differ from the assumed ones",
-        N_("Give the leg’s own geometry, from images or a scaled model."),
-        Fill("series-2"),
+        N_("Give the leg’s own geometry, from images or a scaled model."), Fill("series-2"),
         Nuisance(
             "arm", OPTIONAL["arm"], Gaussian(0.0, 0.15), "",
             "moment arms differ by 6 to 12 % between adults (Maganaris et al. 1998, 1999); muscles "
@@ -294,8 +268,7 @@ _SOURCES = (
     UncertaintySource(
         "lengths", "muscle lengths", "how much longer the leg’s muscles are than assumed",
         N_("Give the length of the leg’s own muscles, from images or a scaled model."),
-        Fill("series-2", "-"),
-        Nuisance(
+        Fill("series-2", "-"), Nuisance(
             "length", OPTIONAL["length_zero"], Gaussian(0.0, 0.005), "m",
             "fascicles are 10 to 20 % off what size predicts (Ward et al. 2009)", of_leg=True,
             measured=FrozenDict(dict.fromkeys(OPTIONAL["length_zero"], Gaussian(0.0, 0.0025))),
@@ -303,9 +276,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "curves", "muscle curves", "widths of force over length, bend of force over velocity",
-        N_("Record more angles and velocities under effort."),
-        Fill("series-3", "x"),
-        Nuisance(
+        N_("Record more angles and velocities under effort."), Fill("series-3", "x"), Nuisance(
             "curves", OPTIONAL["curves"], Gaussian(0.0, 0.35), "",
             "widths and asymptotes of human muscles differ by a third (Zajac 1989; Thelen 2003)",
             of_leg=True, departs=True,
@@ -317,9 +288,7 @@ _SOURCES = (
     ),
     UncertaintySource(
         "reflex", "stretch reflex", "force that answers a stretch and that no electrode shows",
-        N_("Record a slow and a quick stretch at rest."),
-        Fill("series-1", "|"),
-        Nuisance(
+        N_("Record a slow and a quick stretch at rest."), Fill("series-1", "|"), Nuisance(
             "reflex", OPTIONAL["reflex"], Gaussian(0.0, 2000.0), "N·s/m",
             "some Nm at a stretch of 3 rad/s; assumed", of_leg=True, departs=True,
             own=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}),
@@ -335,8 +304,6 @@ _SOURCES = (
 SOURCES = {source.name: source for source in _SOURCES}
 #: Those that are estimated along with the leg, by group.
 NUISANCES = {s.nuisance.group: s for s in _SOURCES if s.nuisance is not None}
-#: Those that another trial of the session has anew, though no nuisance stands for them.
-FRESH = tuple(source.name for source in _SOURCES if source.fresh)
 _BY_PARAMETER = {name: source for source in _SOURCES for name in source.parameters}
 
 

@@ -54,18 +54,11 @@ class Simulator:
     """
 
     def __init__(
-        self,
-        inputs: ModelInputs,
-        options: ModelOptions,
-        *,
-        own: Sequence[str],
-        optional: Sequence[str],
-        weights: tuple[str, ...],
-        emg: FloatArray | None = None,
-        cutoff: str = "f0",
-        damping: str = "beta",
+        self, inputs: ModelInputs, options: ModelOptions, *, own: Sequence[str],
+        optional: Sequence[str], weights: tuple[str, ...] = ("g1", "g2", "g3", "g4"),
+        emg: FloatArray | None = None, cutoff: str = "f0", damping: str = "beta",
         lags: tuple[float, ...] = (0.0,),
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._at = {name: column for column, name in enumerate((*own, *optional))}
         self._dt, self._lags = 1.0 / inputs.rate_hz, lags
         self._factor = float(options.vmax_factor)
@@ -144,17 +137,13 @@ class Simulator:
             part: sum(p[column] * row for of, column, row in self._added if of == part)
             for part, _, _ in self._added
         }
+        reflex_tri, reflex_tib = reflex or (None, None)
         parts = TorqueParts(
-            tissue_tri=tissue_tri,
-            tissue_tib=tissue_tib,
-            neural_tri=neural_tri,
-            neural_tib=neural_tib,
+            tissue_tri, tissue_tib, neural_tri, neural_tib,
             inertial=p[0] * leg.inertia + added.get("inertial", 0.0),
             gravitational=p[0] * leg.gravity + added.get("gravitational", 0.0),
-            reflex_tri=reflex[0] if reflex else None,
-            reflex_tib=reflex[1] if reflex else None,
-            zero=added.get("zero"),
-        )
+            reflex_tri=reflex_tri, reflex_tib=reflex_tib, zero=added.get("zero"),
+        )  # fmt: skip
         return parts, np.stack(force)
 
     def active_states(self, values: FloatArray) -> FloatArray:
@@ -188,12 +177,9 @@ class Simulator:
         """The activation filter, with its derivatives by the wanted columns."""
         f0, beta = self._cutoff, self._damping
         return ActivationFilter(
-            f0=p[f0],
-            beta=1.0 if beta < 0 else p[beta],
-            dt=self._dt,
-            lags=self._lags,
+            f0=p[f0], beta=1.0 if beta < 0 else p[beta], dt=self._dt, lags=self._lags,
             columns=(f0 if f0 in wanted else -1, beta if beta in wanted else -1),
-        )
+        )  # fmt: skip
 
     def pulled_by(self, torque: FloatArray) -> None:
         """Let a foot plate that gives way be turned by this torque [Nm], shape (n,)."""
