@@ -135,13 +135,10 @@ class Change(Tabular, Saved):
                     reasons.setdefault(d.note, []).append(d.name)
                 continue
             values = [significant(math.nan if v is None else v, 3) for v in (d.before, d.after)]
-            text = of_interval(d.difference, d.ci95)
-            judged = d.smallest is not None
-            shown = significant(math.nan if d.smallest is None else d.smallest, 2)
-            rows.append((
-                d.name, *values, text.value, text.interval, shown, d.unit,
-                str(d.verdict) if judged else NO_NUMBER,
-            ))  # fmt: skip
+            text, shown, verdict = of_interval(d.difference, d.ci95), NO_NUMBER, NO_NUMBER
+            if d.smallest is not None:
+                shown, verdict = significant(d.smallest, 2), str(d.verdict)
+            rows.append((d.name, *values, text.value, text.interval, shown, d.unit, verdict))
         sides = (", ".join(side.recordings) for side in (self.before, self.after))
         baselines = f"The spread between sessions is that of {self.baselines} baselines."
         return TextTable(
@@ -167,12 +164,9 @@ class Change(Tabular, Saved):
 
 
 def compare_sessions(
-    before: Quantities,
-    after: Quantities,
-    baselines: Sequence[Quantities] = (),
-    *,
+    before: Quantities, after: Quantities, baselines: Sequence[Quantities] = (), *,
     legs: bool = False,
-) -> Change:
+) -> Change:  # fmt: skip
     """Compare two sessions of a leg, or its two legs.
 
     `baselines` are further sessions before anything changed: how far they scatter beyond their own

@@ -49,9 +49,14 @@ class Effects:
         return math.sqrt(self.tau2)
 
     @property
+    def student(self) -> Student:
+        """The mean as an estimate."""
+        return Student(self.mean, self.se, self.k - 1)
+
+    @property
     def ci95(self) -> tuple[float, float]:
         """95 % interval of the mean."""
-        return Student(self.mean, self.se, self.k - 1).ci95
+        return self.student.ci95
 
     def shrunken(self, value: float, variance: float) -> tuple[float, float]:
         """A leg's value drawn to the mean, and its standard deviation."""
@@ -302,20 +307,26 @@ def _pooled(
         else:
             left_out[q.missing or "it has no interval"] += 1
     assert known is not None
-    groups: dict[str, Effects] = {}
-    for group in sorted({m.group for m in first}):
-        own = [(y, v) for m, _, y, v in usable if m.group == group]
-        if len(own) >= FEWEST:
-            groups[group] = random_effects(*map(np.array, zip(*own, strict=True)))
+    groups = _effects({
+        group: [(y, v) for m, _, y, v in usable if m.group == group]
+        for group in sorted({m.group for m in first})
+    })  # fmt: skip
+    changed = _effects(changes)
     legs = tuple(_among(m, y, v, groups.get(m.group)) for m, q, y, v in usable if not q.at_bound)
     return Pooled(
         known.name, known.unit, known.meaning, known.kind, FrozenDict(groups), legs,
         FrozenDict({f"{a} → {b}": _contrast(groups[a], groups[b])
                     for a, b in combinations(groups, 2)}),
-        FrozenDict({g: _change(each) for g, each in changes.items() if len(each) >= FEWEST}),
+        FrozenDict({group: _shown(e.student, e.k) for group, e in changed.items()}),
         _scales([(m, y) for m, q, y, _ in usable if not q.at_bound]),
         FrozenDict(left_out), at_bound,
     )  # fmt: skip
+
+
+def _effects(pairs: Mapping[str, Sequence[tuple[float, float]]]) -> dict[str, Effects]:
+    """Of each group that has legs enough, by values and variances of its legs."""
+    enough = {group: zip(*own, strict=True) for group, own in pairs.items() if len(own) >= FEWEST}
+    return {group: random_effects(*map(np.array, both)) for group, both in enough.items()}
 
 
 def _among(member: CohortMember, value: float, variance: float, effects: Effects | None) -> Among:
@@ -330,14 +341,11 @@ def _contrast(a: Effects, b: Effects) -> Contrast:
     """Second minus first, with the degrees of freedom of Welch and Satterthwaite."""
     se2 = a.se**2 + b.se**2
     df = se2**2 / max(a.se**4 / (a.k - 1) + b.se**4 / (b.k - 1), 1e-300)
-    difference = Student(b.mean - a.mean, math.sqrt(se2), df)
-    return Contrast(difference.value, difference.ci95, difference.p, a.k + b.k)
+    return _shown(Student(b.mean - a.mean, math.sqrt(se2), df), a.k + b.k)
 
 
-def _change(pairs: Sequence[tuple[float, float]]) -> Contrast:
-    effects = random_effects(*map(np.array, zip(*pairs, strict=True)))
-    change = Student(effects.mean, effects.se, effects.k - 1)
-    return Contrast(change.value, change.ci95, change.p, effects.k)
+def _shown(of: Student, legs: int) -> Contrast:
+    return Contrast(of.value, of.ci95, of.p, legs)
 
 
 def _changes(

@@ -82,9 +82,9 @@ def points(angles: Sequence[float] = ANGLES) -> tuple[MeasurePoint, ...]:
             raise InputError(f"angle {angle!r}: give degrees from −{_MOST:g} to {_MOST:g}")
     distinct = tuple(dict.fromkeys(float(angle) for angle in angles))
     return tuple(
-        MeasurePoint(definition, at)
-        for definition in DEFINITIONS
-        for at in (distinct if definition.at == "deg" else definition.points)
+        MeasurePoint(each, at)
+        for each in DEFINITIONS
+        for at in (distinct if each.at == "deg" else each.points)
     )
 
 
@@ -136,16 +136,7 @@ def measures_of_values(
 def measures(
     result: FitResult, assessment: Assessment, angles: Sequence[float] = ANGLES
 ) -> Measures:
-    """All measures of a fit.
-
-    `angles` [deg], dorsiflexion positive, are where torque and stiffness are given. A measure that
-    the model does not have is there without a value, with the reason.
-
-    Raises
-    ------
-    InputError
-        An angle is out of reach of an ankle.
-    """
+    """All measures of a fit, those of angles at these [deg]; what it lacks has a reason instead."""
     judged = judged_measures(result, assessment, spread_of(result, assessment), points(angles))
     by_name = FrozenDict((measure.name, measure) for _, measure in judged)
     return Measures(result.problem.spec.name, assessment.adequacy, by_name)
@@ -219,12 +210,9 @@ def _drawn(
 
 
 def _measure(
-    evaluated: Evaluated,
-    drawn: FloatArray | None,
-    result: FitResult,
-    assessment: Assessment,
+    evaluated: Evaluated, drawn: FloatArray | None, result: FitResult, assessment: Assessment,
     spread: Spread,
-) -> Measure:
+) -> Measure:  # fmt: skip
     definition, name = evaluated.point.definition, evaluated.point.name
     unit, value = definition.unit, evaluated.value
     if unit == "Nm/mV" and result.problem.inputs[0].emg_unit == "1":
@@ -239,8 +227,7 @@ def _measure(
     touched = [n for n, g in zip(spread.names, evaluated.gradient, strict=True) if g != 0.0]
     if not touched:
         return replace(bare, verdict=Verdict.FIXED, note="it rests on nothing that was estimated")
-    lost = [n for n in touched if n in spread.lost]
-    if lost:
+    if lost := [n for n in touched if n in spread.lost]:
         return replace(bare, note=f"no interval: the recordings do not determine {', '.join(lost)}")
     g = evaluated.gradient
     sd, again = spread.sd(g), spread.sd(g, 2.0 * spread.repeat)
@@ -265,12 +252,9 @@ def _measure(
 
 
 def _judge(
-    evaluated: Evaluated,
-    ci95: tuple[float, float],
-    result: FitResult,
-    assessment: Assessment,
+    evaluated: Evaluated, ci95: tuple[float, float], result: FitResult, assessment: Assessment,
     spread: Spread,
-) -> tuple[Verdict, str]:
+) -> tuple[Verdict, str]:  # fmt: skip
     """Verdict and sentence of a measure that has an interval."""
     assert evaluated.value is not None
     half = max(ci95[1] - evaluated.value, evaluated.value - ci95[0])
@@ -284,11 +268,9 @@ def _judge(
         return Verdict.UNDETERMINED, "not determined: its interval is as wide as its value"
     if assessment.adequacy.grade is Grade.INADEQUATE:
         return Verdict.WEAK, "the fit is inadequate: what it says means nothing"
-    beyond = extrapolated(evaluated, result)
-    if beyond:
+    if beyond := extrapolated(evaluated, result):
         return Verdict.WEAK, f"{beyond}; {known} if the model holds there"
-    bound = _through_bound(evaluated, spread)
-    if bound:
+    if bound := _through_bound(evaluated, spread):
         return Verdict.WEAK, f"it rests on {bound}, which lies at its bound"
     if relative <= IDENTIFIED:
         return Verdict.IDENTIFIED, f"known to {known}"
@@ -325,9 +307,8 @@ def _through_bound(evaluated: Evaluated, spread: Spread) -> str:
     whole = float(g @ V @ g)
     if not whole > 0.0:
         return ""
-    names = []
-    for name in spread.at_bound:
-        j = spread.names.index(name)
-        if V[j, j] > 0.0 and float(V[j] @ g) ** 2 / V[j, j] > _BOUND * whole:
-            names.append(name)
-    return ", ".join(names)
+    at = {name: spread.names.index(name) for name in spread.at_bound}
+    return ", ".join(
+        name for name, j in at.items()
+        if V[j, j] > 0.0 and float(V[j] @ g) ** 2 / V[j, j] > _BOUND * whole
+    )  # fmt: skip

@@ -171,22 +171,17 @@ class Leg:
 
     def _muscle(self, group: str) -> "_Muscle":
         if group not in self._muscles:
-            v, curve, pulls = self.values, None, f"k_{group}" in self.values
+            v, curve = self.values, None
             if self.is_compliant:
-                in_metres = self.options.tendon_strain == "thesis"
-                eps0 = v[f"dlt_{group}"] * (
-                    1.0 if in_metres else self.options.anatomy.slack[GROUPS.index(group)]
-                )
+                eps0 = v[f"dlt_{group}"]
+                if self.options.tendon_strain != "thesis":
+                    eps0 *= self.options.anatomy.slack[GROUPS.index(group)]
                 curve = tendon_curve(eps0, v[f"pt_{group}"], v[f"kt_{group}"], v[f"fmax_{group}"])
-            self._muscles[group] = _Muscle(
-                v[f"k_{group}"] if pulls else 0.0,
-                v[f"x0_{group}"] if pulls else math.inf,
-                self.optimal_length(group),
-                self.relaxed,
-                v.get("F0", 0.0) if pulls else 0.0,
-                self.curves(group),
-                curve,
-            )
+            k, x0, shift = 0.0, math.inf, 0.0
+            if f"k_{group}" in v:
+                k, x0, shift = v[f"k_{group}"], v[f"x0_{group}"], v.get("F0", 0.0)
+            l0, shape = self.optimal_length(group), self.curves(group)
+            self._muscles[group] = _Muscle(k, x0, l0, self.relaxed, shift, shape, curve)
         return self._muscles[group]
 
     def curves(self, group: str) -> tuple[float, float, float, float]:
@@ -249,17 +244,14 @@ class Leg:
         """Largest active state α of each group in the recordings [N]: its 99th percentile."""
         if not self.inputs:
             raise NotDefinedError("no recording says how active the muscles were")
-        states = [tie.active_states(self._vector) for tie in self._simulators]
-        alpha = np.concatenate(states, axis=1)
-        return dict(zip(GROUPS, np.percentile(alpha, _LARGEST, axis=1).tolist(), strict=True))
+        return _largest([tie.active_states(self._vector) for tie in self._simulators])
 
     @cached_property
     def largest_force(self) -> Mapping[str, float]:
         """Largest force on each tendon in the recordings [N]: its 99th percentile."""
         if not self.inputs:
             raise NotDefinedError("no recording says how hard the tendons were pulled")
-        force = np.concatenate([force for _, force in self._split], axis=1)
-        return dict(zip(GROUPS, np.percentile(force, _LARGEST, axis=1).tolist(), strict=True))
+        return _largest([force for _, force in self._split])
 
     @cached_property
     def parts(self) -> tuple[TorqueParts, ...]:
@@ -311,13 +303,9 @@ class Leg:
 
 @lru_cache(maxsize=8)
 def _turned(
-    model: str,
-    own: tuple[str, ...],
-    options: ModelOptions,
-    degrees: tuple[float, ...],
-    rate_hz: float,
-    second: float | None,
-) -> tuple[tuple[str, ...], Simulator]:
+    model: str, own: tuple[str, ...], options: ModelOptions, degrees: tuple[float, ...],
+    rate_hz: float, second: float | None,
+) -> tuple[tuple[str, ...], Simulator]:  # fmt: skip
     """A model's parameters, and the model tied to a leg without activity that is turned so."""
     spec, angle = with_optional(get_model(model), own), np.array(degrees) * _DEGREE
     n, velocity = len(angle), np.gradient(angle, 1.0 / rate_hz)
@@ -381,6 +369,12 @@ def elongation(curve: TendonCurve, force: float) -> float:
 
 def _series(a: float, b: float) -> float:
     return a * b / (a + b) if a + b else 0.0
+
+
+def _largest(of: Sequence[FloatArray]) -> dict[str, float]:
+    """By group, the 99th percentile of what all recordings have of both, shape (2, n) each."""
+    most = np.percentile(np.concatenate(of, axis=1), _LARGEST, axis=1)
+    return dict(zip(GROUPS, most.tolist(), strict=True))
 
 
 def measured_range(result: FitResult) -> tuple[float, float]:

@@ -8,9 +8,9 @@ import numpy as np
 from surae.assessment import Assessment
 from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
-from surae.measures.compute import Evaluated, MeasurePoint, evaluate
+from surae.measures.compute import MeasurePoint, evaluate
 from surae.measures.leg import measured_range
-from surae.measures.spread import Spread, spread_of
+from surae.measures.spread import spread_of
 from surae.measures.table import DEFINITIONS
 from surae.model.movement import gravity_torque
 from surae.normal import NORMAL, Student
@@ -112,8 +112,7 @@ def measured_slope(
 
 def _through(angle: FloatArray, torque: FloatArray) -> MeasuredSlope:
     """A line through holds, by least squares, with Student's t of what it misses."""
-    away = angle - angle.mean()
-    slope = float(away @ torque / (away @ away))
+    slope, away = _line(angle, torque)
     free, interval = len(angle) - 2, None
     if free > 0:
         missed = torque - torque.mean() - slope * away
@@ -126,8 +125,13 @@ def _slope(angle: FloatArray, torque: FloatArray) -> float:
     there = np.isfinite(torque)
     if there.sum() < 3 or np.ptp(angle[there]) < _AROUND:
         return np.nan
-    away = angle[there] - angle[there].mean()
-    return float(away @ torque[there] / (away @ away))
+    return _line(angle[there], torque[there])[0]
+
+
+def _line(angle: FloatArray, torque: FloatArray) -> tuple[float, FloatArray]:
+    """Slope of a line by least squares, and the angles from their mean."""
+    away = angle - angle.mean()
+    return float(away @ torque / (away @ away)), away
 
 
 #: Angles of the curve, at most, and the farthest that an ankle is drawn [deg].
@@ -159,20 +163,12 @@ def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
     evaluated = evaluate(result, spread, [MeasurePoint(torque, float(at)) for at in angle])
     values = np.array([np.nan if t.value is None else t.value for t in evaluated])
     options = result.problem.options
-    values += (
-        result.values.get("m", 0.0)
-        * gravity_torque(
-            angle=np.radians(angle),
-            theta_foot=options.theta_foot,
-            distance=options.anatomy.distance,
-        )[0]
+    weight, _ = gravity_torque(
+        angle=np.radians(angle), theta_foot=options.theta_foot, distance=options.anatomy.distance
     )
-    half = NORMAL * np.array([_deviation(t, spread) for t in evaluated])
+    values += result.values.get("m", 0.0) * weight
+    lost = np.isin(spread.names, spread.lost)
+    half = NORMAL * np.array([
+        np.nan if t.missing or t.gradient[lost].any() else spread.sd(t.gradient) for t in evaluated
+    ])  # fmt: skip
     return TorqueCurve(*map(read_only, (angle, values, values - half, values + half)))
-
-
-def _deviation(evaluated: Evaluated, spread: Spread) -> float:
-    lost = any(
-        g != 0.0 and n in spread.lost for n, g in zip(spread.names, evaluated.gradient, strict=True)
-    )
-    return np.nan if evaluated.missing or lost else spread.sd(evaluated.gradient)

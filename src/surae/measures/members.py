@@ -99,12 +99,9 @@ def _number(text: str) -> float | None:
 
 
 def measured(
-    rows: Sequence[tuple[Path, CohortMember]],
-    angles: Sequence[float],
-    engine: Engine,
-    priors: Mapping[str, PriorTable] | None = None,
-    progress: Progress | None = None,
-) -> list[CohortMember]:
+    rows: Sequence[tuple[Path, CohortMember]], angles: Sequence[float], engine: Engine,
+    priors: Mapping[str, PriorTable] | None = None, progress: Progress | None = None,
+) -> list[CohortMember]:  # fmt: skip
     """The rows with what their fits bring; with priors by group, of fits made anew with them."""
     calls = {
         str(i): {
@@ -115,17 +112,16 @@ def measured(
         for i, (path, member) in enumerate(rows)
     }
     name = f"{__name__}:{quantities_of.__name__}"
-    done: dict[int, Any] = {}
+    done: dict[str, Any] = {}
     work = quantities_of if engine.kind == "threads" else name
     with closing(results(work, calls, engine)) as batches:
         for batch in batches:
-            for key, outcome in batch:
-                done[int(key)] = outcome
+            done |= batch
             if progress is not None:
                 progress(len(done), len(calls))
     members = []
     for i, (_, member) in enumerate(rows):
-        outcome = done[i]
+        outcome = done[str(i)]
         if isinstance(outcome, Died):
             outcome = {"error": outcome.message}
         if "error" in outcome:
@@ -160,8 +156,7 @@ def quantities_of(
         brought = quantities(result, assess(result), angles)
     except SuraeError as error:
         return {"error": str(error)}
-    plain: dict[str, Any] = to_plain(brought)
-    return plain
+    return dict(to_plain(brought))
 
 
 def populations(members: Sequence[CohortMember]) -> dict[str, PriorTable]:
@@ -192,17 +187,14 @@ def _positive(
             usable = q.kind == "parameter" and not q.missing and q.value and q.value > 0.0
             if usable and q.value and 0.0 < q.total < math.inf:
                 values.setdefault(q.name, []).append((q.value, q.total))
-    many = {name: np.array(pairs).T for name, pairs in values.items() if len(pairs) >= FEWEST}
-    return {name: (y, sd) for name, (y, sd) in many.items()}
+    many = {name: np.array(pairs) for name, pairs in values.items() if len(pairs) >= FEWEST}
+    return {name: (pairs[:, 0], pairs[:, 1]) for name, pairs in many.items()}
 
 
 def refitted(
-    rows: Sequence[tuple[Path, CohortMember]],
-    members: Sequence[CohortMember],
-    angles: Sequence[float],
-    engine: Engine,
-    progress: Progress | None = None,
-) -> tuple[list[CohortMember], int]:
+    rows: Sequence[tuple[Path, CohortMember]], members: Sequence[CohortMember],
+    angles: Sequence[float], engine: Engine, progress: Progress | None = None,
+) -> tuple[list[CohortMember], int]:  # fmt: skip
     """Every leg fitted again with its population, until that rests; and the rounds it took."""
     known, latest = populations(members), list(members)
     for number in range(1, _ROUNDS + 1):

@@ -3,23 +3,16 @@
 import sys
 from collections.abc import Sequence
 from types import ModuleType
-from typing import Protocol, cast
+from typing import Any, cast
 
 from surae.measures.compute import ANGLES
 from surae.measures.measure import Measures
 
 
-class _Measured(Protocol):
-    """What has measures: a fit."""
-
-    def measures(self, angles: Sequence[float]) -> Measures:
-        """Its measures at these angles [deg]."""
-
-
 class _Package(ModuleType):
     """A package that may be called like a function."""
 
-    def __call__(self, fit: _Measured, angles: Sequence[float] = ANGLES) -> Measures:
+    def __call__(self, fit: Any, angles: Sequence[float] = ANGLES) -> Measures:
         """Torque, stiffness and more of a fit, in a clinician's units.
 
         Parameters
@@ -38,7 +31,8 @@ class _Package(ModuleType):
         --------
         >>> surae.measures(surae.load("fit.json"))["passive_stiffness@10deg"].ci95
         """
-        return fit.measures(angles)
+        answer: Measures = fit.measures(angles)
+        return answer
 
 
 # Python puts an imported package in the place of a function of its name.

@@ -54,11 +54,8 @@ def quick_stiffness(leg: Leg, at: float) -> float:
 
     dT/dθ with dF = k·exp(k·(x − x0))·dx, the high-frequency gain of equation (10).
     """
-    total = 0.0
-    for group in GROUPS:
-        hold = leg.hold(group, at)
-        total += hold.torque_slope(hold.quick)
-    return total
+    holds = [leg.hold(group, at) for group in GROUPS]
+    return sum(hold.torque_slope(hold.quick) for hold in holds)
 
 
 def slow_torque(leg: Leg, at: float) -> float:
@@ -161,9 +158,8 @@ def tendon_strain(leg: Leg, at: float, group: str) -> float:
 
     e/lt0, e from equation (18), lt0 of the thesis's Table 2.
     """
-    return (
-        100.0 * elongation(leg.tendon(group), at) / leg.options.anatomy.slack[GROUPS.index(group)]
-    )
+    slack = leg.options.anatomy.slack[GROUPS.index(group)]
+    return 100.0 * elongation(leg.tendon(group), at) / slack
 
 
 def optimal_fascicle_tib(leg: Leg, _: float) -> float:

@@ -71,11 +71,9 @@ def quantities(
         recording.emg_reference is not None and recording.emg_reference.kind == "mvc"
         for recording in problem.inputs
     )
-    inadequate = (
-        f"the fit is inadequate: {assessment.adequacy.reasons[0]}"
-        if assessment.adequacy.grade is Grade.INADEQUATE
-        else ""
-    )
+    adequacy, inadequate = assessment.adequacy, ""
+    if adequacy.grade is Grade.INADEQUATE:
+        inadequate = f"the fit is inadequate: {adequacy.reasons[0]}"
     timing = np.isin(spread.names, _TIMING) & problem.has_unheard
     by_name: dict[str, Quantity] = {}
     for evaluated, m in judged_measures(result, assessment, spread, points(angles)):
@@ -117,9 +115,6 @@ def quantities(
         )  # fmt: skip
     options = {n: v for n, v in problem.options.as_dict().items() if n != "emg_ref"}
     return Quantities(
-        problem.spec.name,
-        FrozenDict(options),
-        assessment.adequacy,
-        tuple(recording.name for recording in problem.inputs),
-        FrozenDict(by_name),
-    )
+        problem.spec.name, FrozenDict(options), adequacy,
+        tuple(recording.name for recording in problem.inputs), FrozenDict(by_name),
+    )  # fmt: skip

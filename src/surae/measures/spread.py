@@ -62,10 +62,7 @@ class Spread(Comparable):
 
     def deviations(self, gradient: FloatArray) -> tuple[float, float, float]:
         """The same in all, between sessions, and between models."""
-        total, session, model = (
-            self.sd(gradient, V) for V in (self.total, self.session, self.model)
-        )
-        return total, session, model
+        return self.sd(gradient), self.sd(gradient, self.session), self.sd(gradient, self.model)
 
     def draws(self, count: int, seed: int) -> FloatArray:
         """Values of possible legs, shape (count, p), each with its opposite."""
@@ -97,12 +94,9 @@ def spread_of(result: FitResult, assessment: Assessment) -> Spread:
     family = result.family
     by = family.spread.get("model", np.zeros((0, len(names))))
     return replace(
-        bare,
-        total=both * family.covariance,
-        repeat=both * drawn_anew(family),
-        session=both * drawn_anew(family, mounted=True),
-        model=both * (by.T @ by),
-    )
+        bare, total=both * family.covariance, repeat=both * drawn_anew(family),
+        session=both * drawn_anew(family, mounted=True), model=both * (by.T @ by),
+    )  # fmt: skip
 
 
 def _of_named(result: FitResult, assessment: Assessment) -> tuple[FloatArray, tuple[str, ...]]:
