@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from surae.errors import InputError
 from surae.filed import filed
+from surae.frozen import FrozenDict
 from surae.model.options import ModelOptions, with_files
 from surae.names import (
     AUTO,
@@ -31,13 +32,6 @@ _MOST_STARTS = 10_000
 #: Fields that map names of parameters to something.
 _NAMED = ("fixed", "start", "bounds", "priors")
 _OPTIONS = tuple(option.name for option in fields(ModelOptions))
-
-
-def _none() -> Mapping[str, Any]:
-    """A mapping without entries."""
-    from surae.frozen import FrozenDict
-
-    return FrozenDict()
 
 
 @filed(types="surae.signals")
@@ -68,7 +62,7 @@ class FitSettings:
         ModelOptions, "Switches of the model, all at once; each is a keyword of its own too."
     )
     fixed: Mapping[str, float] = setting(
-        _none, 'Parameters that are not estimated, e.g. ``{"beta": 1.0}``.',
+        FrozenDict, 'Parameters that are not estimated, e.g. ``{"beta": 1.0}``.',
         metavar="VALUE", example="beta=1", help="Do not estimate a parameter.",
     )  # fmt: skip
     free: tuple[str, ...] = setting(
@@ -78,16 +72,16 @@ class FitSettings:
         f"{'; '.join(f'{drive}: {words}' for drive, words in DRIVES.items())}.",
     )  # fmt: skip
     start: Mapping[str, float] = setting(
-        _none, "Where the first start begins, instead of the defaults.",
+        FrozenDict, "Where the first start begins, instead of the defaults.",
         metavar="VALUE", example="beta=1", help="Start the search of a parameter elsewhere.",
     )  # fmt: skip
     bounds: Mapping[str, tuple[float, float]] = setting(
-        _none, "Bounds instead of the defaults.", type="mapping of str to (lower, upper)",
+        FrozenDict, "Bounds instead of the defaults.", type="mapping of str to (lower, upper)",
         option="bound", metavar="LOWER:UPPER", example="m=1:4",
         help="Search a parameter within other bounds.",
     )  # fmt: skip
     priors: Mapping[str, tuple[float, float]] = setting(
-        _none, "The prior of a parameter: its median, and the standard deviation "
+        FrozenDict, "The prior of a parameter: its median, and the standard deviation "
         "of its logarithm (about its relative standard deviation), e.g. ``{\"dlt_tib\": (0.04, "
         '0.2)}``. As a keyword also the name of a population, or both as a pair: ``("healthy", '
         '{"tau_rel": (2.0, 0.5)})``.', type="mapping of str to (median, spread)", above=0.0,
@@ -126,7 +120,7 @@ class FitSettings:
         words={"": "filter and resample", "yes": "use as they are"},
     )  # fmt: skip
     preparation: Mapping[str, Any] = setting(
-        _none, 'Settings that differ from those of `surae.Preparation`, e.g. ``{"bessel_hz": '
+        FrozenDict, 'Settings that differ from those of `surae.Preparation`, e.g. ``{"bessel_hz": '
         "10.0}``; False switches a filter off. What a recording says itself goes before.",
         option="filter", metavar="VALUE",
         help="A setting of the preparation, e.g. bessel_hz=10; false: without it.",
@@ -154,7 +148,6 @@ class FitSettings:
 
     def __post_init__(self) -> None:
         """Freeze what was given, and refuse what no model could mean."""
-        from surae.frozen import FrozenDict
         from surae.model.laboratory import laboratory
         from surae.signals import Preparation
 
@@ -171,18 +164,15 @@ class FitSettings:
                 object.__setattr__(self, name, frozen)
             elif kind == "whole":
                 object.__setattr__(self, name, checked(name, value, record, whole=True))
-            elif record.choices and each.default is None and value not in (None, *record.choices):
+            elif record.choices and each.default in (None, GEOMETRY_OF[0]) and value not in (
+                None, *record.choices
+            ):  # fmt: skip
                 # What else is to choose is refused by what reads it.
                 rule = f"use one of: {', '.join(record.choices)}"
                 raise InputError(f"{name} is {value!r}; {rule}")
         laboratory(self.nuisances)
-        if self.geometry_of != GEOMETRY_OF[0]:
-            if self.geometry_of not in GEOMETRY_OF:
-                raise InputError(
-                    f"geometry_of is {self.geometry_of!r}; use one of: {', '.join(GEOMETRY_OF)}"
-                )
-            if isinstance(self.options.geometry, str):
-                raise InputError("geometry_of has no effect without a geometry's file; give one")
+        if self.geometry_of != GEOMETRY_OF[0] and isinstance(self.options.geometry, str):
+            raise InputError("geometry_of has no effect without a geometry's file; give one")
         free: Any = self.free
         object.__setattr__(self, "free", (free,) if isinstance(free, str) else tuple(free))
         if isinstance(self.weights, Sequence):
@@ -239,33 +229,6 @@ class FitSettings:
 
         given = self.parameters
         return frozenset(name for drive in given for name in OPTIONAL.get(drive, (drive,)))
-
-    def for_model(self, model: str) -> "FitSettings":
-        """These settings for another model, without what it has no parameter for.
-
-        Parameters
-        ----------
-        model : str
-            Its name.
-
-        Returns
-        -------
-        FitSettings
-            Its settings.
-        """
-        from surae.model import get_model, with_optional
-        from surae.model.laboratory import richest
-        from surae.model.parameters import OPTIONAL
-
-        names = with_optional(get_model(richest(model)), self.mentioned).names
-        changes: dict[str, Any] = {
-            field: {name: value for name, value in getattr(self, field).items() if name in names}
-            for field in _NAMED
-        }
-        changes["free"] = tuple(
-            name for name in self.free if set(OPTIONAL.get(name, (name,))) <= set(names)
-        )
-        return replace(self, model=model, **changes)
 
     def inputs(
         self,
@@ -324,8 +287,7 @@ class FitSettings:
         """The settings as plain data, as FIT.json holds them."""
         from surae.records import to_plain
 
-        plain: dict[str, Any] = to_plain(self)
-        return plain
+        return dict(to_plain(self))
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> "FitSettings":

@@ -11,14 +11,9 @@ FloatArray = npt.NDArray[np.float64]
 
 #: SI unit of each kind of signal, as written in files and figures.
 SI = {
-    "angle": "rad",
-    "torque": "Nm",
-    "emg": "V",
-    "angular_velocity": "rad/s",
-    "angular_acceleration": "rad/s2",
-    "length": "m",
-    "time": "s",
-}
+    "angle": "rad", "torque": "Nm", "emg": "V", "angular_velocity": "rad/s",
+    "angular_acceleration": "rad/s2", "length": "m", "time": "s",
+}  # fmt: skip
 
 #: Factor from a unit to the SI unit of its kind. "1" is an EMG envelope normalised by its user.
 FACTORS: dict[str, dict[str, float]] = {

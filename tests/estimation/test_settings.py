@@ -8,7 +8,7 @@ import pytest
 
 from surae.errors import InputError
 from surae.estimation import FitSettings, make_problem, solve
-from surae.model import MODELS, ModelOptions
+from surae.model import ModelOptions
 from surae.protocol import Protocol, generate
 from surae.signals import Weighting
 from surae.studies import virtual_subject, virtual_trial
@@ -82,18 +82,6 @@ def test_settings_given_whole_yield_to_keywords():
 def test_what_no_model_could_mean_is_refused(asked, says):
     with pytest.raises(InputError, match=says):
         FitSettings.of(**asked)
-
-
-@pytest.mark.parametrize("model", MODELS)
-def test_another_model_is_asked_what_it_has_parameters_for(model):
-    settings = FULL.for_model(model)
-    names = {p.name for p in MODELS[model].parameters}
-    assert settings.model == model
-    assert set(settings.fixed) == {"beta"} & names
-    assert settings.free == FULL.free
-    assert (settings.loss, settings.starts, settings.weights) == (
-        FULL.loss, FULL.starts, FULL.weights,
-    )  # fmt: skip
 
 
 def test_a_problem_keeps_its_settings_and_is_solved_by_them(trial):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import surae
+from surae.model import MODELS
 from surae.settings import FitSettings
 from surae.signals import Weighting
 from surae_workbench.web.draft import changed, empty_draft, settings_of, shown, upgraded
@@ -91,6 +92,17 @@ def test_a_draft_is_a_request() -> None:
     alone = settings_of(draft, ["b"]).weights
     assert alone == Weighting(((1.0, 2.0, 0.0),))
     assert settings_of(draft, ["a", "b"]).weights == (Weighting(), alone)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_another_model_is_asked_what_it_has_parameters_for(model) -> None:
+    given = {"fixed": {"beta": 1.0}, "free": ["emd", "reflex", "dlt_tri"], "start": {"m": 2.1}}
+    settings = settings_of({**empty_draft(), **given, "model": model}, ["a"])
+    names = MODELS[model].names
+    assert settings.model == model
+    assert set(settings.fixed) == {"beta"} & {*names}
+    assert settings.free == ("emd", "reflex", *({"dlt_tri"} & {*names}))
+    assert set(settings.start) == {"m"} & {*names}
 
 
 def test_of_a_draft_what_is_not_known_is_left_out() -> None:

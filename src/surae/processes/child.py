@@ -44,6 +44,13 @@ class End:
     #: names.
     where: str = ""
 
+    def result(self) -> Plain:
+        """What the function returned; its InputError, or for all else a ComputationError."""
+        if self.how == "done":
+            return self.value
+        kind = InputError if self.how == "refused" else ComputationError
+        raise kind(self.message + (f" ({self.where})" if self.where else ""))
+
 
 class Child:
     """One process that does one call at a time; it is made when it is needed, and made again.
@@ -69,15 +76,10 @@ class Child:
         return None if self._process is None else self._process.pid
 
     def call(
-        self,
-        function: str,
-        arguments: Mapping[str, Plain],
-        *,
-        hear: Hear | None = None,
-        seconds: float | None = None,
-        memory: int | None = None,
+        self, function: str, arguments: Mapping[str, Plain], *, hear: Hear | None = None,
+        seconds: float | None = None, memory: int | None = None,
         unless: Callable[[], bool] = lambda: False,
-    ) -> End:
+    ) -> End:  # fmt: skip
         """Call a function, ``module:name``, and wait for what it returns.
 
         `hear` is called with every message that it tells on the way. When it has worked for
@@ -169,24 +171,16 @@ def _ended(process: "subprocess.Popen[bytes]", owner: int) -> None:
 
 
 def guarded(
-    function: str,
-    arguments: Mapping[str, Plain],
-    *,
-    seconds: float | None = None,
+    function: str, arguments: Mapping[str, Plain], *, seconds: float | None = None,
     memory: int | None = None,
-) -> Plain:
+) -> Plain:  # fmt: skip
     """Call a function where it can do no harm: in a child that is kept for the next call.
 
     A child has one of its own for that, so that the limits hold there too; they are those of
     `Child.call`. An InputError is the function's own; all else is a ComputationError.
     """
     with _keeping:
-        end = _kept().call(function, arguments, seconds=seconds, memory=memory)
-    if end.how == "done":
-        return end.value
-    if end.how == "refused":
-        raise InputError(end.message)
-    raise ComputationError(end.message + (f" ({end.where})" if end.where else ""))
+        return _kept().call(function, arguments, seconds=seconds, memory=memory).result()
 
 
 _keeping = threading.Lock()
@@ -212,13 +206,9 @@ def _start(nice: int) -> "subprocess.Popen[bytes]":
         f"from surae.processes.inside import serve; serve({os.getpid()}, {nice})"
     )
     return _starter(os.getpid()).submit(
-        subprocess.Popen,
-        [sys.executable, "-P", "-c", code],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
+        subprocess.Popen, [sys.executable, "-P", "-c", code], stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True,
         env={**os.environ, "PYTHONSAFEPATH": "1", **dict.fromkeys(_THREADS, "1")},
-        start_new_session=True,
     ).result()  # fmt: skip
 
 

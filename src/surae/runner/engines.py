@@ -66,11 +66,9 @@ Batch = list[tuple[str, "Plain | Died"]]
 
 
 def results(
-    work: Work,
-    calls: Mapping[str, Mapping[str, Plain]],
-    engine: Engine,
+    work: Work, calls: Mapping[str, Mapping[str, Plain]], engine: Engine,
     stop: threading.Event | None = None,
-) -> Generator[Batch]:
+) -> Generator[Batch]:  # fmt: skip
     """Do calls, each `work` with keywords by its key, in any order; hand over what comes of them.
 
     A call that was at work when a worker died is done again, alone, so that only the guilty one is
@@ -125,12 +123,8 @@ def _told(pool: "_Pool") -> Iterator[None]:
     """An engine's own errors in words."""
     try:
         yield
-    except pool.died:
-        raise
-    except SuraeError:
-        raise
     except Exception as error:
-        if pool.here:
+        if pool.here or isinstance(error, (SuraeError, *pool.died)):
             raise
         text = one_line(f"{type(error).__name__}: {error}")
         raise ComputationError(f"the workers are lost ({text}); {AGAIN}") from error
@@ -204,12 +198,9 @@ class _Processes(_Pool):
             end = child.call(work, keywords)
         finally:
             self._free.put(child)
-        if end.how == "done":
-            return end.value
         if end.how == "killed":
             raise _DeadError
-        kind = InputError if end.how == "refused" else ComputationError
-        raise kind(end.message + (f" ({end.where})" if end.where else ""))
+        return end.result()
 
     def stop(self) -> None:
         for child in self._children:

@@ -97,7 +97,13 @@ def settings_of(draft: Draft, recordings: Sequence[str]) -> api.FitSettings:
 
     Parameters of a model that the session had chosen before are left out.
     """
-    settings = _settings(draft).for_model(draft["model"])
+    settings, known = _settings(draft), set(spec_of(draft).names)
+    kept: dict[str, Any] = {
+        field: {name: value for name, value in getattr(settings, field).items() if name in known}
+        for field in ("fixed", "start", "bounds", "priors")
+    }
+    free = (name for name in settings.free if known.issuperset(api.OPTIONAL.get(name, (name,))))
+    settings = replace(settings, free=tuple(free), **kept)
     spans = [draft["exclusions"].get(id_, ()) for id_ in recordings]
     if not any(spans):
         return settings
