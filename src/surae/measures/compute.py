@@ -167,8 +167,10 @@ def evaluate(
     leg = leg_of(result)
     values, missing = (list(of) for of in zip(*(point.value(leg) for point in wanted), strict=True))
     gradients = np.zeros((len(wanted), len(spread.names)))
+    reach = np.maximum(np.abs(spread.values), 0.01 * (spread.upper - spread.lower))
+    steps = np.where(spread.log, _STEP, _STEP * reach)
     for j, name in enumerate(spread.names):
-        step = _step(spread, j)
+        step = float(steps[j])
         sides = [leg.with_values({name: float(spread.moved(j, by))}) for by in (-step, step)]
         for i, point in enumerate(wanted):
             outside = not point.definition.of_recordings and group_of(name) in OUTSIDE
@@ -185,13 +187,6 @@ def evaluate(
         Evaluated(point, None if math.isnan(value) else value, gradient, why)
         for point, value, gradient, why in zip(wanted, values, gradients, missing, strict=True)
     )
-
-
-def _step(spread: Spread, j: int) -> float:
-    if spread.log[j]:
-        return _STEP
-    reach = 0.01 * (spread.upper[j] - spread.lower[j])
-    return _STEP * float(max(abs(spread.values[j]), reach))
 
 
 def _drawn(

@@ -58,8 +58,7 @@ def read_table(path: PathLike) -> list[tuple[Path, CohortMember]]:
     )
     heads = list(table.fieldnames or ())
     rows = list(table)
-    twice = [head for head in heads if heads.count(head) > 1]
-    if twice:
+    if twice := [head for head in heads if heads.count(head) > 1]:
         raise InputError(f"{shown(path)}: two columns are called {twice[0]!r}; rename one")
     for needed in ("fit", "subject"):
         if needed not in heads:
@@ -159,16 +158,28 @@ def quantities_of(
     return dict(to_plain(brought))
 
 
-def populations(members: Sequence[CohortMember]) -> dict[str, PriorTable]:
-    """Median and spread of every positive parameter of the leg, by group; of all under ``""``."""
+def populations(
+    members: Sequence[CohortMember], known: Mapping[str, PriorTable] | None = None
+) -> dict[str, PriorTable]:
+    """Median and spread of every positive parameter of the leg, by group; of all under ``""``.
+
+    Of fits that knew a population it is the step of expectation and maximisation.
+    """
     named = Counter(each[0].group for each in sessions_of(members).values())
-    groups = ["", *(g for g, legs in named.items() if g and legs >= _POPULATION)]
-    priors: dict[str, PriorTable] = {group: {} for group in groups}
+    groups = known or ["", *(g for g, legs in named.items() if g and legs >= _POPULATION)]
+    priors: dict[str, PriorTable] = {}
     for group in groups:
-        for name, (y, sd) in _positive(members, group).items():
-            effects = random_effects(np.log(y), (sd / y) ** 2)
-            spread = math.sqrt(effects.tau2 + effects.se**2)
-            priors[group][name] = (math.exp(effects.mean), max(spread, _NARROWEST))
+        priors[group] = dict(known[group]) if known else {}
+        for name, (values, sds) in _positive(members, group).items():
+            y, sd = np.log(values), sds / values
+            if known is None:
+                effects = random_effects(y, sd**2)
+                mean, spread = effects.mean, math.sqrt(effects.tau2 + effects.se**2)
+            elif name in known[group]:
+                mean, spread = float(y.mean()), math.sqrt(float(np.var(y) + (sd**2).mean()))
+            else:
+                continue
+            priors[group][name] = (math.exp(mean), max(spread, _NARROWEST))
     return priors
 
 
@@ -199,7 +210,7 @@ def refitted(
     known, latest = populations(members), list(members)
     for number in range(1, _ROUNDS + 1):
         latest = measured(rows, angles, engine, known, progress)
-        renewed = _renewed(known, latest)
+        renewed = populations(latest, known)
         moved = [
             abs(math.log(renewed[g][n][0] / median)) / spread
             for g, priors in known.items()
@@ -209,17 +220,3 @@ def refitted(
         if max(moved, default=0.0) < _RESTS:
             return latest, number
     return latest, _ROUNDS
-
-
-def _renewed(
-    known: Mapping[str, PriorTable], members: Sequence[CohortMember]
-) -> dict[str, PriorTable]:
-    """The population of fits that knew one: the step of expectation and maximisation."""
-    renewed = {group: dict(priors) for group, priors in known.items()}
-    for group, priors in known.items():
-        own = _positive(members, group)
-        for name in priors.keys() & own.keys():
-            y, sd = np.log(own[name][0]), own[name][1] / own[name][0]
-            spread = math.sqrt(float(np.var(y) + (sd**2).mean()))
-            renewed[group][name] = (math.exp(float(y.mean())), max(spread, _NARROWEST))
-    return renewed

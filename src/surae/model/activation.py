@@ -107,13 +107,10 @@ def filter_step(f0: float, beta: float, dt: float) -> tuple[FloatArray, FloatArr
         # at 2Z: φ2 ← (φ1² + 2φ2)/4, then φ1 ← I + 2Z·φ2
         square = _times(phi1, phi1, beta)
         phi2 = (
-            0.25 * square[0] + 0.5 * phi2[0],
-            0.25 * square[1] + 0.5 * phi2[1],
-            0.25 * square[2] + 0.5 * phi2[2],
-            0.25 * square[3] + 0.5 * phi2[3],
-            0.25 * square[4] + 0.5 * phi2[4],
-            0.25 * square[5] + 0.5 * phi2[5],
-        )
+            0.25 * square[0] + 0.5 * phi2[0], 0.25 * square[1] + 0.5 * phi2[1],
+            0.25 * square[2] + 0.5 * phi2[2], 0.25 * square[3] + 0.5 * phi2[3],
+            0.25 * square[4] + 0.5 * phi2[4], 0.25 * square[5] + 0.5 * phi2[5],
+        )  # fmt: skip
         scale *= 2.0
         z = (0.0, scale * h, 0.0, scale, 0.0, 0.0)
         phi1 = _plus(_times(phi2, z, beta), 1.0)

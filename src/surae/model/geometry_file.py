@@ -52,21 +52,6 @@ def read_geometry(path: PathLike) -> GeometryTable:
     ``gl``, ``ta``). One of length and arm is enough: the other is its integral or slope. Of
     OpenSim's MuscleAnalysis give the ``…_Length.sto``; its moment arms and the angles of the
     Kinematics analysis are found beside it.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-
-    Returns
-    -------
-    GeometryTable
-        For the option `geometry`.
-
-    Raises
-    ------
-    InputError
-        It cannot be read, or is no geometry.
     """
     if _ANALYSIS.fullmatch(Path(path).name):
         return _of_opensim(Path(path))
@@ -193,8 +178,7 @@ def _group(
         return None
     if missing := [muscle for muscle in shares if muscle not in found]:
         raise InputError(f"{where}: {what} of {', '.join(found)}, but not of {', '.join(missing)}")
-    whole: FloatArray = np.sum([shares[m] * values for m, values in found.items()], axis=0)
-    return whole
+    return np.asarray(np.sum([shares[m] * values for m, values in found.items()], axis=0))
 
 
 def _of_opensim(path: Path) -> GeometryTable:

@@ -159,16 +159,6 @@ def _pattern(language: str) -> re.Pattern[str]:
 def read_joint(path: PathLike) -> Joint:
     """A joint from a TOML file, whose keys are the fields of `Joint`.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-
-    Returns
-    -------
-    Joint
-        For the option `joint`.
-
     Raises
     ------
     InputError

@@ -62,25 +62,10 @@ class DriveResponse:
     def columns(
         self, muscle: int, shapes: FloatArray, first: IntArray, size: int, *, lengths: bool = False
     ) -> FloatArray:
-        """Derivatives of the torque by logarithmic gains of a muscle's drive.
+        """Derivatives of the torque by logarithmic gains of a drive, of TA, GL, SOL or GM.
 
-        Parameters
-        ----------
-        muscle : int
-            Of TA, GL, SOL, GM.
-        shapes : ndarray, shape (c, w)
-            The gains' courses, each from its `first` sample on.
-        first : ndarray of int, shape (c,)
-            At least 0.
-        size : int
-            Samples that each is followed.
-        lengths : bool
-            Whether to give those of the length of the muscle's group, not of the torque.
-
-        Returns
-        -------
-        ndarray, shape (c, size)
-            [Nm], or [m], from `first` on.
+        `shapes`, shape (c, w), are the gains' courses, each from its `first` sample on, (c,); given
+        back are `size` samples from there on, (c, size) [Nm], or `lengths` of the group [m].
         """
         group = int(muscle == 0)
         n, width = self.drives.shape[1], shapes.shape[1]
@@ -155,8 +140,7 @@ class MuscleTendonSimulator(Simulator):
     def _force(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
     ) -> FloatArray:
-        force: FloatArray = self._states(p, group, muscle, active)[FORCE]
-        return force
+        return np.asarray(self._states(p, group, muscle, active)[FORCE])
 
     def _forces(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState

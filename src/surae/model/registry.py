@@ -87,8 +87,7 @@ class ModelSpec(Comparable):
             A parameter is unknown, missing, not finite or not physical.
         """
         check_names(given, self)
-        missing = [p.name for p in self.parameters if p.name in self.free and p.name not in given]
-        if missing:
+        if missing := [name for name in self.names if name in self.free and name not in given]:
             raise InputError(f"model {self.name!r} needs a value for: {', '.join(missing)}")
         for p in self.parameters:
             if p.name in given:

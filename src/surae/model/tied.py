@@ -194,8 +194,7 @@ class Simulator:
     ) -> FloatArray:
         """Force of a muscle group [N], shape (n,)."""
         passive, contractile = self._forces(p, group, muscle, active)
-        total: FloatArray = passive + contractile
-        return total
+        return np.asarray(passive + contractile)
 
     def _forces(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState

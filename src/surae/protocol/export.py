@@ -126,8 +126,7 @@ def read_protocol(path: PathLike) -> Trajectory:
     """
     source = open_source(path)
     table, where = open_table(source), source.shown
-    missing = [name for name in COLUMNS[1:] if name not in table.names]
-    if missing:
+    if missing := [name for name in COLUMNS[1:] if name not in table.names]:
         raise InputError(
             f"{where}: no column {', '.join(missing)}; a protocol has {', '.join(COLUMNS)} "
             "(the effort from 0 to 1), as `surae protocol` writes them"

@@ -14,7 +14,7 @@ narrower range, chosen so that profile + chirp just reaches both ends.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -102,11 +102,6 @@ def _spanning(raw: PositionFunction, t: FloatArray, duration: float) -> FloatArr
 RAMP_AND_HOLD = (Ramp(2.0, 1.0, 0.6), Ramp(10.0, 0.0, 0.6))
 
 
-def ramp_and_hold(t: FloatArray) -> FloatArray:
-    """Through the range at 0.6 /s, a hold of 6 s, and back."""
-    return ramps_and_holds(t, RAMP_AND_HOLD)
-
-
 def sine(t: FloatArray) -> FloatArray:
     """Sine of 0.20 Hz over the whole range, from full plantarflexion."""
     return 0.5 - 0.5 * np.cos(2 * np.pi * 0.2 * t)
@@ -119,11 +114,6 @@ MULTIPLE_HOLDS = (
     Ramp(15.5, 0.3, 0.6), Ramp(17.5, 1.0, 0.35), Ramp(20.8, 0.65, 0.8), Ramp(22.4, 0.1, 0.25),
     Ramp(25.8, 0.9, 0.7), Ramp(28.1, 0.4, 0.4), Ramp(30.5, 0.7, 0.2), Ramp(32.8, 0.0, 0.6),
 )  # fmt: skip
-
-
-def multiple_holds(t: FloatArray) -> FloatArray:
-    """Holds at many positions, reached at various speeds."""
-    return ramps_and_holds(t, MULTIPLE_HOLDS)
 
 
 MULTI_SINE_START = (Ramp(1.0, 1.0, 0.6), Ramp(7.0, 0.5, 0.25))
@@ -146,6 +136,7 @@ def multi_sine(t: FloatArray) -> FloatArray:
 
 
 def _sine_product(t: FloatArray) -> FloatArray:
+    """Slow at first and faster later, holding at various positions."""
     # The speed of the lingering cosine is 15/8 sin⁵ φ: it holds at every turning point. Slow sines
     # move those turning points. 0.03 Hz at the start, 0.245 Hz after 40 s and 5.5 periods.
     cosine = np.cos(2 * np.pi * (0.03 * t + 0.0026875 * t**2))
@@ -154,33 +145,36 @@ def _sine_product(t: FloatArray) -> FloatArray:
     return -(0.65 + 0.35 * slow) * lingering
 
 
-def multi_sine_holds(t: FloatArray) -> FloatArray:
-    """Product of sines, slow at first and faster later, that holds at various positions."""
-    return _spanning(_sine_product, t, 40.0)
-
-
 def _half_cosine_chirp(t: FloatArray) -> FloatArray:
+    """Chirp from 0.025 to 1 Hz, scaled by the first half of a cosine."""
     # 0.025 Hz at the start, 0.5 Hz after 40 s and 10.5 periods: at rest at both ends.
     phase = 2 * np.pi * (0.025 * t + 0.0059375 * t**2)
     return -np.cos(np.pi * t / 40.0) * np.cos(phase)
 
 
-def scaled_chirp(t: FloatArray) -> FloatArray:
-    """Chirp from 0.025 to 1 Hz, scaled by the first half of a cosine."""
-    return _spanning(_half_cosine_chirp, t, 40.0)
-
-
 PROFILES: dict[str, Profile] = {
     profile.name: profile
     for profile in (
-        Profile("ramp-and-hold", 18.0, ramp_and_hold, "One ramp, a hold and the ramp back."),
+        Profile(
+            "ramp-and-hold", 18.0, partial(ramps_and_holds, ramps=RAMP_AND_HOLD),
+            "One ramp, a hold and the ramp back.",
+        ),
         Profile("sine", 30.0, sine, "Sine of 0.20 Hz."),
-        Profile("multiple-holds", 35.0, multiple_holds, "Holds reached at various speeds."),
+        Profile(
+            "multiple-holds", 35.0, partial(ramps_and_holds, ramps=MULTIPLE_HOLDS),
+            "Holds reached at various speeds.",
+        ),
         Profile("multi-sine", 40.0, multi_sine, "A ramp and hold, then three sines added."),
-        Profile("multi-sine-holds", 40.0, multi_sine_holds, "Products of sines, slow to fast."),
-        Profile("scaled-chirp", 40.0, scaled_chirp, "A chirp scaled by half a cosine."),
+        Profile(
+            "multi-sine-holds", 40.0, partial(_spanning, _sine_product, duration=40.0),
+            "Products of sines, slow to fast.",
+        ),
+        Profile(
+            "scaled-chirp", 40.0, partial(_spanning, _half_cosine_chirp, duration=40.0),
+            "A chirp scaled by half a cosine.",
+        ),
     )
-}
+}  # fmt: skip
 
 
 def named_profile(name: str) -> Profile:

@@ -8,7 +8,7 @@ import numpy as np
 
 from surae.protocol.profiles import smooth_step
 from surae.recording import MUSCLES
-from surae.setting import Request, documented, setting
+from surae.setting import Request, documented, setting, settings_of
 from surae.signals import Preparation
 from surae.studies.populations import VirtualSubject, stream
 from surae.units import FloatArray
@@ -85,19 +85,16 @@ class Imperfections(Request):
     @property
     def steps(self) -> tuple[str, ...]:
         """One plain sentence for each disturbance that is on."""
-        sentences = {
-            "effort_variation": f"Effort varies by {100 * self.effort_variation:g} %.",
-            "reflex_gain": f"Stretch reflex of the triceps: {self.reflex_gain:g} of full effort "
-            f"per l0/s above {self.reflex_threshold:g} l0/s, {1e3 * self.reflex_delay:g} ms later, "
-            f"at most {self.reflex_limit:g}.",
-            "axis_forward": f"Ankle axis {1e3 * self.axis_forward:g} mm forward of the device's.",
-            "axis_up": f"Ankle axis {1e3 * self.axis_up:g} mm above the device's.",
-            "knee_motion": f"Knee flexion of {self.knee_motion:g} rad (standard deviation).",
-            "crosstalk": f"Crosstalk of {100 * self.crosstalk:g} % between all muscles.",
-            "torque_noise": f"Torque noise of {self.torque_noise:g} Nm, correlated over "
-            f"{self.torque_noise_time:g} s.",
-        }
-        return tuple(text for name, text in sentences.items() if getattr(self, name) != 0.0)
+        units = {
+            "torque_noise": " Nm", "axis_forward": " m", "axis_up": " m", "knee_motion": " rad",
+            "reflex_gain": " of full effort per l0/s",
+        }  # fmt: skip
+        sizes = (each for each, _ in settings_of(type(self)) if each.default == 0.0)
+        return tuple(
+            f"{each.name.replace('_', ' ').capitalize()}: {size:g}{units.get(each.name, '')}."
+            for each in sizes
+            if (size := getattr(self, each.name)) != 0.0
+        )
 
     def drive(self, envelopes: FloatArray, gains: Gains) -> FloatArray:
         """What drives the torque, shape (n, 4) [V]: the envelopes, unless a subclass has more."""
@@ -150,8 +147,7 @@ def coloured_noise(
     memory = math.exp(-1.0 / (rate_hz * time)) if time > 0.0 else 0.0
     drive = rng.standard_normal(n)
     drive[1:] *= math.sqrt(1.0 - memory**2)
-    noise: FloatArray = deviation * lfilter([1.0], [1.0, -memory], drive)
-    return noise
+    return np.asarray(deviation * lfilter([1.0], [1.0, -memory], drive))
 
 
 def wandering(t: FloatArray, period: float, columns: int, rng: np.random.Generator) -> FloatArray:
@@ -167,8 +163,7 @@ def wandering(t: FloatArray, period: float, columns: int, rng: np.random.Generat
     before = np.minimum((t / period).astype(int), len(knots) - 2)
     share = smooth_step(t / period - before)[:, None]
     joined = (1.0 - share) * knots[before] + share * knots[before + 1]
-    values: FloatArray = joined / np.hypot(1.0 - share, share)
-    return values
+    return np.asarray(joined / np.hypot(1.0 - share, share))
 
 
 def mixing(crosstalk: float) -> FloatArray:
@@ -185,8 +180,7 @@ def mixed_envelopes(envelopes: FloatArray, crosstalk: float) -> FloatArray:
     """
     if crosstalk == 0.0:
         return envelopes
-    squares: FloatArray = envelopes**2 @ (mixing(crosstalk) ** 2).T
-    return np.sqrt(squares)
+    return np.sqrt(envelopes**2 @ (mixing(crosstalk) ** 2).T)
 
 
 def raw_emg(envelopes: FloatArray, rate_hz: float, rng: np.random.Generator) -> FloatArray:
@@ -206,8 +200,7 @@ def raw_emg(envelopes: FloatArray, rate_hz: float, rng: np.random.Generator) -> 
     spectrum[~inside] = 0.0
     # What is left has the variance 2·(bins inside)/n.
     unit = np.fft.irfft(spectrum, n, axis=0) * math.sqrt(n / (2 * np.count_nonzero(inside)))
-    emg: FloatArray = envelopes * unit * (math.sqrt(math.pi / 2) / passed(rate_hz))
-    return emg
+    return np.asarray(envelopes * unit * (math.sqrt(math.pi / 2) / passed(rate_hz)))
 
 
 def passed(rate_hz: float, settings: Preparation | None = None) -> float:

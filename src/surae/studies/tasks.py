@@ -13,7 +13,7 @@ from typing import Any
 
 from surae._version import __version__
 from surae.errors import ComputationError
-from surae.protocol import TASKS, Protocol, Trajectory, generate
+from surae.protocol import TASKS, Trajectory, generate
 from surae.protocol.effort import effort
 from surae.records import from_plain, to_plain
 from surae.studies.study import OPTIONS, Value, motion, rise
@@ -43,8 +43,8 @@ def fingerprint() -> str:
     return digest.hexdigest()
 
 
-#: Motions that a worker keeps, of 0.3 MB each.
-_MOTIONS = 64
+#: Sixty-four motions, of 0.3 MB each, are kept by a worker.
+_motion = lru_cache(64)(generate)
 #: Seeds of subjects: unlike for every seed of a study and number of a subject.
 _SUBJECTS = 1_000_000
 
@@ -179,8 +179,3 @@ def _trajectory(task: FitTask) -> Trajectory:
     still = _motion(replace(settings, task="passive"))
     target = effort(still.time, TASKS[settings.task])
     return replace(still, settings=settings, effort=target)
-
-
-@lru_cache(_MOTIONS)
-def _motion(settings: Protocol) -> Trajectory:
-    return generate(settings)

@@ -66,17 +66,7 @@ class Design(Tabular, Comparable):
     def write(self, path: PathLike, *, without_limits: str | None = None) -> None:
         """Write the protocol for a device: CSV, or MATLAB where the path ends in ``.mat``.
 
-        Parameters
-        ----------
-        path : path
-            Where to.
-        without_limits : str, optional
-            Why it may be written without the limits of a device; the reason goes into the CSV.
-
-        Raises
-        ------
-        InputError
-            No device was given and no reason, or the file cannot be written.
+        Without a device `without_limits` says why its limits need not be kept; that is in the file.
         """
         write_protocol(self.trajectory, path, without_limits=without_limits)
 

@@ -14,7 +14,7 @@ from surae.model.joint import ANKLE
 from surae.model.laboratory import AUTO, COMPLIANT, NONE, group_of, laboratory, richest
 from surae.model.sources import Gaussian
 from surae.normal import standard_error_of
-from surae.signals import ModelInputs, emg_levels
+from surae.signals import emg_levels
 from surae.studies.leg import EMG_FULL, EMG_REST
 from surae.studies.populations import POPULATIONS, TENDONS, check_population, virtual_subject
 from surae.units import FloatArray
@@ -125,7 +125,10 @@ def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int
         for column, name, by in zip(columns, own, off, strict=True):
             row[column] = np.clip(row[column] * np.exp(by), *limits[name])
         rows.append(row)
-    levels = _levels(problem.inputs)
+    # what the fit's recordings reach, or a typical one if at rest
+    typical = EMG_FULL if problem.inputs[0].emg_unit == "V" else 1.0
+    seen = np.array(emg_levels(problem.inputs))
+    levels = np.where(seen > 0.2 * typical, seen, typical)
     return Legs(
         "the fitted leg, as far as the fit knows it", problem.spec, problem.options, problem.free,
         beliefs, read_only(np.array(rows)), emg_rest=read_only(np.zeros(4)),
@@ -158,10 +161,3 @@ def _spread(name: str, assessment: Assessment) -> float:
         return _VAGUE
     low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
     return float(np.log(high / low) / np.sqrt(12.0))
-
-
-def _levels(inputs: tuple[ModelInputs, ...]) -> FloatArray:
-    """EMG at the largest effort: what the fit's recordings reach, or a typical one if at rest."""
-    typical = EMG_FULL if inputs[0].emg_unit == "V" else 1.0
-    seen = np.array(emg_levels(inputs))
-    return np.where(seen > 0.2 * typical, seen, typical)

@@ -99,8 +99,7 @@ def measure_next_of(
     `longest` [s] is proposed; `wanted` are parameters to know better, by default all that are not
     identified.
     """
-    unknown = [name for name in wanted or () if name not in legs.own]
-    if unknown:
+    if unknown := [name for name in wanted or () if name not in legs.own]:
         raise InputError(
             f"{unknown[0]} is not estimated by this fit; it has: {', '.join(legs.own)}"
         )
@@ -163,8 +162,7 @@ def measure_next_of(
             f"Measured {'once' if times == 1 else f'{times} times'}, it is expected to identify "
             f"{which} (95 % within {percent(IDENTIFIED)})."
         )
-    weak_still = [n for n in weak if n not in reached]
-    if weak_still:
+    if weak_still := [n for n in weak if n not in reached]:
         sentences.append(f"{', '.join(weak_still)} would stay weak after {MOST} such trials.")
     gains = FrozenDict({n: (finite(before[n]), finite(halves[0][n])) for n in weak})
     return NextTrial(ready.name, tuple(sentences), gains, FrozenDict(many), trajectory)

@@ -90,8 +90,7 @@ def _measure_slopes(names: Sequence[str], legs: Legs, values: FloatArray) -> Flo
 
     def measures_at(parameters: dict[str, float]) -> FloatArray:
         measures = measures_of_values(parameters, model, legs.options, angles, names)
-        missing = [n for n in names if n not in measures]
-        if missing:
+        if missing := [n for n in names if n not in measures]:
             every = measures_of_values(parameters, model, legs.options, angles)
             known = ", ".join((*legs.own, *every))
             raise InputError(f"--aim {missing[0]}: no such parameter or measure; known: {known}")
