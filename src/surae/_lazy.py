@@ -7,10 +7,7 @@ from typing import Any
 
 
 def lazy_names(package: str, source: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """Make `__getattr__` and `__dir__` of a package whose names its stub lists, one in a line.
-
-    The stub, ``__init__.pyi``, is the only list: type checkers read it, and so does this.
-    """
+    """Make `__getattr__` and `__dir__` of a package whose stub, the only list, names all it has."""
 
     @cache
     def homes() -> dict[str, tuple[str, str]]:

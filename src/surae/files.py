@@ -52,10 +52,7 @@ def sha256_of(path: PathLike) -> str:
 
 
 def read_bytes(path: PathLike, limit: int = MAX_BYTES) -> bytes:
-    """The content of a regular file of at most `limit` bytes.
-
-    A device or a pipe, which could deliver data without end, is refused.
-    """
+    """The content of a regular file of at most `limit` bytes; a device or a pipe is refused."""
     cannot = f"cannot read {shown(path)}"
     try:
         # Looked at before it is opened: opening a pipe waits for its other end.
@@ -221,10 +218,7 @@ def _reason(error: OSError | ValueError) -> str:
 
 
 def template(name: str, *packages: str) -> "Template":
-    """A page's template, of the first package that has it.
-
-    What it is filled with, names of files above all, is untrusted: everything is escaped.
-    """
+    """A page's template, of the first package that has it; what it is filled with is escaped."""
     return _templates(packages).get_template(name)
 
 

@@ -63,10 +63,7 @@ def to_plain(record: Any) -> Any:
 
 
 def from_plain(kind: type[T], data: Any) -> T:
-    """The record that `to_plain` made plain; parts that are records already are taken as they are.
-
-    The error of what is missing, of another type or impossible begins with its place.
-    """
+    """The record that `to_plain` made plain; an error begins with the place in it."""
     try:
         return _converter().structure(data, kind)
     except Exception as error:
@@ -194,11 +191,7 @@ def encode(array: FloatArray) -> dict[str, Any]:
 
 
 def decode(packed: Mapping[str, Any]) -> FloatArray:
-    """The array that `encode` packed.
-
-    It raises ValueError where the data is not that, and never uses more memory than the shape asks
-    for.
-    """
+    """The array that `encode` packed, else ValueError; in no more memory than its shape takes."""
     shape = packed["shape"]
     if packed["encoding"] != _ENCODING or not all(type(n) is int and n >= 0 for n in shape):
         raise ValueError(f"an array is packed as {brief(packed['encoding'])}, {brief(shape)}")

@@ -208,11 +208,7 @@ def compare_sessions(
 
 
 def _doubt(before: Quantities, after: Quantities, *, legs: bool) -> str:
-    """Which fits are doubtful, so that no difference is judged; empty where none is.
-
-    What a doubtful fit leaves out differs from trial to trial: of unchanged pairs of one measured
-    leg, such fits called one in four changed.
-    """
+    """Which fits are doubtful: of unchanged pairs of a leg, such called one in four changed."""
     places = ("of the first leg", "of the second leg") if legs else ("before", "after")
     doubtful = [
         f"the fit {place} is doubtful ({side.adequacy.reasons[0]})"

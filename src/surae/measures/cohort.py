@@ -67,10 +67,7 @@ class Effects:
 
 
 def random_effects(values: FloatArray, variances: FloatArray) -> Effects:
-    """Mean and spread of values, shape (k,), with known variances.
-
-    There are at least `FEWEST` of them, all finite.
-    """
+    """Mean and spread of at least `FEWEST` finite values, shape (k,), with known variances."""
     from scipy.optimize import minimize_scalar
 
     y, v = np.asarray(values, dtype=float), np.asarray(variances, dtype=float)

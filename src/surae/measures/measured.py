@@ -69,10 +69,7 @@ class MeasuredSlope:
 
 
 def stretch(name: str, angle: FloatArray, velocity: FloatArray, torque: FloatArray) -> Stretch:
-    """Average a passive movement by its angle, towards dorsiflexion and back apart.
-
-    `angle` [rad], `velocity` [rad/s] and `torque` [Nm] have shape (n,).
-    """
+    """Average a passive movement [rad, rad/s, Nm] by angle, to dorsiflexion and back apart."""
     degrees, slow = np.degrees(angle), _RESTS * float(np.quantile(np.abs(velocity), 0.75))
     place = np.floor((degrees - degrees.min()) / _STEP).astype(int)
     count = int(place.max()) + 1
@@ -91,10 +88,7 @@ def stretch(name: str, angle: FloatArray, velocity: FloatArray, torque: FloatArr
 def measured_slope(
     holds: Sequence[HeldPoint], stretches: Sequence[Stretch], at: float
 ) -> MeasuredSlope | None:
-    """The slope of measured torque over angle: of a line through the holds, else of a stretch.
-
-    A stretch's is that about the angle `at` [deg]. None where neither shows one.
-    """
+    """The slope of a line through the holds, else of a stretch about `at` [deg]; else None."""
     angle, torque = (np.array([getattr(h, key) for h in holds]) for key in ("angle", "torque"))
     if len(holds) > 1 and np.ptp(angle) >= _SPAN:
         return _through(angle, torque)
@@ -140,15 +134,11 @@ _COUNT, _LOWEST, _HIGHEST = 15, -50.0, 35.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TorqueCurve(Comparable):
-    """Torque of the relaxed ankle over the measured range, the foot's weight in it.
-
-    Arrays of shape (n,); without a band, NaN, where the recordings do not show what the torque
-    rests on.
-    """
+    """Torque of the relaxed ankle over the measured range, the foot's weight in it, shape (n,)."""
 
     angle: FloatArray  #: [deg], dorsiflexion positive.
     torque: FloatArray  #: [Nm]
-    #: `low`, `high`: ends of its 95 % interval [Nm].
+    #: `low`, `high`: ends of its 95 % interval [Nm]; NaN where the recordings do not show it.
     low: FloatArray
     high: FloatArray
 

@@ -62,10 +62,7 @@ class Quantities:
 def quantities(
     result: FitResult, assessment: Assessment, angles: Sequence[float] = ANGLES
 ) -> Quantities:
-    """What a fit brings to a comparison.
-
-    `angles` [deg] are where torque and stiffness are evaluated.
-    """
+    """What a fit brings to a comparison; torque and stiffness are those at `angles` [deg]."""
     problem, spread = result.problem, spread_of(result, assessment)
     has_reference = all(
         recording.emg_reference is not None and recording.emg_reference.kind == "mvc"

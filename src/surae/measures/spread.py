@@ -53,10 +53,7 @@ class Spread(Comparable):
         return value * float(np.exp(by)) if self.log[j] else value + by
 
     def sd(self, gradient: FloatArray, covariance: FloatArray | None = None) -> float:
-        """Standard deviation of what has this gradient by the searched coordinates, shape (p,).
-
-        `covariance` is one of the spread's, by default `total`.
-        """
+        """Standard deviation along a gradient, shape (p,), by `total` or another covariance."""
         V = self.total if covariance is None else covariance
         return math.sqrt(max(float(gradient @ V @ gradient), 0.0))
 

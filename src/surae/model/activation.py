@@ -268,10 +268,7 @@ def _four(row: FloatArray) -> tuple[float, float, float, float]:
 def _respond(
     x: FloatArray, first: float, steps: FloatArray, back: int, state: int, out: FloatArray
 ) -> None:
-    """The filter's response to x − first at one instant of every sample, from rest.
-
-    `state` is 0 for α, 1 for α'/ω0.
-    """
+    """Response to x − first at one instant of each sample; `state` is 0 for α, 1 for α'/ω0."""
     s00, s01, s02, s03 = _four(steps[0, 0, 0])
     s10, s11, s12, s13 = _four(steps[0, 0, 1])
     p0, p1, p2, p3 = _four(steps[1, 0, state])

@@ -89,10 +89,7 @@ def paths(
     *, angle: FloatArray, velocity: FloatArray, options: ModelOptions,
     second: tuple[FloatArray, ...] = (),
 ) -> tuple[Path, Path]:  # fmt: skip
-    """Paths of the triceps surae and of the tibialis anterior, in this order.
-
-    `second` is the angle and velocity of a second joint that a table may have.
-    """
+    """Paths of both groups, triceps first; `second` is angle and velocity of a second joint."""
     if isinstance(options.geometry, GeometryTable):
         table = options.geometry
         tri, tib = (_of_table(options, table, g, angle, velocity, second) for g in (0, 1))
@@ -134,10 +131,7 @@ def _of_table(
 
 @dataclass(frozen=True, slots=True)
 class JointAngle:
-    """Angle of the joint θ_joint [rad], and its first and second derivative by the device's angle.
-
-    Arrays of shape (n,); or the derivatives of all three by something.
-    """
+    """θ_joint [rad] and two derivatives by the device's angle, (n,), or the slopes of all three."""
 
     angle: FloatArray
     factor: FloatArray

@@ -185,10 +185,7 @@ class MuscleTendonSimulator(Simulator):
     def tangent(
         self, values: FloatArray, columns: Sequence[int], *, lengths: bool = False
     ) -> Tangent:
-        """The model with its derivatives by these columns and by the drives, integrated once.
-
-        `lengths` says whether those of the muscles' lengths are wanted too.
-        """
+        """The model and its derivatives by columns and drives, of `lengths` too, in one pass."""
         p, n = np.array(values, dtype=np.float64), self._n
         leg = self._movement.at(p, columns)
         linear = np.zeros((2, 2, 5, n))

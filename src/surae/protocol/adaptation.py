@@ -142,10 +142,7 @@ def spectrum_of(angle: FloatArray) -> NDArray[np.complex128]:
 
 
 def low_pass(spectrum: NDArray[np.complex128], cutoff_hz: float, rate_hz: float) -> Motion:
-    """Zero-phase first-order low-pass of a motion, with its exact derivatives.
-
-    At the frequency `cutoff_hz` the amplitude is divided by √2.
-    """
+    """Zero-phase first-order low-pass of a motion, ÷√2 at `cutoff_hz`, with exact derivatives."""
     n = len(spectrum)
     frequency = np.arange(n, dtype=np.float64) * (rate_hz / (2 * n - 2))
     filtered = spectrum * _filter_gain(frequency, cutoff_hz)

@@ -75,29 +75,18 @@ def task_bursts(task: "Task", end: float) -> Iterator[Burst]:
 
 
 def head_share(k: int, head: int) -> tuple[float, float]:
-    """Part of a burst's level that a head gives in burst k, and of `GAP` by which it is late.
-
-    The heads' proportions are the leg's own affair: they are these in whatever burst.
-    """
+    """Part of a burst's level that a head gives in burst k, and of `GAP` by which it is late."""
     own = _sequence(k, head + 2)
     return 0.6 + 0.4 * own, own
 
 
 def effort(t: FloatArray, task: Task) -> FloatArray:
-    """Target effort of the four muscles.
-
-    Shape (n, 4), a fraction 0…1 of the largest effort, in the order TA, GL, SOL, GM; exactly 0
-    while passive. No burst is cut off by the end of the trial.
-    """
+    """Effort of TA, GL, SOL, GM, shape (n, 4), as a part of the largest; 0 while passive."""
     return burst_effort(t, task_bursts(task, float(t[-1])))
 
 
 def burst_effort(t: FloatArray, bursts: Iterable[Burst]) -> FloatArray:
-    """Target effort of bursts that do not overlap within a direction.
-
-    Bursts come in the order of their numbers, which `head_share` goes by; the effort is as of
-    `effort`.
-    """
+    """The effort, as of `effort`, of numbered bursts that do not overlap in a direction."""
     target = np.zeros((len(t), len(MUSCLES)))
     for k, burst in enumerate(bursts):
         for i, muscle in enumerate(DIRECTIONS[burst.direction]):

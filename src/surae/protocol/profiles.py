@@ -55,11 +55,7 @@ def _integrated_step(u: FloatArray) -> FloatArray:
 
 
 def ramps_and_holds(t: FloatArray, ramps: tuple[Ramp, ...], origin: float = 0.0) -> FloatArray:
-    """Position that starts at `origin` and follows the ramps, at rest between them.
-
-    Each ramp starts after the one before has ended; positions, and `origin`, are fractions of the
-    range of motion.
-    """
+    """Position from `origin` by ramp after ramp, at rest between, in parts of the range."""
     position = np.full_like(t, origin)
     for ramp in ramps:
         # The speed is a smooth step up minus the same step down, distance / speed later: their

@@ -129,10 +129,7 @@ class Ledger:
         return (str(row[0]), str(row[1]), str(row[2])) if row else None
 
     def begin(self, kind: str, name: str, text: str, rows: Iterable[tuple[str, Plain]]) -> set[str]:
-        """Begin a run: keep its plan, keys of calls with their labels; the keys that are done.
-
-        A result that is damaged is no longer one.
-        """
+        """Begin a run: keep its plan, keys with labels; the keys whose result is whole."""
         held = self.about()
         if held is not None and held[:2] != (kind, name):
             raise InputError(
@@ -166,10 +163,7 @@ class Ledger:
     def keep(
         self, batches: Generator[Batch], progress: Callable[[int, int], None] | None = None
     ) -> int:
-        """Keep results as they come, each from the moment it is there; how many came.
-
-        `progress` is called with how many of the plan are done and how many there are.
-        """
+        """Keep results as they come, telling `progress` how many of the plan; how many came."""
         status, added, how = self.status(), 0, "stopped by an error"
         try:
             with closing(batches):
@@ -218,10 +212,7 @@ class Ledger:
         return None
 
     def results(self) -> Iterator[tuple[Plain, Any]]:
-        """The labels of the plan whose result is there and whole, in its order, with it.
-
-        It is as it was given, or `Died`.
-        """
+        """The plan's labels whose result is there and whole, in its order, with it or `Died`."""
         with self._told():
             rows = self._file.execute(
                 "SELECT label, value, failed FROM plan JOIN result USING (key) ORDER BY row"

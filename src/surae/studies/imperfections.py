@@ -138,10 +138,7 @@ EMG_LOWEST_RATE = 1000.0
 def coloured_noise(
     n: int, rate_hz: float, deviation: float, time: float, rng: np.random.Generator
 ) -> FloatArray:
-    """First-order autoregressive noise, stationary from its first sample.
-
-    The correlation at the lag τ is exp(−τ/`time`) [s]; 0 is white noise.
-    """
+    """First-order noise, stationary, of correlation exp(−τ/`time`) at the lag τ; 0 for white."""
     from scipy.signal import lfilter
 
     memory = math.exp(-1.0 / (rate_hz * time)) if time > 0.0 else 0.0
@@ -173,11 +170,7 @@ def mixing(crosstalk: float) -> FloatArray:
 
 
 def mixed_envelopes(envelopes: FloatArray, crosstalk: float) -> FloatArray:
-    """Envelopes behind electrodes with crosstalk.
-
-    EMG of different muscles is uncorrelated, so raw signals that add up linearly (`mixing`) have
-    envelopes that add up in squares.
-    """
+    """Envelopes behind electrodes with crosstalk: uncorrelated signals add up in squares."""
     if crosstalk == 0.0:
         return envelopes
     return np.sqrt(envelopes**2 @ (mixing(crosstalk) ** 2).T)

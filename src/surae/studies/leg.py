@@ -51,10 +51,7 @@ class VirtualTrial:
         )
 
     def simulated(self, model: str, options: ModelOptions) -> tuple[FloatArray, FloatArray]:
-        """EMG envelopes of the muscles [V], shape (n, 4), and torque on the device [Nm], (n,).
-
-        The sensors' imperfections are not in them; the model and its options stand for the truth.
-        """
+        """EMG envelopes [V], shape (n, 4), and torque [Nm], (n,), without the sensors' faults."""
         spec, trajectory, of = get_model(model), self.trajectory, self.imperfections
         ankle, turn = misaligned(trajectory.motion, of.axis_forward, of.axis_up)
         done, variation = trajectory.effort, of.effort_variation
@@ -78,10 +75,7 @@ class VirtualTrial:
         return envelopes, torque if turn is None else turn * torque
 
     def gains(self, of: str, variation: float, columns: int) -> FloatArray:
-        """Log-normal factors of mean 1 and this coefficient of variation, shape (n, columns).
-
-        They wander within seconds, by draws of this trial that are `of` one disturbance.
-        """
+        """Log-normal factors of mean 1, shape (n, columns), that wander within seconds."""
         spread = np.sqrt(np.log1p(variation**2))
         gains = np.exp(spread * self._wandering(of, columns, EFFORT_PERIOD) - 0.5 * spread**2)
         return np.asarray(gains)
@@ -103,25 +97,14 @@ class VirtualTrial:
 
 
 def reflex(time: FloatArray, stretch: FloatArray, imperfections: Imperfections) -> FloatArray:
-    """Effort of the stretch reflex: stretch velocity, delayed, above a threshold, limited.
-
-    `stretch` is the lengthening velocity of the triceps with a rigid tendon [l0/s], zero before the
-    trial.
-    """
+    """Effort of the reflex: the triceps's stretch [l0/s], delayed, above a threshold, limited."""
     delayed = np.interp(time - imperfections.reflex_delay, time, stretch, left=0.0)
     above = np.maximum(delayed - imperfections.reflex_threshold, 0.0)
     return np.minimum(imperfections.reflex_gain * above, imperfections.reflex_limit)
 
 
 def misaligned(plate: Motion, forward: float, up: float) -> tuple[Motion, FloatArray | None]:
-    """Motion of an ankle whose axis is not the device's, and the factor from its torque.
-
-    `surae.model.geometry` says how they turn and what the device feels.
-
-    `plate` is the device's motion, which is what is measured; `forward` and `up` [m] say where the
-    ankle's axis is. Given back are the ankle's motion and dθ_ankle/dθ; `plate` itself and None
-    where both are zero.
-    """
+    """Motion of an ankle whose axis is elsewhere [m], and dθ_ankle/dθ; None where it is not."""
     if forward == up == 0.0:
         return plate, None
     angle, velocity, acceleration = plate

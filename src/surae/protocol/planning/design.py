@@ -135,10 +135,7 @@ def _aimed(
 
 
 def _along(precision: FloatArray, slopes: FloatArray, values: FloatArray) -> FloatArray:
-    """Variance along each row of `slopes`, shape (n, p); infinite where it is not determined.
-
-    A measure may be known though its parameters are not: only its own direction counts.
-    """
+    """Variance along each row of `slopes`, shape (n, p); infinite where that is not determined."""
     if not np.isfinite(precision).all():
         return np.full(len(slopes), np.inf)
     scale = np.sqrt(np.maximum(np.diagonal(precision), 0.0))

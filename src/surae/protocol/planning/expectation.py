@@ -137,11 +137,7 @@ class Expectation(Tabular, Comparable):
 def expected(
     trajectory: Trajectory, legs: Legs, noise: float = NOISE, *, known: FloatArray | None = None
 ) -> Expectation:
-    """What a trial will tell of each of the legs, and of all together.
-
-    `known`, shape (p, p), is the information that there is before the trial, on the parameters in
-    the order of `Information.names`; by default the priors of the nuisances.
-    """
+    """What a trial tells of each leg; `known`, shape (p, p), is there before: by default priors."""
     with one_blas_thread():
         trial = information(trajectory, legs, noise)
         known = prior_precision(trial.names, legs) if known is None else known

@@ -30,10 +30,7 @@ _TARGETS = (1.0, 0.0, 0.5, 0.8, 0.3, 1.0, 0.65, 0.1, 0.9, 0.4, 0.7, 0.0)
 
 
 def effort_budget(seconds: float) -> tuple[float, float]:
-    """Effort times time [s] that a trial may ask for in each direction.
-
-    As much, for each second, as the thesis's task *part-passive* asks for in 35 s.
-    """
+    """Effort times time [s] by direction: for each second as much as *part-passive* asks for."""
     spent = _spent(tuple(task_bursts(TASKS["part-passive"], 35.0)))
     return spent[0] * seconds / 35.0, spent[1] * seconds / 35.0
 
@@ -105,11 +102,7 @@ class Genes:
         return np.concatenate(rows)
 
     def carried(self, genes: FloatArray, counts: tuple[int, int, int]) -> FloatArray:
-        """Genes of another duration or device as a start here: repeated, or cut off.
-
-        They are of plans with so many ramps, bursts and perturbations, with bursts if these have
-        any.
-        """
+        """Genes of so many ramps, bursts and perturbations as a start here: repeated or cut off."""
         old, sizes, shakes = _split(genes, counts), _sizes(self.counts), self.counts[2]
         if len(sizes) != len(old):
             return self.start()

@@ -52,11 +52,7 @@ def model_inputs(trajectory: Trajectory, legs: Legs, rate_hz: float = RATE) -> M
 def information(
     trajectory: Trajectory, legs: Legs, noise: float, rate_hz: float = RATE
 ) -> Information:
-    """Information of a trial on each of the legs.
-
-    `noise` is the standard deviation of the torque's white noise [Nm], sample by sample at the rate
-    of the trajectory; the torque is simulated at `rate_hz` at least, where the trajectory has it.
-    """
+    """A trial's information on each leg; `noise` [Nm] is that of one sample of the trajectory."""
     inputs = model_inputs(trajectory, legs, rate_hz)
     variance = noise**2 * inputs.rate_hz / trajectory.settings.rate_hz
     simulator = legs.spec.simulator(inputs, legs.options)
@@ -91,10 +87,7 @@ def shared(trial: Information, legs: Legs) -> Information:
 
 
 def estimated(names: Sequence[str], precision: FloatArray) -> Covariance | None:
-    """Covariance of estimates with this information; what trades off has no variance in it.
-
-    None where the model gave no numbers.
-    """
+    """Covariance of estimates with this information; None where the model gave no numbers."""
     if not np.isfinite(precision).all():
         return None
     scale = np.sqrt(np.maximum(np.diag(precision), 0.0))
@@ -162,10 +155,7 @@ def rows_of_films(
 
 
 def covariance_if_filmed(result: FitResult, muscle: str) -> FloatArray | None:
-    """Covariance of a fit's free parameters, had a muscle been filmed in its recordings.
-
-    None for a named model, and where the muscle was filmed.
-    """
+    """Covariance of a fit's parameters, had a muscle been filmed; None if it was, or named."""
     names, problem = names_of_film(muscle), result.problem
     if result.family is None or names[0] in problem.free:
         return None

@@ -171,10 +171,7 @@ def measure_next_of(
 def _half_widths(
     names: Sequence[str], known: FloatArray, legs: Legs, adds: FloatArray | None = None
 ) -> dict[str, float]:
-    """Half of each 95 % interval as a part of the value, with information added.
-
-    Infinite where what is known trades off against something else.
-    """
+    """Half of each 95 % interval as a part of the value; infinite where it trades off."""
     at = [legs.free.index(name) for name in names]
     estimate = estimated(names, known[np.ix_(at, at)] + (0.0 if adds is None else adds))
     parts = dict.fromkeys(names, np.inf)

@@ -60,11 +60,7 @@ class Aim(Comparable):
 
 
 def make_aim(name: str, legs: Legs) -> Aim:
-    """The aim of that name.
-
-    `name` is ``"worst"``, ``"mean"``, or names of parameters and measures of the legs with commas
-    between them, e.g. ``"k_tib,passive_stiffness@10deg"``.
-    """
+    """The aim ``worst``, ``mean``, or of names, e.g. ``"k_tib,passive_stiffness@10deg"``."""
     wanted = legs.own if name in (WORST, MEAN) else tuple(n.strip() for n in name.split(","))
     columns = [legs.spec.names.index(n) for n in legs.free]
     slopes = np.zeros((len(legs.values), len(wanted), len(legs.free)))

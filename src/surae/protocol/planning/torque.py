@@ -73,10 +73,7 @@ def _felt(trajectory: Trajectory, legs: Legs, rate_hz: float = _RATE) -> FloatAr
 def within_torque(
     plan: _Plan, limits: Limits, legs: Legs, device: Device | None
 ) -> tuple[_Plan, Limits, tuple[str, ...]]:
-    """Plan and range with which no leg exceeds the device's torque, and what that cost.
-
-    Where even relaxed legs ask for more, the message says what to give up.
-    """
+    """Plan and range with which no leg exceeds the torque, and their cost; or what to give up."""
     if device is None or math.isinf(device.max_torque):
         return plan, limits, ()
     limit, notes = device.max_torque * EXACT, []
