@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -46,44 +45,34 @@ class Protocol(MotionSettings):
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        task = named_task(self.task)
+        task, seconds, rate = named_task(self.task), self.seconds, self.rate_hz
+        amplitude, rise = self.chirp_amplitude, self.chirp_rate
         low, high = allowed_range(self.device, self.range_of_motion)
-        _require(
-            0.0 <= self.chirp_amplitude < 0.5 * (high - low),
-            f"chirp amplitude {self.chirp_amplitude:g} rad: use 0 or more, and less than half the "
-            f"range of motion ({0.5 * (high - low):g} rad)",
-        )
-        _require(0.0 < self.seconds < math.inf, f"duration {self.seconds:g} s: use more than 0 s")
-        _require(
-            0.0 < self.rate_hz < math.inf and self.seconds * self.rate_hz >= 2.0,
-            f"rate {self.rate_hz:g} Hz: use one that gives three samples or more",
-        )
-        _require(
-            math.isinf(task.passive_until) or task.passive_until < self.seconds,
-            f"task {task.name!r} is passive to {task.passive_until:g} s, the whole of "
-            f"{self.seconds:g} s; use a longer duration or task 'passive'",
-        )
-        if self.chirp_amplitude > 0.0:
-            _require(
-                0.0 < self.chirp_rate < math.inf,
-                f"chirp rate {self.chirp_rate:g} Hz/s: use more than 0, or a chirp amplitude of 0",
-            )
-            _require(
-                self.chirp_rate * self.seconds < 0.5 * self.rate_hz,
-                f"the chirp ends at {self.chirp_rate * self.seconds:g} Hz, too fast for samples at "
-                f"{self.rate_hz:g} Hz; use a rate above {2 * self.chirp_rate * self.seconds:g} Hz",
-            )
+        chirps = amplitude > 0.0
+        for wrong, what in (
+            (not 0.0 <= amplitude < 0.5 * (high - low),
+             f"chirp amplitude {amplitude:g} rad: use 0 or more, and less than half the range of "
+             f"motion ({0.5 * (high - low):g} rad)"),
+            (not 0.0 < seconds < math.inf, f"duration {seconds:g} s: use more than 0 s"),
+            (not (0.0 < rate < math.inf and seconds * rate >= 2.0),
+             f"rate {rate:g} Hz: use one that gives three samples or more"),
+            (seconds <= task.passive_until < math.inf,
+             f"task {task.name!r} is passive to {task.passive_until:g} s, the whole of {seconds:g} "
+             "s; use a longer duration or task 'passive'"),
+            (chirps and not 0.0 < rise < math.inf,
+             f"chirp rate {rise:g} Hz/s: use more than 0, or a chirp amplitude of 0"),
+            (chirps and rise * seconds >= 0.5 * rate,
+             f"the chirp ends at {rise * seconds:g} Hz, too fast for samples at {rate:g} Hz; use a "
+             f"rate above {2 * rise * seconds:g} Hz"),
+        ):  # fmt: skip
+            if wrong:
+                raise InputError(what)
 
     @property
     def seconds(self) -> float:
         """The duration, the profile's own unless it was given [s]."""
         own = named_profile(self.profile).duration
         return own if self.duration is None else self.duration
-
-
-def _require(holds: bool, otherwise: str) -> None:
-    if not holds:
-        raise InputError(otherwise)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,51 +126,38 @@ def generate(settings: Protocol) -> Trajectory:
     oversampling = math.ceil(_FINE_RATE / settings.rate_hz)
     fine_rate = settings.rate_hz * oversampling
     n = math.floor(settings.seconds * settings.rate_hz + 1e-9) + 1
-    time, fine = _Grid(n, settings.rate_hz), _Grid((n - 1) * oversampling + 1, fine_rate)
-    adaptation = None
+    grid, fine = (n, settings.rate_hz), ((n - 1) * oversampling + 1, fine_rate)
+    time, adaptation = _times(grid), None
     if settings.device is None:
-        motion = _motion(settings, time, _base_range(settings, fine))
+        motion = _motion(settings, grid, fine)
     else:
         adapted, adaptation = _adapted(settings, settings.device, fine)
         angle, velocity, acceleration = (signal[::oversampling] for signal in adapted)
         motion = angle, velocity, acceleration
-    target = effort(time.time, named_task(settings.task))
-    return Trajectory(settings, time.time, *motion, target, adaptation)
+    target = effort(time, named_task(settings.task))
+    return Trajectory(settings, time, *motion, target, adaptation)
 
 
-class _Grid(NamedTuple):
-    """Equidistant times from 0."""
-
-    n: int  #: Number of samples.
-    rate_hz: float
-
-    @property
-    def time(self) -> FloatArray:
-        """The times [s]."""
-        return np.arange(self.n) / self.rate_hz
+#: Number and rate [Hz] of equidistant times from 0.
+_Grid = tuple[int, float]
 
 
-def _base_range(settings: Protocol, fine: _Grid) -> tuple[float, float]:
-    """Angles on which the profile is mapped so that it spans the range together with the chirp."""
-    if settings.chirp_amplitude == 0.0:
-        return settings.range_of_motion
-    added, _, _ = chirp(fine.time, amplitude=settings.chirp_amplitude, rate=settings.chirp_rate)
-    fraction = _position(settings.profile, settings.seconds, fine)
-    return base_range(fraction, added, settings.range_of_motion)
+def _times(grid: _Grid) -> FloatArray:
+    return np.arange(grid[0]) / grid[1]
 
 
-def _motion(settings: Protocol, grid: _Grid, base: tuple[float, float]) -> Motion:
-    """Profile, mapped on the angles `base`, and chirp, with derivatives."""
+def _motion(settings: Protocol, grid: _Grid, fine: _Grid) -> Motion:
+    """Profile and chirp, with derivatives; on the fine grid both together span the range."""
+    low, high = settings.range_of_motion
+    how = {"amplitude": settings.chirp_amplitude, "rate": settings.chirp_rate}
+    if settings.chirp_amplitude > 0.0:
+        fraction = _position(settings.profile, settings.seconds, fine)
+        low, high = base_range(fraction, chirp(_times(fine), **how)[0], settings.range_of_motion)
     position, speed, speeding = _profile(settings.profile, settings.seconds, grid)
-    added, added_velocity, added_acceleration = chirp(
-        grid.time, amplitude=settings.chirp_amplitude, rate=settings.chirp_rate
-    )
-    low, gain = base[0], base[1] - base[0]
-    return (
-        low + gain * position + added,
-        gain * speed + added_velocity,
-        gain * speeding + added_acceleration,
-    )
+    added, added_speed, added_speeding = chirp(_times(grid), **how)
+    gain = high - low
+    angle = low + gain * position + added
+    return angle, gain * speed + added_speed, gain * speeding + added_speeding
 
 
 # What follows is asked for again and again as range, chirp and effort are adapted.
@@ -191,7 +167,7 @@ def _motion(settings: Protocol, grid: _Grid, base: tuple[float, float]) -> Motio
 def _position(name: str, seconds: float, grid: _Grid) -> FloatArray:
     """The profile over `seconds`, as a fraction."""
     profile = named_profile(name)
-    return read_only(profile.position(grid.time * (profile.duration / seconds)))
+    return read_only(profile.position(_times(grid) * (profile.duration / seconds)))
 
 
 @lru_cache(maxsize=4)
@@ -203,7 +179,7 @@ def _profile(name: str, seconds: float, grid: _Grid) -> Motion:
     """
     profile = named_profile(name)
     stretch = profile.duration / seconds
-    own, h = grid.time * stretch, 2e-4
+    own, h = _times(grid) * stretch, 2e-4
     here = _position(name, seconds, grid)
     far_back, back, ahead, far_ahead = (profile.position(own + k * h) for k in (-2, -1, 1, 2))
     speed = (far_back - 8 * back + 8 * ahead - far_ahead) / (12 * h)
@@ -213,32 +189,27 @@ def _profile(name: str, seconds: float, grid: _Grid) -> Motion:
 
 def _adapted(settings: Protocol, device: Device, fine: _Grid) -> tuple[Motion, Adaptation]:
     """The motion that the device can follow, or InputError if it may not be adapted."""
-    wanted = _motion(settings, fine, _base_range(settings, fine))
+    wanted = _motion(settings, fine, fine)
     amplitude = device.chirp_amplitude(settings.profile, settings.chirp_amplitude)
     end_hz = settings.chirp_rate * settings.seconds if amplitude > 0.0 else 0.0
     if not settings.adapt:
         amplitude = settings.chirp_amplitude
         added = f"a chirp of {amplitude:g} rad" if end_hz > 0.0 else "no chirp"
-        reason = refusal(device, wanted, end_hz)
-        _require(
-            reason is None,
-            f"{settings.profile} with {added} {reason}; allow adaptation, or use a smaller or "
-            "slower chirp or a longer duration",
-        )
+        if reason := refusal(device, wanted, end_hz):
+            raise InputError(
+                f"{settings.profile} with {added} {reason}; allow adaptation, or use a smaller or "
+                "slower chirp or a longer duration"
+            )
     used = replace(settings, chirp_amplitude=amplitude)
-    motion = wanted if used == settings else _motion(used, fine, _base_range(used, fine))
+    motion = wanted if used == settings else _motion(used, fine, fine)
     fitted = fit_device(
-        device, motion, rate_hz=fine.rate_hz, highest_hz=end_hz,
+        device, motion, rate_hz=fine[1], highest_hz=end_hz,
         range_of_motion=settings.range_of_motion,
     )  # fmt: skip
     before, after = peaks(wanted), peaks(fitted.motion)
     low, high = settings.range_of_motion
+    span = (float(fitted.motion[0].max()) - float(fitted.motion[0].min())) / (high - low)
     return fitted.motion, Adaptation(
-        device=device.name,
-        chirp_amplitude=(settings.chirp_amplitude, amplitude),
-        chirp_end_amplitude=amplitude * fitted.response(end_hz),
-        cutoff_hz=fitted.cutoff_hz,
-        peak_velocity=(before[0], after[0]),
-        peak_acceleration=(before[1], after[1]),
-        span=(float(fitted.motion[0].max()) - float(fitted.motion[0].min())) / (high - low),
-    )
+        device.name, (settings.chirp_amplitude, amplitude), amplitude * fitted.response(end_hz),
+        fitted.cutoff_hz, (before[0], after[0]), (before[1], after[1]), span,
+    )  # fmt: skip
