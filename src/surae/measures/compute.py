@@ -89,12 +89,9 @@ def points(angles: Sequence[float] = ANGLES) -> tuple[MeasurePoint, ...]:
 
 
 def measures_of_values(
-    values: Mapping[str, float],
-    model: str,
-    options: ModelOptions | None = None,
-    angles: Sequence[float] = ANGLES,
-    only: Collection[str] = (),
-) -> dict[str, float]:
+    values: Mapping[str, float], model: str, options: ModelOptions | None = None,
+    angles: Sequence[float] = ANGLES, only: Collection[str] = (),
+) -> dict[str, float]:  # fmt: skip
     """Measures of a leg with known parameters: a pure function, those without recordings.
 
     Parameters

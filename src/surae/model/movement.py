@@ -219,20 +219,14 @@ def _own_path(
     arm, stretch = bent * path.arm, np.exp(longer)
     travel, speed = stretch * (path.length - at_rest), stretch * path.speed
     own = Path(
-        arm,
-        at_rest + zero + travel + turn * angle**2,
-        speed + 2.0 * turn * angle * velocity,
-        stretch * path.slope + 2.0 * turn * angle,
-        stretch * path.bend + 2.0 * turn,
+        arm, at_rest + zero + travel + turn * angle**2, speed + 2.0 * turn * angle * velocity,
+        stretch * path.slope + 2.0 * turn * angle, stretch * path.bend + 2.0 * turn,
         path.arm_slope * bent + grown * path.arm * (slope + 2.0 * bend * angle),
         stretch * path.swept,
-    )
+    )  # fmt: skip
     by = (
-        (arm, still, still),
-        (grown * angle * path.arm, still, still),
-        (grown * angle**2 * path.arm, still, still),
-        (still, travel, speed),
-        (still, angle**2, 2.0 * angle * velocity),
-        (still, np.ones_like(angle), still),
-    )
+        (arm, still, still), (grown * angle * path.arm, still, still),
+        (grown * angle**2 * path.arm, still, still), (still, travel, speed),
+        (still, angle**2, 2.0 * angle * velocity), (still, np.ones_like(angle), still),
+    )  # fmt: skip
     return own, {name: slopes for name, slopes in zip(names, by, strict=True) if name in given}

@@ -75,16 +75,14 @@ class ModelOptions(Request):
         """Refuse values that are not among the choices or not physical; hold levels as a tuple."""
         Request.__post_init__(self)
         self._check_joint()
-        if self.emg_ref is None:
-            return
-        given: object = self.emg_ref
-        levels: list[Any] = list(given) if isinstance(given, list | tuple) else []
-        numbers = [isinstance(v, Real) and not isinstance(v, bool) for v in levels]
-        if len(levels) != 4 or not all(numbers) or not all(0 <= v < math.inf for v in levels):
-            raise InputError(
-                f"emg_ref is {self.emg_ref!r}; give four levels in V, of TA, GL, SOL, GM"
-            )
-        object.__setattr__(self, "emg_ref", tuple(float(v) for v in levels))
+        if self.emg_ref is not None:
+            given: object = self.emg_ref
+            levels: list[Any] = list(given) if isinstance(given, list | tuple) else []
+            numbers = (isinstance(v, Real) and not isinstance(v, bool) for v in levels)
+            if len(levels) != 4 or not all(numbers) or not all(0 <= v < math.inf for v in levels):
+                rule = "give four levels in V, of TA, GL, SOL, GM"
+                raise InputError(f"emg_ref is {self.emg_ref!r}; {rule}")
+            object.__setattr__(self, "emg_ref", tuple(map(float, levels)))
 
     def _check_joint(self) -> None:
         """Lengths and arms of the thesis are the ankle's."""

@@ -136,13 +136,9 @@ class Finished:
 
 
 def run_study(
-    study: Study,
-    store: Store,
-    *,
-    engine: Engine | None = None,
-    progress: Progress | None = None,
+    study: Study, store: Store, *, engine: Engine | None = None, progress: Progress | None = None,
     retry: bool = False,
-) -> Finished:
+) -> Finished:  # fmt: skip
     """Compute what a store lacks of a study.
 
     Parameters

@@ -22,15 +22,10 @@ _IDEAL = Imperfections()
 
 
 def virtual_trial(
-    subject: VirtualSubject,
-    trajectory: Trajectory,
-    *,
-    model: str = "muscle",
-    options: ModelOptions | None = None,
-    noise: float = 0.05,
-    seed: int = 0,
+    subject: VirtualSubject, trajectory: Trajectory, *, model: str = "muscle",
+    options: ModelOptions | None = None, noise: float = 0.05, seed: int = 0,
     imperfections: Imperfections = _IDEAL,
-) -> ModelInputs:
+) -> ModelInputs:  # fmt: skip
     """Simulate a trial of a subject and add the thesis's noise (2.5.3).
 
     The torque is simulated from the true EMG; then white noise is added to the four EMG channels
@@ -75,15 +70,10 @@ def virtual_trial(
 
 
 def virtual_recording(
-    subject: VirtualSubject,
-    trajectory: Trajectory,
-    *,
-    model: str = "muscle",
-    options: ModelOptions | None = None,
-    seed: int = 0,
-    imperfections: Imperfections = _IDEAL,
+    subject: VirtualSubject, trajectory: Trajectory, *, model: str = "muscle",
+    options: ModelOptions | None = None, seed: int = 0, imperfections: Imperfections = _IDEAL,
     raw: bool = True,
-) -> Recording:
+) -> Recording:  # fmt: skip
     """A trial of a subject as it would be recorded, with raw EMG, for the whole chain of signals.
 
     Angle, torque and raw EMG (`surae.studies.imperfections.raw_emg`) at the trajectory's rate, for
