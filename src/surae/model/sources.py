@@ -98,72 +98,56 @@ SHARED = 0.15
 _SOURCES = (
     UncertaintySource(
         "noise", "noise of the torque", "what scatters in the torque without a pattern",
-        N_("Measure longer, or with more movement and effort."), Fill("measured"), fresh=True,
-    ),
+        N_("Measure longer, or with more movement and effort."), Fill("measured"), fresh=True),
     UncertaintySource(
         "emg_noise", "error of the EMG", "how far the EMG is from the effort at each moment",
         N_("Improve the contact of the electrodes, or ask for more effort."),
-        Fill("surface", "x"), fresh=True,
-    ),
+        Fill("surface", "x"), fresh=True),
     UncertaintySource(
         "zero", "torque zero", "what the sensor shows without torque",
         N_("Measure the zero of the torque sensor."), Fill("ink"), Nuisance(
             "zero", OPTIONAL["torque_zero"], Gaussian(0.0, 10.0), "Nm",
-            "a dynamometer’s zero was off by 12 to 19 Nm with a foot strapped in", anew="trial",
-        ),
-    ),
+            "a dynamometer’s zero was off by 12 to 19 Nm with a foot strapped in", anew="trial")),
     UncertaintySource(
         "delay", "delay", "from the EMG to the force",
         N_("Measure the delay from EMG to torque with a twitch."), Fill("surface", "/"), Nuisance(
             "delay", OPTIONAL["emd"], Gaussian(0.03, 0.03), "s",
-            "20 to 100 ms from EMG to force (Cavanagh and Komi 1979)", of_leg=True,
-        ),
-    ),
+            "20 to 100 ms from EMG to force (Cavanagh and Komi 1979)", of_leg=True)),
     UncertaintySource(
         "crosstalk", "crosstalk", "part of another muscle’s EMG that an electrode picks up",
         N_("Test the electrodes muscle by muscle."), Fill("series-1"), Nuisance(
             "crosstalk", OPTIONAL["crosstalk"], Gaussian(0.04, 0.03), "",
             "3 to 10 % of a neighbour’s rectified EMG (De Luca and Merletti 1988)", anew="mounting",
-        ),
-    ),
+        )),
     UncertaintySource(
         "axis", "axis", "how far the ankle’s axis lies from the device’s",
         N_("Align the ankle’s axis with the device’s, or measure their distance."),
         Fill("surface", "|"), Nuisance(
             "axis", OPTIONAL["axis"], Gaussian(0.0, 0.01), "m",
-            "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting", of_device=True,
-        ),
-    ),
+            "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting", of_device=True)),
     UncertaintySource(
         "emg_gain", "drift of the EMG", "change of an electrode’s gain within the trial",
         N_("Keep the electrodes’ gain steady, or measure it before and after."),
-        Fill("surface", "-"), fresh=True,
-    ),
+        Fill("surface", "-"), fresh=True),
     UncertaintySource(
         "emg_rest", "EMG at rest", "what an electrode shows of a muscle that rests",
         N_("Record all muscles at rest."), Fill("series-1", "-"), Nuisance(
             "rest", OPTIONAL["emg_rest"], Gaussian(0.0, 1.0), "of the level at rest",
             "the level that the electrode shows at its quietest: an envelope is never below zero, "
-            "so that noise alone lifts it", anew="trial",
-        ),
-    ),
+            "so that noise alone lifts it", anew="trial")),
     UncertaintySource(
         "emg_shape", "EMG curve", "bend from EMG to activation; 0 is a straight line",
         N_("Measure several levels of effort."), Fill("surface", "."), Nuisance(
             "shape", (*OPTIONAL["emg_shape"], *OPTIONAL["emg_power"]), Gaussian(-0.5, 1.0), "",
             "between −3 and 0, and powers of 0.5 to 1 (Lloyd and Besier 2003)", departs=True,
-            own=FrozenDict({"emg_power": Gaussian(0.0, 0.25)}),
-        ),
-    ),
+            own=FrozenDict({"emg_power": Gaussian(0.0, 0.25)}))),
     UncertaintySource(
         "release", "release", "how much slower muscles let go than they take hold",
         N_("Ask for bursts of effort that end as fast as they begin."), Fill("series-2", "x"),
         Nuisance(
             "release", OPTIONAL["release"], Gaussian(0.03, 0.03), "s",
             "10 to 15 ms to activate, 40 to 50 to deactivate (Zajac 1989; Thelen 2003)",
-            of_leg=True, departs=True,
-        ),
-    ),
+            of_leg=True, departs=True)),
     UncertaintySource(
         "emg_lag", "lag of the EMG", "how far an envelope is behind its EMG",
         N_("Give the raw EMG instead of envelopes."),
@@ -177,20 +161,16 @@ _SOURCES = (
         "tendon", "tendons", "how far they stretch, and where their force curve becomes straight",
         N_("Measure the tendon’s strain by ultrasound."), Fill("surface", "\\"), Nuisance(
             "toe", ("pt_tri", "pt_tib"), Gaussian(0.3, 0.1, off=0.3), "",
-            "Table 2 of the thesis, after Thelen (2003); the spread is assumed", of_leg=True,
-        ),
-        leg=("dlt_tri", "dlt_tib"),
-    ),
+            "Table 2 of the thesis, after Thelen (2003); the spread is assumed", of_leg=True),
+        leg=("dlt_tri", "dlt_tib")),
     UncertaintySource(
         "model", "choice of the model", "how far apart models are that the data support",
         N_("Measure another movement, wider or faster, which tells the models apart."),
-        Fill("series-3"),
-    ),
+        Fill("series-3")),
     UncertaintySource(
         "left_out", "what the model leaves out", "what the torque shows and no model has",
         N_("Record trials with other movements and efforts."),
-        Fill("series-3", "|"), knowable=False,
-    ),
+        Fill("series-3", "|"), knowable=False),
     UncertaintySource(
         "film", "filmed fascicle", "how far the fascicle in the film differs from the whole muscle",
         N_("Film a longer piece of the muscle, or several places of it."), Fill("series-1", "."),
@@ -202,27 +182,20 @@ _SOURCES = (
             "2003); the three calf muscles differ by more; the sizes are assumed", anew="mounting",
             own=FrozenDict(
                 {f"film_zero_{at}": Gaussian(0.0, 0.006) for at in FILMED}
-                | {"film_scale_tib": Gaussian(0.0, 0.03), "film_zero_tib": Gaussian(0.0, 0.004)}
-            ),
-        ),
-    ),
+                | {"film_scale_tib": Gaussian(0.0, 0.03), "film_zero_tib": Gaussian(0.0, 0.004)}))),
     UncertaintySource(
         "film_drift", "drift of the film", "how far the film's tracker drifts within the trial",
-        N_("Correct the tracker at key frames."), Fill("series-1", "/"), fresh=True,
-    ),
+        N_("Correct the tracker at key frames."), Fill("series-1", "/"), fresh=True),
     UncertaintySource(
         "unheard", "muscles without EMG", "what muscles do that no electrode records",
-        N_("Record the EMG of all four muscles."), Fill("series-2", "\\"),
-    ),
+        N_("Record the EMG of all four muscles."), Fill("series-2", "\\")),
     UncertaintySource(
         "trials", "differences between trials", "by how much trials of this leg disagree",
-        N_("Record more trials of the same kind."), Fill("series-6"), fresh=True, knowable=False,
-    ),
+        N_("Record more trials of the same kind."), Fill("series-6"), fresh=True, knowable=False),
     UncertaintySource(
         "torque_drift", "drift of the torque", "change of the torque’s zero within the trial",
         N_("Let the torque sensor warm up, and measure its zero before and after."),
-        Fill("ink", "/"), fresh=True,
-    ),
+        Fill("ink", "/"), fresh=True),
     UncertaintySource(
         "plate", "foot plate", "inertia and weight of a plate that was not tared",
         N_("Record the moving plate without the foot, and subtract it."), Fill("ink", "x"),
@@ -230,18 +203,14 @@ _SOURCES = (
             "plate", OPTIONAL["plate"], Gaussian(0.0, 5.0), "Nm",
             "plates of 1 to 3 kg, their centre 5 to 15 cm from the axis; assumed", departs=True,
             of_device=True,
-            own=FrozenDict({"plate_inertia": Gaussian(0.0, 0.03)}),
-        ),
-    ),
+            own=FrozenDict({"plate_inertia": Gaussian(0.0, 0.03)}))),
     UncertaintySource(
         "give", "give of the plate", "how far the foot turns on its plate under load",
         N_("Strap the foot tighter, or measure the angle at the ankle."), Fill("series-6", "/"),
         Nuisance(
             "give", OPTIONAL["plate_give"], Gaussian(0.0, 8e-4), "rad/Nm",
             "a heel lifts by 2 to 6° in strong contractions (Karamanidis et al. 2005)",
-            anew="mounting", departs=True, of_device=True,
-        ),
-    ),
+            anew="mounting", departs=True, of_device=True)),
     UncertaintySource(
         "arms", "moment arms", "how far the leg’s moment arms differ from the assumed ones",
         N_("Give the leg’s own geometry, from images or a scaled model."), Fill("series-2"),
@@ -253,27 +222,21 @@ _SOURCES = (
             own=FrozenDict(
                 {f"arm_scale_{g}": Gaussian(0.0, 0.06) for g in ("tri", "tib")}
                 | {f"path_scale_{g}": Gaussian(0.0, 0.3) for g in ("tri", "tib")}
-                | {f"path_bend_{g}": Gaussian(0.0, 0.005) for g in ("tri", "tib")}
-            ),
+                | {f"path_bend_{g}": Gaussian(0.0, 0.005) for g in ("tri", "tib")}),
             # two readers of one image differ by 3 %; what else is assumed
             measured=FrozenDict(
                 {f"{of}_{g}": Gaussian(0.0, 0.03) for of in ("arm_scale", "path_scale")
                  for g in ("tri", "tib")}
                 | {f"{of}_{g}": Gaussian(0.0, 0.05) for of in ("arm_slope", "arm_bend")
                    for g in ("tri", "tib")}
-                | {f"path_bend_{g}": Gaussian(0.0, 0.002) for g in ("tri", "tib")}
-            ),
-        ),
-    ),
+                | {f"path_bend_{g}": Gaussian(0.0, 0.002) for g in ("tri", "tib")}))),
     UncertaintySource(
         "lengths", "muscle lengths", "how much longer the leg’s muscles are than assumed",
         N_("Give the length of the leg’s own muscles, from images or a scaled model."),
         Fill("series-2", "-"), Nuisance(
             "length", OPTIONAL["length_zero"], Gaussian(0.0, 0.005), "m",
             "fascicles are 10 to 20 % off what size predicts (Ward et al. 2009)", of_leg=True,
-            measured=FrozenDict(dict.fromkeys(OPTIONAL["length_zero"], Gaussian(0.0, 0.0025))),
-        ),
-    ),
+            measured=FrozenDict(dict.fromkeys(OPTIONAL["length_zero"], Gaussian(0.0, 0.0025))))),
     UncertaintySource(
         "curves", "muscle curves", "widths of force over length, bend of force over velocity",
         N_("Record more angles and velocities under effort."), Fill("series-3", "x"), Nuisance(
@@ -282,23 +245,17 @@ _SOURCES = (
             of_leg=True, departs=True,
             own=FrozenDict(
                 {"fv_speed": Gaussian(0.0, 0.25)}
-                | {name: Gaussian(0.0, 0.3) for name in ("fv_curve", "fv_stretch")}
-            ),
-        ),
-    ),
+                | {name: Gaussian(0.0, 0.3) for name in ("fv_curve", "fv_stretch")}))),
     UncertaintySource(
         "reflex", "stretch reflex", "force that answers a stretch and that no electrode shows",
         N_("Record a slow and a quick stretch at rest."), Fill("series-1", "|"), Nuisance(
             "reflex", OPTIONAL["reflex"], Gaussian(0.0, 2000.0), "N·s/m",
             "some Nm at a stretch of 3 rad/s; assumed", of_leg=True, departs=True,
-            own=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}),
-        ),
-    ),
+            own=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}))),
     UncertaintySource(
         "population", "population prior", "the spread of legs in the population",
         N_("Measure longer, or with more movement and effort."),
-        Fill("surface", "+"), knowable=False,
-    ),
+        Fill("surface", "+"), knowable=False),
 )  # fmt: skip
 #: All of them by name, in the order in which they are shown.
 SOURCES = {source.name: source for source in _SOURCES}
