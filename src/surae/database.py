@@ -65,14 +65,9 @@ def sqlite_errors(name: str, kind: Format) -> Iterator[None]:
 
 
 def lock(path: Path) -> sqlite3.Connection | None:
-    """The lock of the one who writes, held until it is closed or the process ends; None if taken.
-
-    SQLite's own exclusive lock on an empty file beside the store: the system lets go of it whatever
-    ends the process, and it is the same on every system.
-
-    A lock file that is a link is refused.
-    """
+    """The lock of the one who writes, held until closed or the process ends; None if taken."""
     refuse_links(path)
+    # SQLite's own lock on an empty file: the system lets go of it, whatever ends the process
     held = sqlite3.connect(_lock_of(path), timeout=_LOOKED_AT, isolation_level=None,
                            check_same_thread=False)  # fmt: skip
     try:

@@ -120,7 +120,7 @@ def percentage(vaf: float) -> str:
 
 def _fixed(value: float, decimals: int) -> str:
     text = f"{value:.{decimals}f}"
-    return text if float(text) == 0 else text.replace("-", "−")
+    return text.lstrip("-") if float(text) == 0 else text.replace("-", "−")
 
 
 def _order(value: float) -> int:
@@ -139,10 +139,7 @@ def _power(shift: int) -> str:
 
 def signed(value: float, decimals: int) -> str:
     """A number with so many decimals, zero without a sign."""
-    if not math.isfinite(value):
-        return NO_NUMBER
-    text = f"{value:.{decimals}f}"
-    return text.lstrip("-") if float(text) == 0 else text.replace("-", "−")
+    return _fixed(value, decimals) if math.isfinite(value) else NO_NUMBER
 
 
 def part(value: float | None) -> str:

@@ -4,20 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
+from surae import names
 from surae.errors import InputError
 from surae.filed import filed
+from surae.formatting import listed
 from surae.frozen import FrozenDict
 from surae.model.options import ModelOptions, with_files
-from surae.names import (
-    AUTO,
-    DRIVES,
-    FITTED,
-    GEOMETRY_OF,
-    LOSSES,
-    NORMALISATIONS,
-    NUISANCES,
-    POPULATIONS,
-)
 from surae.setting import checked, documented, kind_of, setting, settings_of
 
 if TYPE_CHECKING:  # what computes comes when it is needed: help reads the fields alone
@@ -52,11 +44,11 @@ class FitSettings:
     """
 
     model: str = setting(
-        AUTO, '``"auto"``: muscles on compliant tendons with the imperfections of a laboratory, '
-        "and the departures of real legs that the data ask for. Or the name of one model; "
-        "`surae.model.MODELS` lists them.", type="str", choices=FITTED, metavar="M",
-        help=f"auto: what the data support; or {', '.join(FITTED[1:-1])} or {FITTED[-1]}.",
-        label="Model", first=True,
+        names.AUTO, '``"auto"``: muscles on compliant tendons with the imperfections of a '
+        "laboratory, and the departures of real legs that the data ask for. Or the name of one "
+        "model; `surae.model.MODELS` lists them.", type="str", choices=names.FITTED, metavar="M",
+        help=f"auto: what the data support; or {listed(names.FITTED[1:], 'or')}.", label="Model",
+        first=True,
     )  # fmt: skip
     options: ModelOptions = setting(
         ModelOptions, "Switches of the model, all at once; each is a keyword of its own too."
@@ -69,7 +61,7 @@ class FitSettings:
         (), "Parameters to estimate beside those that the model frees by itself; ``\"reflex\"`` "
         "stands for all of the reflex.", type="sequence of str", metavar="NAME",
         help="Estimate one that is fixed; "
-        f"{'; '.join(f'{drive}: {words}' for drive, words in DRIVES.items())}.",
+        f"{'; '.join(f'{drive}: {words}' for drive, words in names.DRIVES.items())}.",
     )  # fmt: skip
     start: Mapping[str, float] = setting(
         FrozenDict, "Where the first start begins, instead of the defaults.",
@@ -90,7 +82,7 @@ class FitSettings:
     )  # fmt: skip
     population: str | None = setting(
         None, "Whose default priors stand for the parameters that `priors` does not name.",
-        choices=POPULATIONS, option="priors",
+        choices=names.POPULATIONS, option="priors",
         help="Priors of a population; --prior takes precedence.", label="Priors",
         words={"": "none", "healthy": "healthy population", "patient": "patient population"},
         first=True,
@@ -102,14 +94,14 @@ class FitSettings:
     )  # fmt: skip
     loss: str | None = setting(
         None, "Let outliers count less than their square; see `surae.estimation.fit_robust`.",
-        choices=LOSSES, help="How outliers count.  [default: squares]", label="Outliers",
+        choices=names.LOSSES, help="How outliers count.  [default: squares]", label="Outliers",
         words={"": "count fully", "huber": "Huber", "soft-l1": "soft L1", "tukey": "Tukey"},
         first=True,
     )  # fmt: skip
     normalise: str | None = setting(
         None, "Divide EMG by one number for each muscle, so that weights g come out in N: by the "
         "largest envelope of all recordings, or of `mvc`. `validate` and `Fit.predict` use it "
-        "again.", choices=NORMALISATIONS, label="Divide EMG by",
+        "again.", choices=names.NORMALISATIONS, label="Divide EMG by",
         help="Divide EMG by the largest of all recordings, or of --mvc; g come out in N.",
         words={"": "nothing", "session": "the session's largest",
         "mvc": "the contractions' largest"},
@@ -126,10 +118,10 @@ class FitSettings:
         help="A setting of the preparation, e.g. bessel_hz=10; false: without it.",
     )  # fmt: skip
     nuisances: str | Mapping[str, tuple[float, float]] = setting(
-        NUISANCES[0], 'What the laboratory cannot rule out, for ``model="auto"``; a mapping gives '
-        "other priors, mean and standard deviation, of groups or parameters, e.g. ``{\"zero\": "
-        '(0.0, 1.0)}``.', type='{"all", "none"} or mapping of str to (mean, sd)',
-        choices=NUISANCES, needs=f"model={AUTO}", first=True,
+        names.NUISANCES[0], 'What the laboratory cannot rule out, for ``model="auto"``; a mapping '
+        "gives other priors, mean and standard deviation, of groups or parameters, e.g. "
+        '``{"zero": (0.0, 1.0)}``.', type='{"all", "none"} or mapping of str to (mean, sd)',
+        choices=names.NUISANCES, needs=f"model={names.AUTO}", first=True,
         help="Imperfections of the laboratory that auto takes in.",
         label="Account for the laboratory’s imperfections", words={"all": "yes", "none": "no"},
     )  # fmt: skip
@@ -139,8 +131,9 @@ class FitSettings:
     )  # fmt: skip
     seed: int = setting(0, "Seed of the random starts.", least=0, label="Seed")
     geometry_of: str = setting(
-        GEOMETRY_OF[0], "Whose the table of `geometry` is: with the person's own, `auto` holds "
-        "moment arms and muscle lengths closer to it.", choices=GEOMETRY_OF, needs=f"model={AUTO}",
+        names.GEOMETRY_OF[0], "Whose the table of `geometry` is: with the person's own, `auto` "
+        "holds moment arms and muscle lengths closer to it.", choices=names.GEOMETRY_OF,
+        needs=f"model={names.AUTO}",
         help="Whose the geometry's table is; auto departs less from the person's own.",
         label="The geometry’s file is", words={"generic": "of a generic model",
         "person": "of this person"},
@@ -164,14 +157,14 @@ class FitSettings:
                 object.__setattr__(self, name, frozen)
             elif kind == "whole":
                 object.__setattr__(self, name, checked(name, value, record, whole=True))
-            elif record.choices and each.default in (None, GEOMETRY_OF[0]) and value not in (
+            elif record.choices and each.default in (None, names.GEOMETRY_OF[0]) and value not in (
                 None, *record.choices
             ):  # fmt: skip
                 # What else is to choose is refused by what reads it.
                 rule = f"use one of: {', '.join(record.choices)}"
                 raise InputError(f"{name} is {value!r}; {rule}")
         laboratory(self.nuisances)
-        if self.geometry_of != GEOMETRY_OF[0] and isinstance(self.options.geometry, str):
+        if self.geometry_of != names.GEOMETRY_OF[0] and isinstance(self.options.geometry, str):
             raise InputError("geometry_of has no effect without a geometry's file; give one")
         free: Any = self.free
         object.__setattr__(self, "free", (free,) if isinstance(free, str) else tuple(free))
@@ -183,7 +176,7 @@ class FitSettings:
         Preparation().updated(self.preparation)
 
     @classmethod
-    def of(cls, model: "str | FitSettings" = AUTO, **keywords: Any) -> "FitSettings":
+    def of(cls, model: "str | FitSettings" = names.AUTO, **keywords: Any) -> "FitSettings":
         """Settings from the keywords of `surae.fit`.
 
         Parameters

@@ -197,11 +197,7 @@ def raw_emg(envelopes: FloatArray, rate_hz: float, rng: np.random.Generator) -> 
 
 
 def passed(rate_hz: float, settings: Preparation | None = None) -> float:
-    """Root-mean-square gain that the EMG high-pass of a preparation has for `raw_emg`.
-
-    It is the default preparation if not given. With another, estimated EMG weights are the true
-    ones times ``passed(rate_hz) / passed(rate_hz, settings)``.
-    """
+    """Root-mean-square gain of a preparation's EMG high-pass, by default ours, for `raw_emg`."""
     settings = settings or Preparation()
     if settings.emg_highpass_hz is None:
         return 1.0

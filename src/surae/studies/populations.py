@@ -20,7 +20,7 @@ f0, beta       plausible: about 2 Hz, near the critical damping that the thesis 
 
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -95,10 +95,8 @@ def virtual_subject(
     rng = np.random.default_rng([seed, list(POPULATIONS).index(population)])
     parameters = _drawn(POPULATIONS[population], rng)
     subject = VirtualSubject(population, seed, parameters)
-    if not tendons:
-        return subject
     own = _drawn(TENDONS[population], stream(subject, "tendons"))
-    return VirtualSubject(population, seed, parameters, own)
+    return replace(subject, tendons=own) if tendons else subject
 
 
 def check_population(name: str) -> None:
@@ -109,11 +107,7 @@ def check_population(name: str) -> None:
 
 
 def stream(subject: VirtualSubject, purpose: str, trial: int | None = None) -> np.random.Generator:
-    """Random numbers for one purpose, independent of those for any other.
-
-    One kind of disturbance does not move the draws of another. `trial` is its seed; None is for
-    what a subject has in all trials.
-    """
+    """Random numbers for one purpose and trial, or of all (None): no other moves its draws."""
     keys = [zlib.crc32(subject.population.encode()), zlib.crc32(purpose.encode())]
     entropy = [subject.seed] if trial is None else [subject.seed, trial]
     # The length comes first, since a seed sequence takes [5] and [5, 0] for the same.

@@ -169,10 +169,7 @@ def run_study(
 
 
 def _computed(tasks: Mapping[str, FitTask], engine: Engine) -> Generator[Batch]:
-    """The outcomes of tasks as they come, and first one of each model where none is compiled yet.
-
-    The compiler works once then, and where its notice is seen, not in every worker.
-    """
+    """Outcomes as they come, first one of each model where the compiler has yet to work."""
     from surae.model.jit import cache_folder
 
     rest = dict(tasks)

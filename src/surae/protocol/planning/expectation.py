@@ -155,8 +155,7 @@ def expected(
             if name in estimate.names and value > 0.0:
                 i = estimate.names.index(name)
                 relative[k, j] = np.sqrt(estimate.matrix[i, i]) / value
-        if legs.beliefs:
-            shares.append(_shares(estimate, own))
+        shares.append(_shares(estimate, own))
     # the leg whose largest error is the median one
     order = np.argsort(relative.max(axis=1), kind="stable")
     central = covariances[int(order[len(relative) // 2])]
@@ -165,22 +164,20 @@ def expected(
     for j, name in enumerate(own):
         p = table[name]
         value = float(np.median(legs.values[:, columns[j]]))
-        sem = half = None
-        share = float(np.mean(wide * relative[:, j] <= IDENTIFIED))
+        sem, half, errors = None, None, relative[:, j]
+        share = float(np.mean(wide * errors <= IDENTIFIED))
         verdict: Verdict
-        if np.isfinite(relative[:, j]).all() and central is not None:
-            sem = float(np.sqrt(np.mean(relative[:, j] ** 2)))
+        if np.isfinite(errors).all() and central is not None:
+            sem = float(np.sqrt(np.mean(errors**2)))
             half = wide * sem
             verdict, note = judge_interval(name, value, half * abs(value), central, p.unit)
         else:
             verdict = Verdict.UNDETERMINED
-            worst = covariances[int(np.argmax(~np.isfinite(relative[:, j])))]
+            worst = covariances[int(np.argmax(~np.isfinite(errors)))]
             note = judge_singular(name, worst.directions if worst is not None else ())
-        parts = [s[name] for s in shares if name in s]
-        budget = {} if sem is None else {"noise": 1.0}
-        if parts and sem is not None:
-            budget = {source: float(np.mean([part.get(source, 0.0) for part in parts]))
-                      for source in dict.fromkeys(s for part in parts for s in part)}  # fmt: skip
+        parts = [s[name] for s in shares if name in s and sem is not None]
+        budget = {source: float(np.mean([part.get(source, 0.0) for part in parts]))
+                  for source in dict.fromkeys(s for part in parts for s in part)}  # fmt: skip
         parameters[name] = Expected(
             name, p.unit, p.meaning, value, sem, half, verdict, note, share, FrozenDict(budget)
         )
