@@ -202,7 +202,7 @@ class FitSettings:
         options = given.pop("options", base.options)
         switches = with_files({n: given.pop(n) for n in _OPTIONS if n in given})
         if "priors" in given:
-            given |= _believed(given["priors"])
+            given |= _priors_of(given["priors"])
         known = [f.name for f in fields(cls)]
         for name in given:
             if name not in known:
@@ -308,7 +308,7 @@ class FitSettings:
         return from_plain(cls, data)
 
 
-def _believed(given: Any) -> dict[str, Any]:
+def _priors_of(given: Any) -> dict[str, Any]:
     """The fields that the keyword `priors` of `surae.fit` stands for."""
     population, known = given if isinstance(given, tuple) else (None, given)
     if isinstance(known, str):

@@ -33,7 +33,7 @@ def test_a_film_tells_the_tendon_of_its_own_muscle(known) -> None:
 def test_the_fascicle_seen_is_no_ruler_of_the_whole_muscle(trial) -> None:
     legs = filmed(population_legs("auto", None, 1), ("tib",))
     assert legs.free[-2:] == ("film_scale_tib", "film_zero_tib")
-    assert {"film_scale_tib", "film_zero_tib"} <= legs.beliefs.keys()
+    assert {"film_scale_tib", "film_zero_tib"} <= legs.priors.keys()
     (matrix,) = information(trial, legs, 0.5).matrices
     scale, zero, length = (
         legs.free.index(n) for n in ("film_scale_tib", "film_zero_tib", "length_zero_tib")

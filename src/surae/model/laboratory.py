@@ -50,11 +50,11 @@ def laboratory(
     """
     if nuisances == NONE:
         return {}
-    beliefs: dict[str, Gaussian] = {}
+    priors: dict[str, Gaussian] = {}
     for n in _NUISANCES.values():
         none = n.of_device and not mounted
-        beliefs |= {name: _NOTHING if none else n.own.get(name, n.prior) for name in n.parameters}
-        beliefs |= n.measured if measured else {}
+        priors |= {name: _NOTHING if none else n.own.get(name, n.prior) for name in n.parameters}
+        priors |= n.measured if measured else {}
     given: Mapping[str, tuple[float, float]] = {}
     if not isinstance(nuisances, str):
         given = nuisances
@@ -62,7 +62,7 @@ def laboratory(
         raise InputError(f"nuisances is {nuisances!r}; use 'all', 'none' or a mapping")
     for name, pair in (*joint.nuisances.items(), *given.items()):
         names = GROUPS.get(name, (name,))
-        if not set(names) <= beliefs.keys():
+        if not set(names) <= priors.keys():
             known = ", ".join((*GROUPS, *(n for g in GROUPS.values() for n in g)))
             raise InputError(f"nuisances: no {name!r}; use one of: {known}")
         try:
@@ -72,11 +72,11 @@ def laboratory(
         if not (abs(mean) < float("inf") and 0 <= sd < float("inf")):
             raise InputError(f"nuisances: {name} is {pair!r}; give a finite mean, and sd from 0")
         for each in names:
-            beliefs[each] = Gaussian(mean, sd, beliefs[each].off)
+            priors[each] = Gaussian(mean, sd, priors[each].off)
     for name, level in zip(GROUPS["rest"], quiet or (0.0,) * 4, strict=True):
-        rest = beliefs.pop(name)  # EMG at rest follows, in its unit
-        beliefs[name] = Gaussian(rest.mean * level, rest.sd * level)
-    return {name: belief for name, belief in beliefs.items() if belief.sd > 0}
+        rest = priors.pop(name)  # EMG at rest follows, in its unit
+        priors[name] = Gaussian(rest.mean * level, rest.sd * level)
+    return {name: prior for name, prior in priors.items() if prior.sd > 0}
 
 
 def group_of(name: str) -> str | None:

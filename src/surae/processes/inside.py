@@ -133,7 +133,7 @@ def _called(request: Mapping[str, Any], at_work: _AtWork) -> dict[str, Any]:
     except BrokenPipeError:  # the parent is gone
         os._exit(0)
     except (Exception, KeyboardInterrupt) as error:
-        return _told(error)
+        return _ended_by(error)
     return {"how": "done", "value": value}
 
 
@@ -144,7 +144,7 @@ def function(name: str) -> Callable[..., Any]:
     return called
 
 
-def _told(error: BaseException) -> dict[str, Any]:
+def _ended_by(error: BaseException) -> dict[str, Any]:
     """How an error ends a call, and its line."""
     stopped = error, error.__cause__ or error.__context__  # compiled code wraps Ctrl-C
     if any(isinstance(cause, KeyboardInterrupt) for cause in stopped):

@@ -89,7 +89,7 @@ def results(
             source = suspects if alone else waiting
             while source and len(flying) < (1 if alone else pool.ahead()):
                 key = source.popleft()
-                with without_interrupt(), _told(pool):
+                with without_interrupt(), _engine_errors(pool):
                     flying[pool.submit(work, calls[key])] = key
             only = len(flying) == 1
             done: Batch = []
@@ -97,7 +97,7 @@ def results(
             for future in wait(flying, timeout=_LOOK, return_when=FIRST_COMPLETED).done:
                 key = flying.pop(future)
                 try:
-                    with _told(pool):
+                    with _engine_errors(pool):
                         done.append((key, future.result()))
                 except pool.died:
                     deaths[key] += only
@@ -119,7 +119,7 @@ def results(
 
 
 @contextmanager
-def _told(pool: "_Pool") -> Iterator[None]:
+def _engine_errors(pool: "_Pool") -> Iterator[None]:
     """An engine's own errors in words."""
     try:
         yield

@@ -88,11 +88,11 @@ class Ledger:
         if not write:
             if not self._path.is_file():
                 raise InputError(f"cannot read {self._name}: there is no such file")
-            with self._told():
+            with self._errors():
                 self._file = database.open_to_read(self._path, self._name, FORMAT)
             return
         require_writable(path)
-        with self._told():
+        with self._errors():
             self._lock = database.lock(self._path)
             if self._lock is None:
                 raise _in_use(self._path, self._name)
@@ -124,7 +124,7 @@ class Ledger:
 
     def about(self) -> tuple[str, str, str] | None:
         """What is planned: kind, name and text; None before the first plan."""
-        with self._told():
+        with self._errors():
             row = self._row("SELECT kind, name, text FROM about")
         return (str(row[0]), str(row[1]), str(row[2])) if row else None
 
@@ -136,7 +136,7 @@ class Ledger:
                 f"{self._name} holds the {held[0]} {held[1]!r}, not {name!r}; give another store, "
                 f"or the {kind} its name"
             )
-        with self._told(), transaction(self._file):
+        with self._errors(), transaction(self._file):
             self._file.execute("DELETE FROM about")
             self._file.execute("DELETE FROM plan")
             self._file.execute("INSERT INTO about VALUES (?, ?, ?)", (kind, name, text))
@@ -198,7 +198,7 @@ class Ledger:
             else (key, json.dumps(value, allow_nan=False), self._reason(value), now)
             for key, value in batch
         ]
-        with self._told(), transaction(self._file):
+        with self._errors(), transaction(self._file):
             if self._row("SELECT max(id) FROM run")[0] != self._run:
                 raise ComputationError(
                     f"{self._name} was taken over by another run, as its .lock was removed; this "
@@ -213,7 +213,7 @@ class Ledger:
 
     def results(self) -> Iterator[tuple[Plain, Any]]:
         """The plan's labels whose result is there and whole, in its order, with it or `Died`."""
-        with self._told():
+        with self._errors():
             rows = self._file.execute(
                 "SELECT label, value, failed FROM plan JOIN result USING (key) ORDER BY row"
             )
@@ -228,7 +228,7 @@ class Ledger:
         held = self.about()
         if held is None:
             raise InputError(f"{self._name} holds {self._NOTHING}")
-        with self._told():
+        with self._errors():
             rows, calls = self._row("SELECT count(*), count(DISTINCT key) FROM plan")
             here = "FROM result WHERE key IN (SELECT key FROM plan)"
             (done,) = self._row(f"SELECT count(*) {here}")
@@ -253,7 +253,7 @@ class Ledger:
         """What a result means; it is damaged where that cannot be told."""
         return value
 
-    def _told(self) -> AbstractContextManager[None]:
+    def _errors(self) -> AbstractContextManager[None]:
         return sqlite_errors(self._name, FORMAT)
 
     def _row(self, query: str, values: Sequence[object] = ()) -> tuple[Any, ...]:

@@ -45,7 +45,7 @@ class Store(Ledger):
     def forget_failed(self) -> int:
         """Drop the outcomes of tasks that gave no fit, so that they run again; how many."""
         without = "failed IS NOT NULL AND json_extract(value, '$.vaf') IS NULL"
-        with self._told():
+        with self._errors():
             return self._file.execute(f"DELETE FROM result WHERE {without}").rowcount
 
     def text(self) -> str:

@@ -185,7 +185,7 @@ def expected(
         protocol=trajectory.settings.profile, model=legs.spec.name, legs=legs.name,
         seconds=float(trajectory.time[-1]), noise=noise, rate_hz=trajectory.settings.rate_hz,
         parameters=FrozenDict(parameters),
-        nuisances=tuple(n for n in legs.free if n in legs.beliefs),
+        nuisances=tuple(n for n in legs.free if n in legs.priors),
         relative=read_only(relative), correlation=central,
         torque=(float(trial.torque[:, 0].min()), float(trial.torque[:, 1].max())),
     )  # fmt: skip

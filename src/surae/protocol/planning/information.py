@@ -72,13 +72,13 @@ def information(
 
 def shared(trial: Information, legs: Legs) -> Information:
     """The same, with the trial's own nuisances eliminated: what can be added to other trials."""
-    own = {n for n in trial.names if n in legs.beliefs and group_of(n) in EACH_TRIAL}
+    own = {n for n in trial.names if n in legs.priors and group_of(n) in EACH_TRIAL}
     each = [j for j, name in enumerate(trial.names) if name in own]
     common = [j for j, name in enumerate(trial.names) if name not in own]
     if not each:
         return trial
     within = trial.matrices[:, each][:, :, each] + np.diag(
-        [legs.beliefs[trial.names[j]].sd ** -2.0 for j in each]
+        [legs.priors[trial.names[j]].sd ** -2.0 for j in each]
     )
     cross = trial.matrices[:, each][:, :, common]
     remaining = trial.matrices[:, common][:, :, common]
@@ -101,7 +101,7 @@ def estimated(names: Sequence[str], precision: FloatArray) -> Covariance | None:
 
 def prior_precision(names: tuple[str, ...], legs: Legs) -> FloatArray:
     """What is known beforehand of the nuisances, shape (p, p)."""
-    return np.diag([legs.beliefs[n].sd ** -2.0 if n in legs.beliefs else 0.0 for n in names])
+    return np.diag([legs.priors[n].sd ** -2.0 if n in legs.priors else 0.0 for n in names])
 
 
 #: Frames a second that are counted, and their noise beside the drift [m].
@@ -127,7 +127,7 @@ def filmed(legs: Legs, muscles: Sequence[str]) -> Legs:
     return replace(
         legs, name=f"{legs.name}, filmed: {', '.join(muscles)}", spec=spec,
         free=(*legs.free, *names), values=read_only(values), films=tuple(muscles),
-        beliefs=FrozenDict({**{n: known[n] for n in names}, **legs.beliefs}),
+        priors=FrozenDict({**{n: known[n] for n in names}, **legs.priors}),
     )  # fmt: skip
 
 

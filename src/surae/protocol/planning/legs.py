@@ -39,7 +39,7 @@ class Legs(Comparable):
     spec: ModelSpec  #: The model, with its nuisances.
     options: ModelOptions  #: Its switches.
     free: tuple[str, ...]  #: What a fit would estimate: parameters of the leg, then nuisances.
-    beliefs: Mapping[str, Gaussian]  #: Priors of the nuisances.
+    priors: Mapping[str, Gaussian]  #: Priors of the nuisances.
     values: FloatArray  #: Parameter vectors in the model's order, shape (n_legs, n_parameters).
     #: `emg_rest`, `emg_full`: EMG envelope of TA, GL, SOL, GM at rest and at the largest effort, in
     #: `emg_unit`, shape (4,).
@@ -51,7 +51,7 @@ class Legs(Comparable):
     @property
     def own(self) -> tuple[str, ...]:
         """The parameters of the leg that a fit would estimate."""
-        return tuple(name for name in self.free if name not in self.beliefs)
+        return tuple(name for name in self.free if name not in self.priors)
 
     @property
     def estimated(self) -> FloatArray:
@@ -79,11 +79,11 @@ def population_legs(
     if population is not None:
         check_population(population)
     names = list(POPULATIONS) if population is None else [population]
-    spec, beliefs, free = _spec_of(model, nuisances)
+    spec, priors, free = _spec_of(model, nuisances)
     if not set(POPULATIONS["healthy"]) <= set(spec.names):
         raise InputError(f"nothing typical is known for model {model!r}; choose another model")
     levels = np.full(4, EMG_FULL)
-    if "emg_shape" in beliefs and options.emg_ref is None:
+    if "emg_shape" in priors and options.emg_ref is None:
         options = replace(options, emg_ref=tuple(levels.tolist()))
     rows = []
     for k in range(count):
@@ -93,9 +93,9 @@ def population_legs(
         )  # fmt: skip
         truth = subject.truth(spec.name, options)
         truth = {n: v for n, v in truth.items() if n not in TENDONS["healthy"] or n in free}
-        rows.append(spec.vector(truth | {n: b.mean for n, b in beliefs.items()}, options))
+        rows.append(spec.vector(truth | {n: b.mean for n, b in priors.items()}, options))
     return Legs(
-        f"{count} {_WHO[population]}", spec, options, free, beliefs, read_only(np.array(rows)),
+        f"{count} {_WHO[population]}", spec, options, free, priors, read_only(np.array(rows)),
         emg_rest=read_only(np.full(4, EMG_REST)), emg_full=read_only(levels),
     )  # fmt: skip
 
@@ -105,8 +105,8 @@ def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int
     problem = result.problem
     if result.status == "failed":
         raise InputError("the fit failed and describes no leg; name a population instead")
-    beliefs = {} if result.family is None else dict(result.family.beliefs)
-    own = tuple(name for name in problem.free if name not in beliefs)
+    priors = {} if result.family is None else dict(result.family.beliefs)
+    own = tuple(name for name in problem.free if name not in priors)
     centre = problem.spec.vector(result.values, problem.options)
     estimated = assessment.covariance
     spread = np.array([_spread(name, assessment) for name in own])
@@ -131,7 +131,7 @@ def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int
     levels = np.where(seen > 0.2 * typical, seen, typical)
     return Legs(
         "the fitted leg, as far as the fit knows it", problem.spec, problem.options, problem.free,
-        beliefs, read_only(np.array(rows)), emg_rest=read_only(np.zeros(4)),
+        priors, read_only(np.array(rows)), emg_rest=read_only(np.zeros(4)),
         emg_full=read_only(levels), emg_unit=problem.inputs[0].emg_unit,
     )  # fmt: skip
 
@@ -144,10 +144,10 @@ def _spec_of(
     if nuisances is None:
         nuisances = "all" if model == AUTO else NONE
     known = {name for name in laboratory() if name not in base.free and group_of(name) != "film"}
-    beliefs = {n: b for n, b in laboratory(nuisances).items() if n in known}
-    spec = with_optional(base, beliefs)
-    beliefs = {n: b for n, b in beliefs.items() if n in spec.names}
-    return spec, beliefs, (*base.free, *(n for n in spec.names if n in beliefs))
+    priors = {n: b for n, b in laboratory(nuisances).items() if n in known}
+    spec = with_optional(base, priors)
+    priors = {n: b for n, b in priors.items() if n in spec.names}
+    return spec, priors, (*base.free, *(n for n in spec.names if n in priors))
 
 
 def _spread(name: str, assessment: Assessment) -> float:

@@ -69,9 +69,9 @@ def known_from(result: FitResult, assessment: Assessment, legs: Legs) -> FloatAr
     trials share are in with their priors, once. The legs are those of the fit (`fit_legs`).
     """
     free = legs.free
-    own = {n for n in free if n in legs.beliefs and group_of(n) in EACH_TRIAL}
+    own = {n for n in free if n in legs.priors and group_of(n) in EACH_TRIAL}
     alone = own | {n for n in free if n not in result.problem.free}  # another film
-    known = np.diag([legs.beliefs[n].sd ** -2.0 if n in alone else 0.0 for n in free])
+    known = np.diag([legs.priors[n].sd ** -2.0 if n in alone else 0.0 for n in free])
     if result.family is not None:
         names, matrix = result.problem.free, result.family.covariance
     else:
@@ -114,7 +114,7 @@ def measure_next_of(
         return _nothing("Every parameter is identified: nothing more needs to be measured.")
     known = known_from(result, assessment, legs)
     best: tuple[float, Ready, Trajectory, FloatArray] | None = None
-    names = tuple(n for n in legs.free if group_of(n) not in EACH_TRIAL or n not in legs.beliefs)
+    names = tuple(n for n in legs.free if group_of(n) not in EACH_TRIAL or n not in legs.priors)
     with one_blas_thread():
         before = _half_widths(names, known, legs)
         stays = _stays(assessment, legs, before)

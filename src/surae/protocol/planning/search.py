@@ -152,8 +152,8 @@ def search(
 
     scale = np.abs(legs.estimated)
     for j, name in enumerate(legs.free):
-        if name in legs.beliefs:
-            scale[:, j] = legs.beliefs[name].sd
+        if name in legs.priors:
+            scale[:, j] = legs.priors[name].sd
     scale = np.where(scale > 0.0, scale, 1.0)
     units = scale[:, :, None] * scale[:, None, :]
     before = np.eye(len(legs.free)) * VAGUE**-2.0 + (0.0 if known is None else known * units)
