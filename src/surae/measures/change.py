@@ -167,11 +167,10 @@ def compare_sessions(
     before: Quantities, after: Quantities, baselines: Sequence[Quantities] = (), *,
     legs: bool = False,
 ) -> Change:  # fmt: skip
-    """Compare two sessions of a leg, or its two legs.
+    """Compare two sessions of a leg, or its two legs, whose own errors do not cancel.
 
-    `baselines` are further sessions before anything changed: how far they scatter beyond their own
-    uncertainty is taken for the spread between sessions. What each of two legs is wrong in by
-    itself does not cancel.
+    How far `baselines`, sessions before anything changed, scatter beyond their own uncertainty is
+    taken for the spread between sessions.
     """
     if legs and baselines:
         raise InputError("baselines are sessions of one leg; leave them out to compare two legs")

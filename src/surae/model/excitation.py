@@ -73,11 +73,9 @@ class _Envelopes:
 
 
 class Excitation:
-    """Excitation of one recording's muscles.
+    """Excitation of one recording's muscles; `at` holds the columns of the model's parameters.
 
-    `at` holds the columns of the model's parameters, `weights` the names of the weights of TA, GL,
-    SOL, GM, `emg`, shape (4, n), the envelopes of their electrodes. A shape needs a reference
-    level.
+    `weights` names the weights of TA, GL, SOL, GM, `emg`, shape (4, n), are their envelopes.
     """
 
     def __init__(

@@ -95,11 +95,9 @@ class Tangent:
 
 
 class MuscleTendonSimulator(Simulator):
-    """Models 2.0, 2.1, 2.2 on one recording.
+    """Models 2.0, 2.1, 2.2 on one recording, of length lmt = lt0 + x of the rigid tendon.
 
-    The muscle-tendon length is lmt = lt0 + x of the rigid tendon, in either geometry. Where the
-    force balance of a sample cannot be solved (see `TendonState.unsolved`), the torque is NaN from
-    there on.
+    From a sample on whose balance cannot be solved (`TendonState.unsolved`) the torque is NaN.
     """
 
     def __init__(

@@ -53,12 +53,9 @@ class End:
 
 
 class Child:
-    """One process that does one call at a time; it is made when it is needed, and made again.
+    """One process that does one call at a time, made when needed, and anew after so many `calls`.
 
-    It ends with whoever holds this, closed or not.
-
-    `nice` is by how much it makes way for others; after so many `calls` it is made anew, never
-    where that is None.
+    It ends with whoever holds this, closed or not; `nice` is by how much it makes way for others.
     """
 
     def __init__(self, nice: int = 0, calls: int | None = _CALLS) -> None:

@@ -84,11 +84,10 @@ def fit_device(
 ) -> AdaptedMotion:  # fmt: skip
     """The motion filtered until the device can follow it, still over the whole range if it can.
 
-    The motion spans `range_of_motion`, the angles of full plantarflexion and full dorsiflexion
-    [rad]; `highest_hz` is the highest frequency in it: above the device's bandwidth it is filtered
-    at that. A motion that the device follows stays as it is; else it is filtered with the highest
-    cut-off that will do and stretched to the range again; if none will do, filtered with the lowest
-    and shrunk about mid-range until the limits hold.
+    The motion spans `range_of_motion` [rad]; where `highest_hz`, the highest frequency in it, is
+    above the device's bandwidth, it is filtered at that. What the device follows stays as it is;
+    else it is filtered with the highest cut-off that will do and stretched to the range again, or
+    with the lowest and shrunk about mid-range until the limits hold.
     """
     if _excess(device, motion) <= 1.0 and highest_hz <= device.bandwidth:
         return AdaptedMotion(motion)

@@ -205,9 +205,8 @@ def base_range(
 ) -> tuple[float, float]:
     """Range on which the profile is mapped so that profile + chirp spans the range of motion.
 
-    `fraction` is the profile, 0…1, `added` the chirp [rad], smaller than half the range. Low and
-    high are angles [rad] such that low + (high − low)·fraction + added has the extremes
-    `range_of_motion`, to 1e-12 rad.
+    `fraction` is the profile, 0…1, `added` the chirp [rad], smaller than half the range; low +
+    (high − low)·fraction + added then has the extremes `range_of_motion`, to 1e-12 rad.
     """
     plantarflexed, dorsiflexed = range_of_motion
     amplitude = float(np.abs(added).max())

@@ -73,11 +73,7 @@ class LedgerStatus:
 
 
 class Ledger:
-    """The file, open; a context manager.
-
-    `write` is for the one run that adds to it, and makes it where it is missing. A file that cannot
-    be read or written later on is a ComputationError of any method.
-    """
+    """The file, open, a context manager; `write` is for the one run that adds to it."""
 
     #: What is said of a file that nothing was planned in.
     _NOTHING = "nothing yet"

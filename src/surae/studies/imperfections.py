@@ -150,11 +150,8 @@ def coloured_noise(
 def wandering(t: FloatArray, period: float, columns: int, rng: np.random.Generator) -> FloatArray:
     """Slow noise of mean 0 and variance 1 that does not depend on the sampling rate.
 
-    Independent normal numbers every `period`, joined by minimum-jerk steps and scaled so that the
-    variance is 1 in between too.
-
-    `period` [s] lies between two of the numbers: values two periods apart are independent, and so
-    are the columns. A longer trial begins as a shorter one.
+    Independent normal numbers every `period` [s] in each column, joined by minimum-jerk steps and
+    scaled so that the variance is 1 in between too. A longer trial begins as a shorter one.
     """
     knots = rng.standard_normal((int(t[-1] / period) + 2, columns))
     before = np.minimum((t / period).astype(int), len(knots) - 2)

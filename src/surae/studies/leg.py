@@ -118,13 +118,10 @@ def knee_torque(
 ) -> FloatArray:
     """What knee flexion changes of the ankle torque, through the gastrocnemius.
 
-    Flexion by φ pays out φ·`KNEE_ARM` of the gastrocnemius, as much as plantarflexion by
+    `flexion` [rad] by φ pays out φ·`KNEE_ARM` of the gastrocnemius, as much as plantarflexion by
     φ·`KNEE_ARM`/r(θ) would. So the force that a leg with an active gastrocnemius alone (and
     `KNEE_TISSUE` of the passive force) has at that angle takes the place of the force at θ; the
-    moment arm at the ankle stays that of θ. Exact for rigid tendons; with compliant ones the heads
-    count as having tendons of their own.
-
-    `flexion` is the knee's [rad], from where it was meant to be; the torque is to be added [Nm].
+    moment arm stays that of θ. Compliant heads count as having tendons of their own.
     """
     emg = np.array(inputs.emg)
     emg[:, _NOT_GASTROCNEMIUS] = 0.0

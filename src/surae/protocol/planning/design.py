@@ -79,10 +79,9 @@ def make_design(
 ) -> Design:  # fmt: skip
     """Search a protocol, hold it to the device, and judge it.
 
-    The subject's range is in rad, `noise` [Nm] is the standard deviation of the torque's, sample by
-    sample at `rate_hz`. It is searched for `legs` and then judged by `unseen`, from the protocol
-    `start`; `aim` is as of `make_aim`, all else as of `search`. Where the device cannot do it, the
-    message says what to give up.
+    It is searched for `legs`, from the protocol `start`, and judged by `unseen` legs; `noise` [Nm]
+    is that of one sample at `rate_hz`, all else as of `search` and `make_aim`. Where the device
+    cannot do it, the message says what to give up.
     """
     begin = time.perf_counter()
     limits = limits_of(device, range_of_motion)

@@ -94,10 +94,9 @@ def measure_next_of(
 ) -> NextTrial:  # fmt: skip
     """The ready trial that adds most to a fit.
 
-    The legs are the fitted leg's, `range_of_motion` is the subject's [rad], `noise` [Nm] the
-    standard deviation of the torque's, sample by sample at `rate_hz`. No trial longer than
-    `longest` [s] is proposed; `wanted` are parameters to know better, by default all that are not
-    identified.
+    The legs are the fitted leg's, `noise` [Nm] is that of one sample at `rate_hz`. No trial longer
+    than `longest` [s] is proposed; `wanted` are parameters to know better, by default all that are
+    not identified.
     """
     if unknown := [name for name in wanted or () if name not in legs.own]:
         raise InputError(

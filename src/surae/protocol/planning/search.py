@@ -144,9 +144,8 @@ def search(
 ) -> Search:  # fmt: skip
     """Search the plan of the smallest cost; the same arguments always find the same one.
 
-    `noise` is the standard deviation of the torque's [Nm], sample by sample at `SEARCH_RATE`;
-    `torque` [Nm] is what no leg should exceed; `evaluations` plans are judged at most. `known`,
-    shape (p, p), is information that there is without the trial, `start` are genes where it begins.
+    `noise` [Nm] is that of one sample at `SEARCH_RATE`, `torque` [Nm] what no leg should exceed;
+    `known`, shape (p, p), is information without the trial, `start` are genes where it begins.
     """
     from cmaes import SepCMA
 
