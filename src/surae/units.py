@@ -28,20 +28,17 @@ FACTORS: dict[str, dict[str, float]] = {
 
 #: How else files spell units, in small letters.
 _SPELLINGS = {
+    "°/s": "deg/s", "rad/s^2": "rad/s2", "radian": "rad", "radians": "rad",
     **dict.fromkeys(("degree", "degrees", "°"), "deg"),
-    **dict.fromkeys(("radian", "radians"), "rad"),
-    "°/s": "deg/s",
     **dict.fromkeys(("°/s2", "deg/s^2", "°/s^2"), "deg/s2"),
-    "rad/s^2": "rad/s2",
     **dict.fromkeys(("n.m", "n·m", "n m", "n*m", "newton meter"), "Nm"),
     **dict.fromkeys(("n.mm", "n·mm", "n mm", "n*mm", "ntmm"), "Nmm"),
-    **dict.fromkeys(("volt", "volts"), "V"),
-    **dict.fromkeys(("millivolt", "millivolts"), "mV"),
-    **dict.fromkeys(("microvolt", "microvolts"), "uV"),
+    "volt": "V", "volts": "V", "millivolt": "mV", "millivolts": "mV", "microvolt": "uV",
+    "microvolts": "uV",
     **dict.fromkeys(("millimeter", "millimeters", "millimetre", "millimetres"), "mm"),
     **dict.fromkeys(("sec", "second", "seconds"), "s"),
     **dict.fromkeys(("msec", "millisecond", "milliseconds"), "ms"),
-}
+}  # fmt: skip
 #: Kind of signal by the first word of roles that have a second.
 _KINDS = {"emg": "emg", "fascicle": "length", "pennation": "angle", "second": "angle"}
 _KNOWN = {unit.casefold(): unit for units in FACTORS.values() for unit in units}

@@ -7,18 +7,8 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.frozen import read_only
+from surae.model import compliant
 from surae.model.activation import ActiveState, IntArray
-from surae.model.compliant import (
-    EPS0,
-    FORCE,
-    GAMMA,
-    LENGTH,
-    STIFFNESS,
-    TISSUE,
-    compliant_states,
-    drive_columns,
-    stages,
-)
 from surae.model.movement import MusclePath
 from surae.model.muscle import GROUP_COLUMNS
 from surae.model.options import ModelOptions
@@ -74,9 +64,9 @@ class DriveResponse:
         out = np.empty((len(first), size))
         arm = self.arms[group]
         if lengths:  # the torque is −arm·stiffness times the length
-            stiffness = self.linear[group, 1, STIFFNESS]
+            stiffness = self.linear[group, 1, compliant.STIFFNESS]
             arm = np.divide(-1.0, stiffness, out=np.zeros(n), where=stiffness > 0.0)
-        drive_columns(
+        compliant.drive_columns(
             inputs * shapes, first, self.steps, self.back, self.linear[group], arm, self.keep, out
         )
         return out
@@ -103,7 +93,7 @@ class MuscleTendonSimulator(Simulator):
     def __init__(
         self, inputs: ModelInputs, options: ModelOptions, optional: Sequence[str] = ()
     ) -> None:
-        lags = ((1.0 - GAMMA) / inputs.rate_hz, 0.0)
+        lags = ((1.0 - compliant.GAMMA) / inputs.rate_hz, 0.0)
         super().__init__(inputs, options, own=_NAMES, optional=optional, lags=lags)
         self._n = inputs.n
         self._slack = np.array(options.anatomy.slack)
@@ -138,13 +128,13 @@ class MuscleTendonSimulator(Simulator):
     def _force(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
     ) -> FloatArray:
-        return np.asarray(self._states(p, group, muscle, active)[FORCE])
+        return np.asarray(self._states(p, group, muscle, active)[compliant.FORCE])
 
     def _forces(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
     ) -> FloatArray:
-        states = self._states(p, group, muscle, active)
-        return np.stack([states[TISSUE], states[FORCE] - states[TISSUE]])
+        *_, force, tissue = self._states(p, group, muscle, active)
+        return np.stack([tissue, force - tissue])
 
     def _states(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
@@ -159,9 +149,10 @@ class MuscleTendonSimulator(Simulator):
     ) -> None:
         states = self._integrate(p, group, muscle, active, into)
         into.states.append(states)
-        into.torque[:] += muscle.arm * states[FORCE]
+        force = states[compliant.FORCE]
+        into.torque[:] += muscle.arm * force
         for row, slot in enumerate(into.turned):
-            into.jacobian[slot] += muscle.arm_slopes[row] * states[FORCE]
+            into.jacobian[slot] += muscle.arm_slopes[row] * force
 
     def _integrate(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
@@ -172,7 +163,7 @@ class MuscleTendonSimulator(Simulator):
         columns = np.concatenate([COLUMNS[group], self._curves[group]])
         linear = np.empty((0, 5, 0)) if into.linear is None else into.linear[group]
         seen = np.empty((0, 0)) if into.seen is None else into.seen[group]
-        compliant_states(
+        compliant.compliant_states(
             np.append(p, 0.0)[columns], np.append(into.slots, len(into.jacobian) - 1)[columns],
             float(self._strain_lengths[group]), muscle.arm, lengths, active.alpha, active.slopes,
             into.slots[active.columns], slopes, into.turned, self._factor, self._dt, self.rest,
@@ -189,11 +180,11 @@ class MuscleTendonSimulator(Simulator):
         linear = np.zeros((2, 2, 5, n))
         seen = np.zeros((2, len(columns) + 1, n)) if lengths else None
         into = self._summed(p, columns, leg, linear, seen)
-        states = np.stack(into.states)
+        length, _, _, force, tissue = np.swapaxes(np.stack(into.states), 0, 1)
         arms = np.stack([muscle.arm for muscle in leg.muscles])
         return Tangent(
             into.torque, into.jacobian[:-1],
-            active=arms * (states[:, FORCE] - states[:, TISSUE]), lengths=states[:, LENGTH],
+            active=arms * (force - tissue), lengths=length,
             length_jacobian=np.empty((2, 0, n)) if seen is None else seen[:, :-1],
             response=self._response(p, linear, arms),
         )  # fmt: skip
@@ -205,20 +196,20 @@ class MuscleTendonSimulator(Simulator):
         return DriveResponse(
             self._excitation.weighted(p), np.stack([steps for steps, _ in instants]),
             np.array([back for _, back in instants], dtype=np.int64), linear, arms,
-            keep=1.0 / (1.0 + GAMMA * self._dt * (1.0 + k_rel) / tau),
+            keep=1.0 / (1.0 + compliant.GAMMA * self._dt * (1.0 + k_rel) / tau),
         )  # fmt: skip
 
     def _stages(self, group: int, muscle: MusclePath) -> tuple[FloatArray, FloatArray]:
         """Lengths and their slopes at the stages; once, where no parameter touches them."""
         if group not in self._staged or not self._movement.is_fixed:
             self._staged[group] = (
-                stages(muscle.length, muscle.speed, self._dt),
-                stages(muscle.length_slopes, muscle.speed_slopes, self._dt),
+                compliant.stages(muscle.length, muscle.speed, self._dt),
+                compliant.stages(muscle.length_slopes, muscle.speed_slopes, self._dt),
             )
         return self._staged[group]
 
     def _law(self, values: FloatArray, group: int) -> TendonLaw:
-        eps0, *others = (float(value) for value in values[COLUMNS[group][EPS0:]])
+        eps0, *others = (float(value) for value in values[COLUMNS[group][compliant.EPS0 :]])
         strain_length = float(self._strain_lengths[group])
         return TendonLaw(float(self._slack[group]), tendon_curve(eps0 * strain_length, *others))
 
