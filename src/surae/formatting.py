@@ -113,9 +113,7 @@ def percentage(vaf: float) -> str:
     """A VAF [%] with two decimals, never rounded up to 100."""
     if not math.isfinite(vaf):
         return NO_NUMBER
-    if 99.99 < vaf < 100:
-        return "> 99.99"
-    return _fixed(vaf, 2)
+    return "> 99.99" if 99.99 < vaf < 100 else _fixed(vaf, 2)
 
 
 def _fixed(value: float, decimals: int) -> str:

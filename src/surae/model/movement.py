@@ -114,11 +114,7 @@ class Movement:
         if _GIVE in at and inputs.torque is not None:
             self.pulled_by(inputs.torque)
         self._fixed = None if self._at else self._moved({}, {})
-
-    @property
-    def is_fixed(self) -> bool:
-        """Whether no parameter touches it."""
-        return self._fixed is not None
+        self.is_fixed = not self._at  #: Whether no parameter touches it.
 
     def pulled_by(self, torque: FloatArray) -> None:
         """Let a plate that gives way be turned by this torque [Nm], as smooth as effort is."""

@@ -159,11 +159,10 @@ class Simulator:
     def muscles(self, values: FloatArray) -> FloatArray:
         """Muscle length [m], tendon elongation [m] and force [N] of both groups, (3, 2, n)."""
         p = np.array(values, dtype=np.float64)
-        paths = self._movement.at(p).muscles
-        length = np.stack([muscle.length for muscle in paths])
-        active = self._active(p, self._movement.at(p))
-        force = [self._force(p, g, paths[g], active[g]) for g in range(2)]
-        return np.stack([length, np.zeros_like(length), np.stack(force)])
+        leg = self._movement.at(p)
+        length, active = [muscle.length for muscle in leg.muscles], self._active(p, leg)
+        force = [self._force(p, g, leg.muscles[g], active[g]) for g in range(2)]
+        return np.stack([length, np.zeros_like(length), force])
 
     def _active(
         self, p: FloatArray, leg: LegMovement, columns: Collection[int] = ()

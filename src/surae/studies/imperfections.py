@@ -168,9 +168,7 @@ def mixing(crosstalk: float) -> FloatArray:
 
 def mixed_envelopes(envelopes: FloatArray, crosstalk: float) -> FloatArray:
     """Envelopes behind electrodes with crosstalk: uncorrelated signals add up in squares."""
-    if crosstalk == 0.0:
-        return envelopes
-    return np.sqrt(envelopes**2 @ (mixing(crosstalk) ** 2).T)
+    return envelopes if crosstalk == 0.0 else np.sqrt(envelopes**2 @ (mixing(crosstalk) ** 2).T)
 
 
 def raw_emg(envelopes: FloatArray, rate_hz: float, rng: np.random.Generator) -> FloatArray:
