@@ -35,18 +35,14 @@ def trial(trajectory, seed=0, noise=0.0, **sizes):
 
 def test_every_size_is_zero_by_default():
     others = {f.name for f in fields(Imperfections)} - SIZES.keys()
-    assert others == {
-        "torque_noise_time", "reflex_delay", "reflex_threshold", "reflex_limit",
-    }  # fmt: skip
+    assert others == {"torque_noise_time"}
     assert all(getattr(Imperfections(), name) == 0.0 for name in SIZES)
     assert Imperfections().steps == ()
 
 
 def test_the_kind_of_a_disturbance_of_no_size_has_no_effect(trajectory):
     ideal = trial(trajectory)
-    again = trial(
-        trajectory, torque_noise_time=1.0, reflex_delay=0.1, reflex_threshold=0.0, reflex_limit=1.0
-    )
+    again = trial(trajectory, torque_noise_time=1.0)
     np.testing.assert_array_equal(again.torque, ideal.torque)
     np.testing.assert_array_equal(again.emg, ideal.emg)
 

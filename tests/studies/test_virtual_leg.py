@@ -37,22 +37,19 @@ def ideal(trajectory):
 def test_the_reflex_is_delayed_rectified_above_a_threshold_and_limited():
     t = np.arange(0.0, 4.0, 0.001)
     stretch = 2.0 * np.sin(2 * np.pi * t)
-    settings = Imperfections(
-        reflex_gain=0.5, reflex_delay=0.05, reflex_threshold=0.4, reflex_limit=0.6
-    )
-    reflexes = reflex(t, stretch, settings)
-    delayed = np.where(t < 0.05, 0.0, 2.0 * np.sin(2 * np.pi * (t - 0.05)))
-    expected = np.clip(0.5 * (delayed - 0.4), 0.0, 0.6)
+    reflexes = reflex(t, stretch, 0.5)
+    delayed = np.where(t < 0.042, 0.0, 2.0 * np.sin(2 * np.pi * (t - 0.042)))
+    expected = np.clip(0.5 * (delayed - 0.1), 0.0, 0.5)
     np.testing.assert_allclose(reflexes, expected, atol=1e-3)
-    assert reflexes.max() == 0.6
-    assert (reflexes[(t > 0.56) & (t < 1.04)] == 0.0).all()  # while the muscle shortens
+    assert reflexes.max() == 0.5
+    assert (reflexes[(t > 0.55) & (t < 1.04)] == 0.0).all()  # while the muscle shortens
 
 
 def test_the_reflex_is_in_the_triceps_emg_and_drives_the_torque(trajectory, ideal):
     settings = Imperfections(reflex_gain=0.2)
     trial = virtual_trial(SUBJECT, trajectory, noise=0.0, imperfections=settings)
     tri, _ = paths(angle=trajectory.angle, velocity=trajectory.velocity, options=OPTIONS)
-    added = reflex(trajectory.time, tri.speed / SUBJECT.parameters["l0_tri"], settings)
+    added = reflex(trajectory.time, tri.speed / SUBJECT.parameters["l0_tri"], 0.2)
     assert 0.05 < added.max() < 0.5
     np.testing.assert_array_equal(trial.emg[:, 0], ideal.emg[:, 0])
     for head in (1, 2, 3):

@@ -68,18 +68,8 @@ class Imperfections(Request):
     )  # fmt: skip
     reflex_gain: float = setting(
         0.0, "Stretch reflex of the triceps: effort for each l0/s of stretch velocity above "
-        "`reflex_threshold`, `reflex_delay` later [1/(l0/s)]. It drives torque and EMG alike.",
-        least=0.0,
-    )  # fmt: skip
-    reflex_delay: float = setting(
-        0.042, "[s]; 42 ± 3 ms in the soleus (Sinkjær et al. 1996, *J. Neurophysiol.* 76).",
-        least=0.0,
-    )  # fmt: skip
-    reflex_threshold: float = setting(
-        0.1, "[l0/s]; 0.1 l0/s is about 15°/s at the ankle.", least=0.0,
-    )  # fmt: skip
-    reflex_limit: float = setting(
-        0.5, "Largest effort that the reflex reaches.", least=0.0,
+        "a threshold, 42 ms later (`surae.studies.leg.reflex`) [1/(l0/s)]. It drives torque and "
+        "EMG alike.", least=0.0,
     )  # fmt: skip
 
     @property

@@ -24,6 +24,9 @@ EMG_REST = 1e-6
 KNEE_ARM = 0.016
 #: The gastrocnemius's part of the passive force of the triceps; no source, half is assumed.
 KNEE_TISSUE = 0.5
+#: Delay of the stretch reflex [s]: 42 ± 3 ms in the soleus (Sinkjær et al. 1996, *J. Neurophysiol.*
+#: 76); its threshold [l0/s], about 15°/s at the ankle; and the largest effort that it reaches.
+REFLEX_DELAY, REFLEX_THRESHOLD, REFLEX_LIMIT = 0.042, 0.1, 0.5
 #: Seconds between the independent values of the knee's angle, and of the gains of the effort.
 KNEE_PERIOD = 2.0
 EFFORT_PERIOD = 1.0
@@ -61,7 +64,7 @@ class VirtualTrial:
             triceps, _ = paths(angle=ankle[0], velocity=ankle[1], options=options)
             stretch = triceps.speed / self.subject.parameters["l0_tri"]
             done = done.copy()
-            done[:, _HEADS] += reflex(trajectory.time, stretch, of)[:, None]
+            done[:, _HEADS] += reflex(trajectory.time, stretch, of.reflex_gain)[:, None]
         envelopes = EMG_REST + (EMG_FULL - EMG_REST) * done
         inputs = inputs_as_given(
             self.name, trajectory.settings.rate_hz, trajectory.time, ankle,
@@ -96,11 +99,10 @@ class VirtualTrial:
         )
 
 
-def reflex(time: FloatArray, stretch: FloatArray, imperfections: Imperfections) -> FloatArray:
+def reflex(time: FloatArray, stretch: FloatArray, gain: float) -> FloatArray:
     """Effort of the reflex: the triceps's stretch [l0/s], delayed, above a threshold, limited."""
-    delayed = np.interp(time - imperfections.reflex_delay, time, stretch, left=0.0)
-    above = np.maximum(delayed - imperfections.reflex_threshold, 0.0)
-    return np.minimum(imperfections.reflex_gain * above, imperfections.reflex_limit)
+    delayed = np.interp(time - REFLEX_DELAY, time, stretch, left=0.0)
+    return np.minimum(gain * np.maximum(delayed - REFLEX_THRESHOLD, 0.0), REFLEX_LIMIT)
 
 
 def misaligned(plate: Motion, forward: float, up: float) -> tuple[Motion, FloatArray | None]:
