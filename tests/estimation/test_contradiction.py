@@ -99,7 +99,7 @@ def test_noise_of_the_emg_contradicts_no_model(seed) -> None:
         virtual_subject(seed),
         Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.16, rate_hz=1024.0),
     )
-    raw = prepare(virtual_recording(subject, generate(asked), raw=True))
+    raw = prepare(virtual_recording(subject, generate(asked)))
     loud = virtual_trial(subject, generate(replace(asked, rate_hz=128.0)), noise=0.15)
     for inputs in (raw, loud):
         assert contradiction(solve(make_problem([inputs], "muscle", starts=1))) is None

@@ -5,6 +5,7 @@ import json
 import time
 import zlib
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from functools import cache, lru_cache
 from importlib.metadata import PackageNotFoundError, version
@@ -31,10 +32,8 @@ def fingerprint() -> str:
     """Hash of surae's version, the sources that compute, and the libraries they use."""
     digest = hashlib.sha256(__version__.encode())
     for name in _LIBRARIES:
-        try:
+        with suppress(PackageNotFoundError):  # part of a bundle without metadata
             digest.update(f"{name} {version(name)}\n".encode())
-        except PackageNotFoundError:  # part of a bundle without metadata
-            digest.update(f"{name}\n".encode())
     for folder in _COMPUTING:
         for source in sorted((_PACKAGE / folder).rglob("*.py")):
             if folder != "studies" or source.stem not in BOOKKEEPING:

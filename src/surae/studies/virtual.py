@@ -72,7 +72,6 @@ def virtual_trial(
 def virtual_recording(
     subject: VirtualSubject, trajectory: Trajectory, *, model: str = "muscle",
     options: ModelOptions | None = None, seed: int = 0, imperfections: Imperfections = _IDEAL,
-    raw: bool = True,
 ) -> Recording:  # fmt: skip
     """A trial of a subject as it would be recorded, with raw EMG, for the whole chain of signals.
 
@@ -88,8 +87,6 @@ def virtual_recording(
         Seed of everything random in the trial, beside the subject's own.
     imperfections : Imperfections
         What is not ideal; by default nothing.
-    raw : bool
-        Raw EMG; False gives the envelopes themselves, as no electrode does.
 
     Returns
     -------
@@ -108,15 +105,11 @@ def virtual_recording(
             f"{EMG_LOWEST_RATE:g} Hz or more, for example 2048 Hz"
         )
     trial = VirtualTrial(subject, trajectory, imperfections, seed)
-    emg, torque = trial.simulated(model, options or ModelOptions())
-    if raw:
-        emg = raw_emg(emg, rate_hz, stream(subject, "raw EMG", seed))
-        emg = emg @ mixing(imperfections.crosstalk).T
-    else:
-        emg = mixed_envelopes(emg, imperfections.crosstalk)
+    envelopes, torque = trial.simulated(model, options or ModelOptions())
+    emg = raw_emg(envelopes, rate_hz, stream(subject, "raw EMG", seed))
     return Recording.from_arrays(
-        trajectory.time, trajectory.angle, torque + trial.torque_noise(), emg, name=trial.name,
-        emg_kind="raw" if raw else "envelope",
+        trajectory.time, trajectory.angle, torque + trial.torque_noise(),
+        emg @ mixing(imperfections.crosstalk).T, name=trial.name, emg_kind="raw",
     )  # fmt: skip
 
 

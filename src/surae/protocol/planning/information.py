@@ -15,7 +15,7 @@ from surae.estimation import FitResult
 from surae.estimation.film import DRIFT, DRIFT_S, group_of_film, names_of_film
 from surae.frozen import Comparable, FrozenDict, read_only
 from surae.model import ModelSpec, with_optional
-from surae.model.laboratory import EACH_TRIAL, group_of, laboratory
+from surae.model.laboratory import laboratory
 from surae.protocol import Trajectory
 from surae.protocol.planning.legs import Legs
 from surae.recording.recording import FILMED
@@ -72,9 +72,8 @@ def information(
 
 def shared(trial: Information, legs: Legs) -> Information:
     """The same, with the trial's own nuisances eliminated: what can be added to other trials."""
-    own = {n for n in trial.names if n in legs.priors and group_of(n) in EACH_TRIAL}
-    each = [j for j, name in enumerate(trial.names) if name in own]
-    common = [j for j, name in enumerate(trial.names) if name not in own]
+    each = [j for j, name in enumerate(trial.names) if name in legs.each_trial]
+    common = [j for j, name in enumerate(trial.names) if name not in legs.each_trial]
     if not each:
         return trial
     within = trial.matrices[:, each][:, :, each] + np.diag(

@@ -11,7 +11,7 @@ from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
 from surae.model import ModelOptions, ModelSpec, get_model, with_optional
 from surae.model.joint import ANKLE
-from surae.model.laboratory import AUTO, COMPLIANT, NONE, group_of, laboratory, richest
+from surae.model.laboratory import AUTO, COMPLIANT, EACH_TRIAL, NONE, group_of, laboratory, richest
 from surae.model.sources import Gaussian
 from surae.normal import standard_error_of
 from surae.signals import emg_levels
@@ -52,6 +52,11 @@ class Legs(Comparable):
     def own(self) -> tuple[str, ...]:
         """The parameters of the leg that a fit would estimate."""
         return tuple(name for name in self.free if name not in self.priors)
+
+    @property
+    def each_trial(self) -> frozenset[str]:
+        """The nuisances that every trial has anew."""
+        return frozenset(name for name in self.priors if group_of(name) in EACH_TRIAL)
 
     @property
     def estimated(self) -> FloatArray:

@@ -15,7 +15,6 @@ from surae.estimation import FitResult
 from surae.filed import filed
 from surae.files import PathLike
 from surae.frozen import Comparable, FrozenDict
-from surae.model.laboratory import EACH_TRIAL, group_of
 from surae.protocol import Device, Trajectory, write_protocol
 from surae.protocol.planning.information import estimated, information, shared
 from surae.protocol.planning.legs import Legs
@@ -68,8 +67,7 @@ def known_from(result: FitResult, assessment: Assessment, legs: Legs) -> FloatAr
     Intervals that are believed for correlated residuals are believed here too. Nuisances that
     trials share are in with their priors, once. The legs are those of the fit (`fit_legs`).
     """
-    free = legs.free
-    own = {n for n in free if n in legs.priors and group_of(n) in EACH_TRIAL}
+    free, own = legs.free, legs.each_trial
     alone = own | {n for n in free if n not in result.problem.free}  # another film
     known = np.diag([legs.priors[n].sd ** -2.0 if n in alone else 0.0 for n in free])
     if result.family is not None:
@@ -113,7 +111,7 @@ def measure_next_of(
         return _nothing("Every parameter is identified: nothing more needs to be measured.")
     known = known_from(result, assessment, legs)
     best: tuple[float, Ready, Trajectory, FloatArray] | None = None
-    names = tuple(n for n in legs.free if group_of(n) not in EACH_TRIAL or n not in legs.priors)
+    names = tuple(n for n in legs.free if n not in legs.each_trial)
     with one_blas_thread():
         before = _half_widths(names, known, legs)
         stays = _stays(assessment, legs, before)

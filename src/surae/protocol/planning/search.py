@@ -126,7 +126,6 @@ class Search(Comparable):
     """Where a search ended."""
 
     genes: FloatArray  #: The best plan, shape (d,).
-    cost: float  #: Its cost.
     evaluations: int  #: Plans that were judged.
     #: Evaluations, seconds and the best cost, each time that it fell by a hundredth.
     curve: tuple[tuple[int, float, float], ...]
@@ -199,4 +198,4 @@ def search(
             pass
         except KeyboardInterrupt:
             stopped = True
-    return Search(read_only(best), float(lowest), count, tuple(curve), stopped)
+    return Search(read_only(best), count, tuple(curve), stopped)
