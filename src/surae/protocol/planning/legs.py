@@ -148,8 +148,9 @@ def _spec_of(
     base = get_model(richest(model))
     if nuisances is None:
         nuisances = "all" if model == AUTO else NONE
-    known = {name for name in laboratory() if name not in base.free and group_of(name) != "film"}
-    priors = {n: b for n, b in laboratory(nuisances).items() if n in known}
+    # what is not planned: films unless asked for, and envelopes, which lag, instead of raw EMG
+    unplanned = {n for n in laboratory() if n in base.free or group_of(n) in ("film", "lag")}
+    priors = {n: b for n, b in laboratory(nuisances).items() if n not in unplanned}
     spec = with_optional(base, priors)
     priors = {n: b for n, b in priors.items() if n in spec.names}
     return spec, priors, (*base.free, *(n for n in spec.names if n in priors))
