@@ -9,21 +9,13 @@ from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
-import numpy as np
 import pytest
-import scipy.linalg  # noqa: F401  # its library too is to be limited
 from hypothesis import HealthCheck, settings
-from threadpoolctl import threadpool_limits
 
-from surae.protocol import Protocol, generate
-from surae.recording import write_csv
-from surae.studies import virtual_subject, virtual_trial
-from undrawn import blank_figures, few_legs
-
-# Tests share the cores among them. Threads of linear algebra on cores that others use wait for one
-# another busily: one decomposition takes a hundred times as long.
-threadpool_limits(limits=1)
-for _library in ("OMP", "OPENBLAS", "MKL"):  # for the processes that tests start
+# What computes is imported where it is used: who only hands out tests goes without, and no library
+# has begun its threads yet. Tests share the cores among them: threads of linear algebra on cores
+# that others use wait for one another busily, and one decomposition takes a hundred times as long.
+for _library in ("OMP", "OPENBLAS", "MKL"):
     os.environ[f"{_library}_NUM_THREADS"] = "1"
 
 # Plugins of this repository are found, here and by children, where only pytest's path has them too.
@@ -55,12 +47,20 @@ settings.register_profile(
 settings.load_profile("repeatable")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests in a browser come first: at the end the workers would share them, and what they need.
+#: What begins: what shares most, then what shares least, which a worker that is through takes over.
+FIRST = ("/e2e/", "/web/", "/live/", "/recording/", "/signals/", "/model/")
 
-    Their server, its window and the project with its fits would be made twice or thrice.
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests of the workbench come first: one worker has them, others work while they wait.
+
+    Else their servers, windows, child processes and projects would be made twice or thrice.
     """
-    items.sort(key=lambda item: "/e2e/" not in item.nodeid)
+
+    def place(item: pytest.Item) -> int:
+        return next((i for i, part in enumerate(FIRST) if part in item.nodeid), len(FIRST))
+
+    items.sort(key=place)
 
 
 def pytest_collection_finish() -> None:
@@ -100,6 +100,8 @@ def shared() -> Path:
 
 @pytest.fixture(scope="session")
 def trajectory():
+    from surae.protocol import Protocol, generate
+
     return generate(
         Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=125.0)
     )
@@ -107,24 +109,32 @@ def trajectory():
 
 @pytest.fixture(scope="session")
 def subject():
+    from surae.studies import virtual_subject
+
     return virtual_subject(1)
 
 
 @pytest.fixture(scope="session")
 def clean(subject, trajectory):
     """A trial without noise."""
+    from surae.studies import virtual_trial
+
     return virtual_trial(subject, trajectory, noise=0.0)
 
 
 @pytest.fixture(scope="session")
 def noisy(subject, trajectory):
     """A trial with the thesis's noise."""
+    from surae.studies import virtual_trial
+
     return virtual_trial(subject, trajectory, noise=0.05)
 
 
 @pytest.fixture
 def undrawn() -> Iterator[None]:
     """Reports of this test have no figures: their words are what is tested."""
+    from undrawn import blank_figures
+
     with blank_figures():
         yield
 
@@ -132,6 +142,8 @@ def undrawn() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def few() -> Iterator[None]:
     """Measures of this module have intervals of few possible legs: others are its claims."""
+    from undrawn import few_legs
+
     with few_legs():
         yield
 
@@ -139,6 +151,12 @@ def few() -> Iterator[None]:
 @pytest.fixture(scope="session")
 def trial_csv(tmp_path_factory) -> Path:
     """A CSV of a virtual subject: 40 s at 32 Hz, envelopes, with our column names."""
+    import numpy as np
+
+    from surae.protocol import Protocol, generate
+    from surae.recording import write_csv
+    from surae.studies import virtual_subject, virtual_trial
+
     motion = generate(
         Protocol(profile="multi-sine-holds", chirp_amplitude=0.2, chirp_rate=0.1, rate_hz=32.0)
     )

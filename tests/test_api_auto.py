@@ -1,4 +1,7 @@
-"""`surae.fit` as people call it: a file, its filters, and no model named."""
+"""`surae.fit` as people call it: a file, its filters, and no model named.
+
+In the fast suite tests/measures/test_measures.py has one such fit.
+"""
 
 import numpy as np
 import pytest
@@ -9,6 +12,8 @@ from richer_legs import richer_leg
 from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES
 from surae.studies import virtual_subject, virtual_trial
+
+pytestmark = pytest.mark.slow
 
 
 def fitted(folder, seed: int):
@@ -32,12 +37,10 @@ def fitted(folder, seed: int):
     return surae.fit(path, quality=()), subject.parameters
 
 
-@pytest.fixture(
-    scope="module", params=[(1,), pytest.param((1, 2, 4), marks=pytest.mark.slow)], ids=len
-)
-def legs(request, tmp_path_factory):
+@pytest.fixture(scope="module")
+def legs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("auto")
-    return [fitted(folder, seed) for seed in request.param]
+    return [fitted(folder, seed) for seed in (1, 2, 4)]
 
 
 def test_a_filtered_recording_is_followed(legs) -> None:
@@ -58,7 +61,6 @@ def test_what_is_identified_of_a_filtered_recording_is_true(legs) -> None:
     assert sum(held) >= binom.ppf(0.05, len(held), 0.95)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("drifting", [False, True])
 def test_what_is_identified_of_richer_legs_is_true(tmp_path, drifting) -> None:
     """Twelve legs that `auto` can describe, as files; `benchmarks/trust.py` counts on others."""
@@ -75,7 +77,6 @@ def test_what_is_identified_of_richer_legs_is_true(tmp_path, drifting) -> None:
     assert true >= 0.9 * claimed
 
 
-@pytest.mark.slow
 def test_the_filter_is_not_identified_where_two_muscles_have_no_electrode(tmp_path) -> None:
     # What gastrocnemius does shows as another filter: β was called identified, four deviations off.
     leg = richer_leg(662)

@@ -35,6 +35,7 @@ def followed(fit, inputs, hit):
     return 100 * (1 - np.sum((torque - modelled[~hit]) ** 2) / np.sum(torque**2))
 
 
+@pytest.mark.slow
 def test_bursts_in_measured_walking_spoil_squares_but_not_huber(walk, struck) -> None:
     bad, hit = struck
     squares = surae.fit(bad, "muscle", starts=2)
@@ -58,6 +59,7 @@ def test_excluding_the_bursts_does_as_well(walk, struck) -> None:
     assert fitted.result.problem.n == walk.n - hit.sum()
 
 
+@pytest.mark.slow
 def test_walking_does_not_predict_running(walk, run) -> None:
     assert surae.fit(run, "muscle", starts=1).predict(walk).vaf < 90
     assert surae.fit(walk, "muscle", starts=1).predict(run).vaf < 60

@@ -196,7 +196,7 @@ def section(recipe: str) -> str:
 def run(tmp_path_factory):
     """Run Python in a copy of the package in which all recipes were followed."""
     copy = tmp_path_factory.mktemp("copy")
-    shutil.copytree(PACKAGE, copy / "surae", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(PACKAGE, copy / "surae")  # with what Python has compiled
     file, field = re.search(
         r"`src/(surae/\w+\.py)`.*?```python\n(.*?)```", section("a setting of a fit"), re.DOTALL
     ).groups()
@@ -220,7 +220,7 @@ def run(tmp_path_factory):
         assert done.returncode == 0, done.stderr
         return done.stdout
 
-    motion = generate(Protocol(profile="multiple-holds", rate_hz=16.0, duration=20.0))
+    motion = generate(Protocol(profile="multiple-holds", rate_hz=16.0, duration=12.0))
     made = virtual_trial(virtual_subject(3), motion)
     columns = {"time_s": made.time, "angle_rad": made.angle, "torque_Nm": made.torque}
     columns |= {f"emg_{m}_V": made.emg[:, i] for i, m in enumerate(MUSCLES)}
@@ -316,6 +316,7 @@ def test_a_recipe_names_every_file_that_it_changes(recipe) -> None:
         assert name in said, file
 
 
+@pytest.mark.slow
 def test_a_setting_is_an_option_a_keyword_a_request_and_a_field_of_the_form(seen) -> None:
     assert Path(seen["home"]).parent != PACKAGE
     assert "patience : int, default 3\n    How many searches may fail" in seen["doc"]
@@ -328,6 +329,7 @@ def test_a_setting_is_an_option_a_keyword_a_request_and_a_field_of_the_form(seen
     assert seen["fit"]["settings"]["patience"] == 7
 
 
+@pytest.mark.slow
 def test_what_the_laboratory_cannot_rule_out_has_a_prior_and_words(seen) -> None:
     assert seen["prior"] == 1.0
     assert (
@@ -341,6 +343,7 @@ def test_what_the_laboratory_cannot_rule_out_has_a_prior_and_words(seen) -> None
     assert seen["fit"]["parameters"]["friction"]["verdict"] != "fixed"
 
 
+@pytest.mark.slow
 def test_a_parameter_is_estimated_explained_and_in_the_report(seen) -> None:
     estimate = seen["fit"]["parameters"]["viscosity"]
     assert estimate["verdict"] != "fixed"
@@ -354,6 +357,7 @@ def test_a_parameter_is_estimated_explained_and_in_the_report(seen) -> None:
     assert "move the relaxed leg at several speeds" in seen["report"].lower()
 
 
+@pytest.mark.slow
 def test_a_finding_is_found_where_it_is_and_in_the_table(seen) -> None:
     assert "torque-still" in seen["found"]
     assert "torque-still" not in seen["fine"]
@@ -363,6 +367,7 @@ def test_a_finding_is_found_where_it_is_and_in_the_table(seen) -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_measure_is_computed_and_in_the_table(seen) -> None:
     assert "slack_span" in seen["measures"]
     assert (
@@ -371,6 +376,7 @@ def test_a_measure_is_computed_and_in_the_table(seen) -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_model_is_offered_fitted_and_its_sensitivities_are_right(seen) -> None:
     assert "spring" in dict(seen["models"][0])
     assert seen["spring"]["model"] == "spring"
@@ -378,6 +384,7 @@ def test_a_model_is_offered_fitted_and_its_sensitivities_are_right(seen) -> None
     assert seen["slopes"] < 1e-4
 
 
+@pytest.mark.slow
 def test_a_protocol_spans_the_range(seen) -> None:
     low, high = seen["angles"]
     assert high - low > 0.5

@@ -52,8 +52,7 @@ def expected() -> dict[str, object]:
 
 
 @pytest.mark.parametrize(
-    "engine", [Engine("threads", 1), Engine("threads", 3), Engine("processes", 1),
-               Engine("processes", 2)],
+    "engine", [Engine("threads", 1), Engine("threads", 3), Engine("processes", 2)],
 )  # fmt: skip
 def test_every_engine_gives_the_same_bits(engine, expected) -> None:
     assert all_of(CALLS, engine) == expected
@@ -155,6 +154,7 @@ def test_without_dask_a_cluster_is_refused_kindly(monkeypatch) -> None:
         all_of(CALLS, Engine("dask", address="tcp://127.0.0.1:9"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "cluster", [{"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}], indirect=True
 )

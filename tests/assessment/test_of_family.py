@@ -7,14 +7,14 @@ import pytest
 
 import surae
 from surae.assessment.parameter import percent
-from surae.errors import InputError
 from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
 from surae.protocol import Protocol, generate
 from surae.signals import Film
 from surae.studies import virtual_subject, virtual_trial
 
-pytestmark = pytest.mark.usefixtures("few")
+#: Fits of films are in the fast suite in tests/estimation/test_film.py.
+pytestmark = [pytest.mark.usefixtures("few"), pytest.mark.slow]
 SCALE, ZERO = 0.02, 3e-3
 
 
@@ -36,7 +36,6 @@ def fits():
     return [surae.fit(recording, prepared=True, quality=()) for recording in both]
 
 
-@pytest.mark.slow
 def test_the_profile_of_a_filmed_length_is_as_narrow_as_its_interval(fits) -> None:
     own, blind = (fit.parameters["dlt_tib"].ci95 for fit in fits)
     profiled = surae.profile(fits[0], "dlt_tib")["dlt_tib"].interval
@@ -50,8 +49,3 @@ def test_the_whole_muscles_length_says_what_the_film_knows_better(fits) -> None:
     part = (optimum.ci95[1] - optimum.ci95[0]) / 2 / optimum.value
     assert f"own optimum is {optimum.value:.1f} mm ±{percent(part)} (optimal_" in filmed
     assert "optimal_fascicle_tib" not in blind
-
-
-def test_draws_of_a_posterior_that_was_fitted_are_refused(fits) -> None:
-    with pytest.raises(InputError, match="a fit of auto is a posterior already"):
-        surae.posterior(fits[0])

@@ -34,7 +34,7 @@ def quantiles(grid, log_density):
     return np.interp([0.025, 0.5, 0.975], total, grid)
 
 
-@pytest.mark.parametrize("prior", [None, (2.4, 0.002)])
+@pytest.mark.parametrize("prior", [pytest.param(None, marks=pytest.mark.slow), (2.4, 0.002)])
 def test_one_parameter_has_the_posterior_of_a_quadrature(one, prior):
     known = {} if prior is None else {"f0": prior}
     found = sample(one, **MANY, priors=known)

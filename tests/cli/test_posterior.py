@@ -6,7 +6,7 @@ import surae
 
 from .conftest import refused
 
-FEW = ("--draws", 60, "--evaluations", 1200)
+FEW = ("--draws", 60, "--evaluations", 700)
 
 
 def test_the_posterior_beside_the_covariance(run, files) -> None:
@@ -25,7 +25,7 @@ def test_the_posterior_beside_the_covariance(run, files) -> None:
     assert content["variance_inflation_reason"] == noise
     assert "posterior: posterior.json" in done.out
 
-    again = surae.posterior(surae.load(files / "fit.json"), draws=60, evaluations=1200, seed=3)
+    again = surae.posterior(surae.load(files / "fit.json"), draws=60, evaluations=700, seed=3)
     assert content["samples"]["f0"] == again.of("f0").tolist()
     assert again["f0"].ci95 == tuple(content["parameters"]["f0"]["ci95"])
 

@@ -66,6 +66,7 @@ def test_without_stdout_the_work_is_done_all_the_same(files) -> None:
     assert "[channels.angle]" in (files / "map.toml").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_results_go_to_stdout_as_a_file(files) -> None:
     done = shell('"$SURAE" simulate trial.csv --parameters true.json --output /dev/stdout', files)
     assert done.returncode == 0

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -18,6 +19,7 @@ import pytest
 
 import surae as surae_package
 from surae.cli import COMMANDS, group, main
+from undrawn import blank_figures
 
 from .pages import PAGES, ROOT, Snippet, is_command, snippets
 
@@ -48,8 +50,8 @@ QUICKER = {
 LONG = {
     f"docs/{page}.md"
     for page in ("start", "clinicians", "how-to/run-a-cohort", "how-to/sessions",
-                 "how-to/run-a-study", "how-to/before-and-after", "how-to/design-a-protocol",
-                 "methods/measures")
+                 "how-to/run-a-study", "how-to/script-it", "how-to/before-and-after",
+                 "how-to/design-a-protocol", "methods/measures")
 }  # fmt: skip
 #: Targets of the Makefile, and extras of the package.
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
@@ -201,10 +203,19 @@ def _read_toml(text: str) -> None:
 
 
 @pytest.fixture
+def undrawn() -> Iterator[None]:
+    """Reports of these pages have no figures, nor are those of sessions made."""
+    with blank_figures(made=False):
+        yield
+
+
+@pytest.fixture
 def quick_fits(page, monkeypatch):
     """Python fits as `QUICKER` says of the shell, but where `auto` itself is shown."""
     if page != "docs/how-to/design-a-protocol.md":
         few = {"model": "muscle", "starts": 1}
+        drawn = functools.partial(surae_package.posterior, draws=20, evaluations=600)
+        monkeypatch.setattr(surae_package, "posterior", drawn)
         monkeypatch.setattr(surae_package, "fit", functools.partial(surae_package.fit, **few))
         for name in ("fit", "run"):
             whole = getattr(surae_package.Session, name)
@@ -273,7 +284,7 @@ def test_commands_have_the_options_that_long_pages_give_them(workplace):
                     pass
 
 
-@pytest.mark.usefixtures("undrawn", "small_example", "quick_fits")
+@pytest.mark.usefixtures("undrawn", "few", "small_example", "quick_fits")
 @pytest.mark.parametrize(
     "page", [pytest.param(page, marks=pytest.mark.slow if page in LONG else ()) for page in PAGES]
 )
@@ -322,7 +333,7 @@ FUNCTIONS = {
 }
 
 
-@pytest.mark.usefixtures("undrawn", "small_example", "quick_fits", "workplace")
+@pytest.mark.usefixtures("undrawn", "few", "small_example", "quick_fits", "workplace")
 @pytest.mark.parametrize("page", FUNCTIONS)
 def test_a_function_has_an_example_that_runs(page):
     if page == "load_session":

@@ -42,12 +42,12 @@ def late() -> ModelInputs:
     return holds(EMD)
 
 
-def test_a_delay_is_found_from_all_starts() -> None:
+def test_a_delay_is_found_from_all_starts(late) -> None:
     result = fit_problem(make_problem([holds(EMD, noise=0.0)], free=["emd"]))
     assert len(result.starts) == 8
     for start in result.starts:
         assert start.values["emd"] == pytest.approx(EMD, abs=0.0008)
-    noisy = fit_problem(make_problem([holds(EMD)], free=["emd"]))
+    noisy = fit_problem(make_problem([late], free=["emd"]))
     assert noisy.agreeing == 8
 
 
@@ -152,7 +152,8 @@ def test_with_drives_alone_to_estimate(late) -> None:
     assert result.agreeing == 2
 
 
-@pytest.mark.parametrize("trial", ["walk36", pytest.param("run81", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("trial", ["walk36", "run81"])
 def test_a_delay_makes_no_measured_trial_worse(shared, trial) -> None:
     inputs = prepare(read(shared / "gait" / f"{trial}.toml"))
     starts = 8 if trial == "walk36" else 3

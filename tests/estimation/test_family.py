@@ -27,8 +27,8 @@ from surae.recording import Recording, read
 from surae.signals import prepare
 from surae.studies import virtual_subject, virtual_trial
 
-#: Rate [Hz] and duration [s] of the legs of which less is claimed than so many samples tell.
-THIN, SHORT = 64.0, 25.0
+#: Rate [Hz] and durations [s] of the legs of which less is claimed than so many samples tell.
+THIN, SHORT, BRIEF = 64.0, 20.0, 12.0
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def fitted(whole):
 @pytest.fixture(scope="module")
 def brief():
     """The fit of as little as shows what is not claimed of values."""
-    return solve(make_problem([richer_leg(0, rate_hz=THIN, duration=12.0).inputs], "auto"))
+    return solve(make_problem([richer_leg(0, rate_hz=THIN, duration=BRIEF).inputs], "auto"))
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +79,11 @@ def test_a_richer_leg_is_found_with_its_laboratory(whole, fitted):
     assert not set(worth.nuisances) & set(worth.parameters)
 
 
+def test_draws_of_a_posterior_that_was_fitted_are_refused(fitted):
+    with pytest.raises(InputError, match="a fit of auto is a posterior already"):
+        surae.posterior(surae.Fit(fitted, assess(fitted)))
+
+
 def test_every_share_of_a_budget_is_told(fitted):
     worth = assess(fitted)
     for p in worth.parameters.values():
@@ -98,8 +103,9 @@ def test_a_family_survives_a_file(fitted, tmp_path):
     assert assess(again) == assess(fitted)
 
 
-def test_a_static_hold_identifies_nothing(short):
-    one = short.inputs
+@pytest.mark.slow  # in the fast suite tests/assessment/test_adequacy.py has one
+def test_a_static_hold_identifies_nothing():
+    one = richer_leg(0, rate_hz=THIN, duration=25.0).inputs
     still = replace(
         one,
         angle=read_only(np.full(one.n, -0.4) + 1e-3 * np.sin(one.time)),
@@ -134,13 +140,13 @@ def test_several_recordings_have_their_own_zeros(short, tmp_path):
     assert load_saved(tmp_path / "fit.json").result == result
 
 
-def test_two_legs_are_not_one(short):
+@pytest.mark.slow
+def test_two_legs_are_not_one():
     """Recordings that differ by more than noise are no ground for claims."""
-    result = solve(
-        make_problem([short.inputs, richer_leg(2, rate_hz=THIN, duration=SHORT).inputs], "auto")
-    )
+    legs = [richer_leg(seed, rate_hz=THIN, duration=BRIEF) for seed in (0, 2)]
+    result = solve(make_problem([leg.inputs for leg in legs], "auto"))
     worth = assess(result)
-    assert truth_in(worth, short.parameters)[0] == 0
+    assert truth_in(worth, legs[0].parameters)[0] == 0
     assert trial_spread(result.family.recordings)["g2"][1] > 0.1 * result.values["g2"]
 
 
@@ -183,7 +189,8 @@ def test_emg_at_rest_is_as_unsure_as_an_electrode_is_quiet():
     assert (told["emg_rest_ta"].mean, told["emg_rest_ta"].sd) == (0.5e-6, 2e-6)
 
 
-@pytest.mark.parametrize("lifted", [0.004, pytest.param(0.01, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("lifted", [0.004, 0.01])
 def test_what_electrodes_show_at_rest_is_not_claimed_of_the_leg(whole, fitted, lifted):
     emg = whole.inputs.emg + lifted * np.percentile(whole.inputs.emg, 99.0, axis=0)
     fit = solve(make_problem([replace(whole.inputs, emg=read_only(emg))], "auto"))
@@ -345,9 +352,8 @@ def test_a_value_that_no_leg_has_is_not_claimed(fitted):
     assert "a prior that does not fit" in told[1].note
 
 
-@pytest.mark.parametrize(
-    "profile", ["ramp-and-hold", pytest.param("multiple-holds", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("profile", ["ramp-and-hold", "multiple-holds"])
 def test_data_without_noise_are_no_reason_to_fail(profile):
     subject = virtual_subject(seed=1)
     trajectory = generate(Protocol(profile=profile, rate_hz=64.0, chirp_amplitude=0.1))

@@ -79,7 +79,7 @@ def test_derivatives_are_those_of_the_residual(point, of) -> None:
         [getattr(rows, f"by_{of}") for rows in posterior.observed.rows(z, c, w, 0)[1:]], axis=1
     )
     own = {"z": z, "c": c}
-    for j in range(0, len(own[of]), 1 if of == "z" else 7):
+    for j in range(0, len(own[of]), 1 if of == "z" else 21):
         step = min(1e-4 / posterior.weight[j], 1e-5) if of == "z" else 1e-5
         ends = []
         for sign in (-1.0, 1.0):

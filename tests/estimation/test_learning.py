@@ -75,7 +75,7 @@ def dense(posterior: LogPosterior, point) -> dict[str, float]:
     return sizes
 
 
-@pytest.mark.parametrize("number", [1, 2])
+@pytest.mark.parametrize("number", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_sizes_are_those_of_whole_matrices(number) -> None:
     """The banded and bordered algebra leaves nothing out: films, fast gains, several trials."""
     posterior = a_posterior(films=True, number=number).having(fast=0.1)
@@ -107,7 +107,10 @@ def simulated(posterior: LogPosterior, sizes: dict[str, float], seed: int):
 
 @pytest.mark.parametrize(
     "true",
-    [{"gain": 0.1, "drift": 0.5, "misfit": 0.001}, {"gain": 0.003, "drift": 0.02, "misfit": 0.05}],
+    [
+        {"gain": 0.1, "drift": 0.5, "misfit": 0.001},
+        pytest.param({"gain": 0.003, "drift": 0.02, "misfit": 0.05}, marks=pytest.mark.slow),
+    ],
 )
 def test_known_sizes_are_learnt(true) -> None:
     """Of a leg that is known. What is smaller than expected beforehand is never taken for more."""

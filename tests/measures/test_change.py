@@ -19,8 +19,8 @@ CHANGED, NONE, NOT = ChangeVerdict
 
 @pytest.fixture(scope="module")
 def pair(fitted):
-    """Two trials of one leg that did not change; half the samples are soon fitted."""
-    return fitted(1)[0], fitted(1, trial=1)[0]
+    """Two trials of one leg that did not change; a short one is soon fitted."""
+    return fitted(1)[0], fitted(1, trial=1, duration=20.0)[0]
 
 
 @pytest.fixture(scope="module")

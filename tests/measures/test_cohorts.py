@@ -233,6 +233,7 @@ def test_a_refit_narrows_what_is_weak_and_leaves_the_group_as_it_is(table) -> No
     assert widths[1] < own
 
 
+@pytest.mark.usefixtures("few")
 def test_a_table_of_fits_is_a_cohort_with_its_file_and_page(table, tmp_path) -> None:
     from click.testing import CliRunner
 

@@ -38,7 +38,7 @@ def test_seven_minutes_are_checked_and_fitted() -> None:
 def test_a_check_costs_as_much_more_as_the_recording_is_longer() -> None:
     """What grew with the square of the length would need sixteen times as much."""
     work, memory = [], []
-    for seconds in (200.0, 800.0):
+    for seconds in (100.0, 400.0):
         recording = steady(seconds)
         check_recording(recording)
         begun = time.process_time()

@@ -3,6 +3,7 @@
 import html
 import json
 import re
+import shutil
 import string
 from dataclasses import replace
 from importlib.resources import files
@@ -214,6 +215,7 @@ def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkey
 @pytest.mark.usefixtures("words_alone")
 def test_the_commands_write_it_in_the_readers_language(done, leg, tmp_path, run) -> None:
     folder, _ = done
+    shutil.copytree(folder, tmp_path / "out")  # its fits are kept
     made = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
                "--starts", 1, "--workers", 1, "--before", folder, "--language", "de")  # fmt: skip
     assert made.code == 0, made.err
@@ -282,7 +284,7 @@ def foreign(folder, held):
     return out
 
 
-@pytest.mark.parametrize("treated", [False, True])
+@pytest.mark.parametrize("treated", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_holds_that_contradict_the_model_take_its_stiffness_off_the_page(tmp_path, treated) -> None:
     """The treated leg's calf is softer: who mixes its holds with trials from before is told."""
     folder = foreign(tmp_path, 7 if treated else 1)

@@ -10,6 +10,7 @@ import surae
 from surae.errors import InputError
 from surae.recording.dataframe import of_frame
 
+pytestmark = pytest.mark.usefixtures("few")
 pandas = pytest.importorskip("pandas")
 xarray = pytest.importorskip("xarray")
 matplotlib = pytest.importorskip("matplotlib")
@@ -226,8 +227,6 @@ def test_the_example_as_object_and_file(tmp_path):
     for role, channel in recording.channels.items():
         np.testing.assert_array_equal(again.channels[role].values, channel.values)
         assert again.channels[role].unit == channel.unit
-    assert surae.example() == recording
-    assert surae.example(trial=2) != recording
 
 
 def test_nothing_of_it_is_loaded_before_it_is_used(leg):

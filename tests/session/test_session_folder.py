@@ -10,6 +10,7 @@ from surae.api import session_run
 from surae.api.answers import fit_of
 from surae.errors import InputError
 from surae.measures.members import quantities_of
+from undrawn import blank_figures, few_legs
 
 QUICK = {"model": "muscle", "prepared": True, "starts": 1}
 
@@ -21,7 +22,8 @@ def walks(leg, tmp_path_factory):
     for name in ("walk 1", "walk 2"):
         shutil.copy(leg / f"{name}.csv", folder)
     out = tmp_path_factory.mktemp("results") / "out"
-    return folder, out, surae.session(folder).run(out, **QUICK)
+    with blank_figures(made=False), few_legs():
+        return folder, out, surae.session(folder).run(out, **QUICK)
 
 
 def content(folder):

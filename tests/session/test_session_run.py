@@ -36,7 +36,7 @@ def test_each_and_all_are_fitted_and_predicted(done):
     assert all(result.joint_predictions[name].fitted for name in result.joined)
 
 
-@pytest.mark.parametrize("lost", [False, True])
+@pytest.mark.parametrize("lost", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_the_joint_fit_in_a_process_beside_is_the_same(done, leg, monkeypatch, lost):
     """Where that process is lost, the fit is made here."""
     if lost:

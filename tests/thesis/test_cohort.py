@@ -22,6 +22,11 @@ ALL_THREE = next(member for member in COHORT if len(member.completed) == 3)
 TWO = next(member for member in COHORT if len(member.completed) == 2)
 
 
+@pytest.fixture(scope="module")
+def active():
+    return inputs_of(TWO, HOLDS, 1, 64.0)
+
+
 def signals(recording):
     return {role: channel.values for role, channel in recording.channels.items()}
 
@@ -43,6 +48,7 @@ def test_a_seed_is_a_cohort_and_fewer_are_the_first_of_it():
     assert len(seeds) == 2 * SUBJECTS
 
 
+@pytest.mark.slow
 def test_a_wandering_gain_changes_the_torque_and_nothing_else_of_the_cohort():
     steady, wandering = make_cohort(1, 2)[1], make_cohort(1, 2, GAIN)[1]
     assert wandering.imperfections == replace(steady.imperfections, gain_variation=GAIN)
@@ -111,19 +117,20 @@ def test_a_recording_does_not_depend_on_the_ones_before():
         np.testing.assert_array_equal(values, again[role])
 
 
-def test_repetitions_share_the_motion_and_differ_in_effort():
-    first, second = (inputs_of(TWO, HOLDS, r, 64.0) for r in (1, 2))
+@pytest.mark.slow
+def test_repetitions_share_the_motion_and_differ_in_effort(active):
+    first, second = active, inputs_of(TWO, HOLDS, 2, 64.0)
     np.testing.assert_array_equal(first.angle, second.angle)
-    active = first.time > 12.0
-    levels = first.emg[active].mean(axis=0) / second.emg[active].mean(axis=0)
+    late = first.time > 12.0
+    levels = first.emg[late].mean(axis=0) / second.emg[late].mean(axis=0)
     assert np.abs(levels - 1.0).max() > 0.03
     assert np.abs(first.torque).max() < 80.0
     assert first.name == f"{TWO.id} {HOLDS} 1"
 
 
-def test_the_passive_protocol_has_no_effort():
+@pytest.mark.slow
+def test_the_passive_protocol_has_no_effort(active):
     relaxed = inputs_of(TWO, PASSIVE, 1, 64.0)
-    active = inputs_of(TWO, HOLDS, 1, 64.0)
     assert relaxed.emg.max() < 0.2 * active.emg.max()
 
 

@@ -27,6 +27,7 @@ def test_the_full_size_is_that_of_the_thesis(tmp_path):
     assert quick.subjects < 4
 
 
+@pytest.mark.slow
 def test_every_model_is_fitted_to_every_recording_alone(outcome):
     labels = {tuple(label.split()[1:]) for label in outcome}
     models = {model for model, protocol, _ in labels if protocol == ACTIVE_PROTOCOL}
@@ -35,6 +36,7 @@ def test_every_model_is_fitted_to_every_recording_alone(outcome):
     assert {m for m, p, _ in labels if p == PASSIVE_PROTOCOL} == {"1.0", "2.0"}
 
 
+@pytest.mark.slow
 def test_the_first_repetition_predicts_the_others_and_the_passive_protocol(outcome):
     predicted = outcome[f"implicit 1.0 {ACTIVE_PROTOCOL} 1"]["predicted"]
     assert [(p["protocol"], p["repetition"]) for p in predicted] == [
@@ -44,6 +46,7 @@ def test_the_first_repetition_predicts_the_others_and_the_passive_protocol(outco
     assert outcome[f"implicit 1.0 {ACTIVE_PROTOCOL} 2"]["predicted"] == []
 
 
+@pytest.mark.slow
 def test_a_fit_gives_plain_data_with_the_truth_beside_it(outcome):
     assert json.loads(json.dumps(outcome, allow_nan=False)) == outcome
     who = make_cohort(1)[3].subject
@@ -69,6 +72,7 @@ def test_the_thesis_s_scheme_fits_the_same_recordings():
     assert f"explicit 1.0 {ACTIVE_PROTOCOL} 1" not in fits
 
 
+@pytest.mark.slow
 def test_only_a_strain_of_the_slack_length_reaches_the_torques_of_the_thesis():
     strengths = [work.strength_job(seed=1, member=number) for number in (0, 3)]
     for strength in strengths:
@@ -76,6 +80,7 @@ def test_only_a_strain_of_the_slack_length_reaches_the_torques_of_the_thesis():
     assert max(strength["measured"] for strength in strengths) > 55.0
 
 
+@pytest.mark.slow
 def test_a_baseline_is_the_mean_of_simulations(monkeypatch):
     monkeypatch.setattr(work, "RATE_HZ", 64.0)
     both, *single = (

@@ -106,50 +106,50 @@ class Server:
 
 
 class LentChild:
-    """A child process that goes on with the next server's work when its own server closes it.
+    """A child process for the time of a call: then another, or the next server's, has it.
 
     Each begins with importing what computes, which takes longer than most of what is asked of it.
     """
 
-    _idle: ClassVar[dict[int, list[Child]]] = {}
+    _idle: ClassVar[list[Child]] = []
 
     def __init__(self, nice: int = 0) -> None:
-        idle = self._idle.setdefault(nice, [])
-        self._child = idle.pop() if idle else Child(nice)
-        self._nice, self._calls, self._closed = nice, 0, False
+        del nice  # whoever has it next may be in a hurry
+        self._child: Child | None = None
+        self._closed = False
         self._lock = threading.Lock()
 
     @property
     def process(self) -> int | None:
-        return self._child.process
+        return self._child and self._child.process
 
     def call(self, *asked: Any, **more: Any) -> End:
         with self._lock:
             if self._closed:
                 return End("cancelled", message="cancelled before it began")
-            self._calls += 1
+            self._child = child = self._idle.pop() if self._idle else Child(calls=None)
         try:
-            return self._child.call(*asked, **more)
+            return child.call(*asked, **more)
         finally:
             with self._lock:
-                self._calls -= 1
+                self._child = None
+                if not self._closed:
+                    self._idle.append(child)
 
     def interrupt(self) -> None:
-        self._child.interrupt()
+        with self._lock:
+            if self._child is not None:
+                self._child.interrupt()
 
     def close(self) -> None:
         with self._lock:
-            if self._closed:
-                return
             self._closed = True
-            if not self._calls:
-                self._idle[self._nice].append(self._child)
-                return
-        self._child.close()
+            if self._child is not None:
+                self._child.close()
 
     @classmethod
     def end(cls) -> None:
-        for child in (child for idle in cls._idle.values() for child in idle):
+        for child in cls._idle:
             child.close()
 
 

@@ -220,18 +220,6 @@ def test_a_file_that_was_imported_is_recognised_and_names_are_unique(browser, tr
     assert "already" in answer.json()["error"]
 
 
-def test_the_virtual_subject_can_be_described_too(browser) -> None:
-    id_ = browser.post("/api/demo", json={}).json()["id"]
-    before = signal(browser, id_, "torque")
-    told = described(browser, id_)
-    told["mapping"]["channels"]["torque"]["offset"] = 3.0
-    answer = browser.post(
-        "/api/descriptions", json={"recordings": [id_], "mapping": told["mapping"]}
-    )
-    assert answer.status_code == 200, answer.text
-    assert signal(browser, id_, "torque") == pytest.approx(before + 3.0)
-
-
 def test_a_project_with_versions_is_whole_and_a_changed_version_is_seen(serve, trial) -> None:
     server = serve()
     browser = server.browser()

@@ -157,6 +157,7 @@ def test_a_protocol_is_designed_in_the_browser(browser) -> None:
         browser.delete(f"/api/protocols/{kept_one['id']}")
 
 
+@pytest.mark.slow
 def test_a_design_that_is_stopped_keeps_the_best_so_far(browser) -> None:
     asked = {"device": "achilles", "range": [-0.6, 0.3], "rate_hz": 64.0, "durations": [11.0],
              "evaluations": 12000}  # fmt: skip

@@ -20,7 +20,7 @@ def files(tmp_path_factory):
     """Two trials that move, and one that holds still."""
     folder = tmp_path_factory.mktemp("leg")
     motion = generate(
-        Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=64.0, duration=20.0)
+        Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=64.0, duration=12.0)
     )
     made = []
     for seed, name in enumerate(("walk one", "walk two", "hold")):
@@ -71,14 +71,11 @@ def test_a_session_is_that_of_surae(browser, imported, files) -> None:
     assert names >= {"leg · walk one", "leg · walk two", "leg · all together"}
     joint = browser.get(f"/api/fits/{told['summary']['fit']}").json()
     assert joint["summary"]["recordings"] == [imported["walk one"], imported["walk two"]]
-    page = browser.get(f"/api/sessions/{job['result']}/report.html")
-    assert "How stiff is it?" in page.text
     page = browser.get(f"/api/sessions/{job['result']}/report.html?language=de")
     assert "Wie steif ist es?" in page.text
     assert told["visits"] == []
     again = browser.get(f"/api/sessions/{job['result']}/change?before={job['result']}").json()
     assert "fixed beforehand" in again["html"]
-    assert browser.get(f"/api/sessions/{job['result']}/report.pdf").content.startswith(b"%PDF")
     (listed,) = browser.get("/api/sessions").json()["sessions"]
     assert (listed["name"], listed["trials"]) == ("leg", 3)
     assert listed["fit"] == told["summary"]["fit"]

@@ -38,7 +38,7 @@ def test_a_server_killed_in_mid_fit_leaves_the_project_intact(tmp_path, trial) -
     process, address = started(folder)
     browser = Browser(address)
     recording = browser.recording(trial)
-    browser.change(recordings=[recording], prepared=True, starts=2)
+    browser.change(recordings=[recording], prepared=True, starts=1)
     done = browser.job(browser.post("/api/fits", json={}))
     before = browser.get(f"/api/fits/{done['result']}/fit.json").content
     browser.change(starts=1000, model="muscle-tendon")

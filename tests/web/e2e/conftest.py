@@ -71,7 +71,7 @@ class Server:
         self.folder = folder
         command = [sys.executable, "-m", "surae", "serve", str(folder), "--no-open"]
         self.process = subprocess.Popen(
-            [*command, "--port", str(port), "--workers", "2"],
+            [*command, "--port", str(port), "--workers", "1"],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,

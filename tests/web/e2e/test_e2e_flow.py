@@ -54,9 +54,9 @@ def test_a_csv_becomes_a_report(desk: Desk, csv: Path) -> None:
     page.wait_for_url("**/fit")
     page.get_by_text("1.50 s left out").wait_for()
     page.get_by_text("More settings").click()
-    page.get_by_label("Starts").fill("2")
+    page.get_by_label("Starts").fill("1")
     page.get_by_label("Starts").press("Tab")
-    page.get_by_role("button", name=re.compile("Undo: Starts 2")).wait_for()
+    page.get_by_role("button", name=re.compile("Undo: Starts 1")).wait_for()
     page.get_by_role("button", name="Fit", exact=True).click()
     page.get_by_role("link", name="Open the result").click()
 
@@ -73,6 +73,7 @@ def test_a_csv_becomes_a_report(desk: Desk, csv: Path) -> None:
     assert "walk-in" in text
 
 
+@pytest.mark.slow  # test_web_recordings.py imports without a browser
 def test_the_trials_of_a_leg_come_in_at_once(desk: Desk, csv: Path, tmp_path: Path) -> None:
     """One description, a recording each."""
     for name in ("walk a", "walk b"):
@@ -86,6 +87,7 @@ def test_the_trials_of_a_leg_come_in_at_once(desk: Desk, csv: Path, tmp_path: Pa
     assert {"walk a", "walk b"} <= set(names)
 
 
+@pytest.mark.slow  # in the fast suite test_web_recordings.py maps one without a browser
 def test_a_mat_file_is_mapped_by_hand(desk: Desk, mat: Path) -> None:
     page = desk.go("/import")
     page.set_input_files("#files", mat)
@@ -139,6 +141,7 @@ def test_the_clock_of_a_film_is_told_with_its_columns(
     np.testing.assert_allclose(seen["t"], 0.5 + frames / 30.0)
 
 
+@pytest.mark.slow  # in the fast suite test_e2e_pages.py moves one and sees its undo
 def test_sliders_move_the_torque_and_undo_takes_them_back(desk: Desk, csv: Path) -> None:
     recording = desk.add(csv)
     change = {"recordings": [recording], "model": "muscle"}
@@ -201,6 +204,7 @@ def test_two_browsers_see_each_other_and_keep_their_own_work(
     other.close()
 
 
+@pytest.mark.slow  # in the fast suite test_web_designer.py does it without a browser
 def test_a_protocol_is_designed(desk: Desk) -> None:
     page = desk.go("/plan")
     page.get_by_text("Worked out in").wait_for()
@@ -235,7 +239,7 @@ def design_for_long(desk: Desk, first: dict[str, Any] | None = None) -> Any:
     return page
 
 
-@pytest.mark.slow  # in the fast suite test_web_designer.py stops one without a browser
+@pytest.mark.slow
 def test_a_design_that_is_stopped_keeps_the_best_so_far(desk: Desk) -> None:
     page = design_for_long(desk)
     said, stop = page.locator("#search-said"), page.get_by_role("button", name="Stop, keep the")

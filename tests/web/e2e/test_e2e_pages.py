@@ -92,11 +92,16 @@ def shut_out(page: Any, name: str, scheme: str) -> list[str]:
 NONE: dict[str, list[object]] = {"recordings": []}
 
 
-def test_pages_fit_the_screen_and_ask_nobody_else(desk: Desk, done: dict[str, str]) -> None:
+@pytest.mark.parametrize(
+    "screens", [SCREENS[:1], pytest.param(SCREENS[1:], marks=pytest.mark.slow)]
+)
+def test_pages_fit_the_screen_and_ask_nobody_else(
+    desk: Desk, done: dict[str, str], screens: tuple[tuple[int, int], ...]
+) -> None:
     desk.research(True)
     for path in FILLED:
         page = filled(desk, done, path)
-        for width, height in SCREENS:
+        for width, height in screens:
             fits(page, {"width": width, "height": height})
         assert page.locator("#main > .alert:visible").count() == (path == "/nowhere"), path
     desk.research(False)
@@ -175,6 +180,7 @@ def test_a_study_is_made_without_toml(desk: Desk) -> None:
     expect(page.locator("#start")).to_be_disabled()
 
 
+@pytest.mark.slow  # in the fast suite test_web_descriptions.py does it without a browser
 def test_one_click_mends_what_the_check_is_sure_of(desk: Desk, csv: Path, tmp_path: Path) -> None:
     lines = csv.read_text().splitlines()
     head = next(i for i, line in enumerate(lines) if line.startswith("time_s"))
@@ -204,17 +210,16 @@ def test_a_legs_report_comes_in_the_language_that_is_chosen(
     assert "Hoe stijf is het?" in text
 
 
-@pytest.mark.parametrize("medium", ["screen", "print"])
-def test_a_leg_is_read_on_paper_and_on_a_telephone(
-    desk: Desk, done: dict[str, str], medium: str
-) -> None:
+def test_a_leg_is_read_on_paper_and_on_a_telephone(desk: Desk, done: dict[str, str]) -> None:
     page = desk.page
     page.set_viewport_size({"width": 390, "height": 844})
     desk.go(f"/sessions/{done['session']}")
-    page.emulate_media(media=medium)
-    for part in (page.locator(".report .card h2").first, page.locator(".report .card img").first):
-        expect(part).to_be_visible()
-        assert len(colours(part.screenshot())) > 10, medium
+    for medium in ("screen", "print"):
+        page.emulate_media(media=medium)
+        for part in ("h2", "img"):
+            shown = page.locator(f".report .card {part}").first
+            expect(shown).to_be_visible()
+            assert len(colours(shown.screenshot())) > 10, (medium, part)
 
 
 def colours(png: bytes) -> set[tuple[int, ...]]:
@@ -223,6 +228,7 @@ def colours(png: bytes) -> set[tuple[int, ...]]:
     return {colour for _, colour in picture or []}
 
 
+@pytest.mark.slow  # in the fast suite the fit's page shows the same plots
 def test_a_kept_reports_plots_are_zoomed_and_read_without_any_server(
     browser: Any, desk: Desk, done: dict[str, str], tmp_path: Path
 ) -> None:
@@ -274,6 +280,7 @@ def test_the_report_is_downloaded_for_paper(desk: Desk, done: dict[str, str]) ->
     expect(page.locator("#error")).to_be_hidden()
 
 
+@pytest.mark.slow  # in the fast suite test_web_demo.py asks for it
 def test_the_virtual_subject_is_a_button_away(desk: Desk) -> None:
     page = desk.page
     page.route("**/api/recordings", lambda route: route.fulfill(json=NONE))

@@ -24,7 +24,8 @@ class RequestWorkers:
 
     def __init__(self) -> None:
         self._all = [Child(nice=_NICE) for _ in range(_WORKERS)]
-        self._free: queue.SimpleQueue[Child] = queue.SimpleQueue()
+        # Who was busy last has loaded what most requests need: nobody waits for that twice.
+        self._free: queue.LifoQueue[Child] = queue.LifoQueue()
         for worker in self._all:
             self._free.put(worker)
         self._room = threading.Semaphore(_WORKERS + _WAITING)
