@@ -5,8 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
-from scipy.fft import irfft, next_fast_len, rfft
-from scipy.signal import correlate, find_peaks
 
 from surae.units import FloatArray
 
@@ -43,6 +41,8 @@ def find_cycles(
     angle: FloatArray, rate_hz: float, counted: npt.NDArray[np.bool_] | None = None
 ) -> Cycles | None:
     """The cycles, without those of samples that do not count; None for any other movement."""
+    from scipy.signal import find_peaks
+
     movement = angle - angle.mean()
     if not np.isfinite(movement).all() or float(movement.std()) < _MOVES:
         return None
@@ -67,6 +67,9 @@ def find_cycles(
 
 def _period(movement: FloatArray) -> int | None:
     """Samples after which the movement is most like itself again."""
+    from scipy.fft import irfft, next_fast_len, rfft
+    from scipy.signal import find_peaks
+
     n = len(movement)
     size = next_fast_len(2 * n)
     products = irfft(np.abs(rfft(movement, size)) ** 2, size)[:n]
@@ -87,6 +90,8 @@ def _period(movement: FloatArray) -> int | None:
 
 def _likeness(movement: FloatArray, template: FloatArray) -> FloatArray:
     """Correlation of the template with each stretch of its length."""
+    from scipy.signal import correlate
+
     length = len(template)
     shape = (template - template.mean()) / (template.std() * length)
     sums = correlate(movement, shape, mode="valid", method="fft")
