@@ -98,7 +98,8 @@ SHARED = 0.15
 _SOURCES = (
     UncertaintySource(
         "noise", "noise of the torque", "what scatters in the torque without a pattern",
-        N_("Measure longer, or with more movement and effort."), Fill("measured"), fresh=True),
+        N_("Record more trials, with other movement and effort, and fit them together."),
+        Fill("measured"), fresh=True),
     UncertaintySource(
         "emg_noise", "error of the EMG", "how far the EMG is from the effort at each moment",
         N_("Improve the contact of the electrodes, or ask for more effort."),
@@ -254,7 +255,7 @@ _SOURCES = (
             own=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}))),
     UncertaintySource(
         "population", "population prior", "the spread of legs in the population",
-        N_("Measure longer, or with more movement and effort."),
+        N_("Record more trials, with other movement and effort, and fit them together."),
         Fill("surface", "+"), knowable=False),
 )  # fmt: skip
 #: All of them by name, in the order in which they are shown.
