@@ -7,6 +7,7 @@ import pytest
 from scipy.linalg import block_diag
 
 from surae.estimation import make_problem
+from surae.estimation.banded import solve_band
 from surae.estimation.family import _BEGIN, _Search, _white
 from surae.estimation.latent import SOURCES
 from surae.estimation.learning import learnt_sizes
@@ -155,3 +156,12 @@ def test_what_makes_estimates_unsure_adds_up_to_their_covariance() -> None:
     # But for rounding, beside the widest of coordinates of very different size.
     np.testing.assert_allclose(total / sd / sd[:, None], V / sd / sd[:, None], atol=1e-3)
     assert {"noise", "population", "zero", "emg_gain", "film_drift", "emg_noise"} <= set(shifts)
+
+
+def test_a_banded_system_is_solved_as_a_dense_one() -> None:
+    rng = np.random.default_rng(4)
+    lower = np.tril(rng.normal(size=(9, 9))) * (np.subtract.outer(range(9), range(9)) < 4)
+    lower += 5.0 * np.eye(9)
+    band = np.array([np.pad(np.diag(lower, -d), (0, d)) for d in range(4)])
+    right = rng.normal(size=(9, 3))
+    np.testing.assert_allclose(solve_band(band, right), np.linalg.solve(lower @ lower.T, right))

@@ -74,3 +74,17 @@ def solve_band_transposed(band: FloatArray, right: FloatArray) -> FloatArray:
         for a in range(d):
             x[j, a] /= band[0, j]
     return x
+
+
+@jit
+def solve_band(band: FloatArray, right: FloatArray) -> FloatArray:
+    """X of L·Lᵀ·X = right; LAPACK takes one column after the other, and twice as long."""
+    k, d = right.shape
+    x = right.copy()
+    for j in range(k):
+        for a in range(d):
+            x[j, a] /= band[0, j]
+        for s in range(1, min(band.shape[0], k - j)):
+            for a in range(d):
+                x[j + s, a] -= band[s, j] * x[j, a]
+    return solve_band_transposed(band, x)

@@ -14,8 +14,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_banded
+from scipy.linalg import cho_factor, cho_solve, cholesky_banded
 
+from surae.estimation.banded import solve_band
 from surae.estimation.coordinates import Coordinates
 from surae.estimation.evidence import LaplaceApproximation
 from surae.estimation.latent import Latents
@@ -176,7 +177,7 @@ class LogPosterior(Coordinates):
             cost += float(away @ pull)
             border[:, -1] += pull
             band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
-            solved_w = cho_solve_banded((band, True), border, check_finite=False)
+            solved_w = solve_band(band, border)
             H -= border.T @ solved_w
             fast, step = solved_w[:, :-1], solved_w[:, -1]
             gain = float(border[:, -1] @ step)
