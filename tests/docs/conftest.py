@@ -82,6 +82,9 @@ def prepared(tmp_path_factory) -> Path:
         "in": "trial",
     }.items():  # fmt: skip
         shutil.copy(folder / f"{source}.csv", folder / f"{name}.csv")
+    (folder / "trials").mkdir()
+    for name in trials:
+        shutil.copy(folder / f"{name}.csv", folder / "trials")
     for person in ("S01",):  # a second one would only take time
         (folder / "cohort" / person).mkdir(parents=True)
         shutil.copy(folder / "trial.csv", folder / "cohort" / person / "trial.csv")
