@@ -308,7 +308,7 @@ def test_noise_behind_errors_of_the_drive_is_what_the_whole_fit_leaves(brief):
     (diagonal, *_, beside), _ = posterior.latents[0].fast.precision(0.15)
     lag = len(posterior.latents[0].muscles)
     band = np.diag(diagonal) + np.diag(beside[:-lag], -lag) + np.diag(beside[:-lag], lag)
-    prior = block_diag(band, posterior.precision(0), np.diag(posterior.weight**2))
+    prior = block_diag(band, posterior.precisions[0], np.diag(posterior.weight**2))
     products = columns.T @ columns
     taken = np.trace(np.linalg.solve(products + prior, products)) / len(fast)
     left = float(np.mean(rows.residual**2))

@@ -6,7 +6,7 @@ import pytest
 from surae.assessment import assess
 from surae.errors import InputError
 from surae.estimation import Prior, fit_problem, make_problem
-from surae.estimation.population import WIDENED, population_of, population_priors, wide_priors
+from surae.estimation.population import WIDENED, population_priors, wide_priors
 from surae.model import ModelOptions, get_model
 from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
 from surae.model.registry import PARAMETERS
@@ -78,16 +78,6 @@ def test_only_free_parameters_get_one_and_given_ones_go_first(noisy, model):
     free = set(get_model(model).free) - {"m"}
     assert set(problem.priors) == free & set(population_priors("patient"))
     assert problem.priors["x0_tri"] == Prior(0.0155, 0.12)
-
-
-def test_defaults_are_told_from_what_was_given():
-    options = ModelOptions()
-    known = population_priors("patient")
-    assert set(population_of(known, options).values()) == {"patient"}
-    assert population_of({"m": known["m"], "k_tri": (1.0, 1.0)}, options) == {"m": "patient"}
-    median, spread = known["k_tri"]
-    for other in ((1.0, 1.0), (1.1 * median, spread), (median, 0.9 * spread)):
-        assert population_of({"k_tri": other}, options) == {}
 
 
 def test_a_priors_row_is_its_deviation_and_the_derivative():

@@ -6,19 +6,6 @@ from surae.units import FloatArray
 
 
 @jit
-def add_hats(
-    w: FloatArray, first: IntArray, shapes: FloatArray, muscles: IntArray, out: FloatArray
-) -> None:
-    """Add hats of these heights, (k, m), to the rows of muscles."""
-    n = out.shape[1]
-    for j in range(w.shape[0]):
-        for i in range(w.shape[1]):
-            for t in range(shapes.shape[1]):
-                if first[j] + t < n:
-                    out[muscles[i], first[j] + t] += w[j, i] * shapes[j, t]
-
-
-@jit
 def band_products(columns: FloatArray, first: IntArray, band: FloatArray) -> None:
     """Products of columns, (k, l) each from its first sample on, into a lower band (b + 1, k)."""
     k, size = columns.shape

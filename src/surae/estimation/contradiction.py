@@ -16,6 +16,7 @@ import numpy as np
 from surae.estimation.coordinates import is_straight
 from surae.estimation.evidence import LaplaceApproximation
 from surae.estimation.noise import NoiseModel, noise_behind, whitened
+from surae.estimation.observed import measured
 from surae.estimation.problem import FitProblem
 from surae.estimation.result import FitResult, is_at_bound
 from surae.frozen import FrozenDict
@@ -80,25 +81,16 @@ def contradiction(result: FitResult) -> Contradiction | None:
     free = tuple(
         n for n in spec.names if n in problem.free or n in beliefs or n not in result.values
     )
-    bounds = dict(zip(problem.free, zip(problem.lower, problem.upper, strict=True), strict=True))
-    limits = [bounds.get(n, (table[n].lower, table[n].upper)) for n in free]
     tendons = {n: b for n, b in TENDONS.items() if n in spec.names and n not in known}
     for name in tendons.keys() & problem.options.anatomy.parameters.keys():
         tendons[name] = replace(tendons[name], mean=float(np.log(table[name].start)))
     for name in tendons.keys() - result.values.keys():  # none so far: as stiff as the model goes
-        stiff = limits[free.index(name)][0]
+        stiff = table[name].lower
         base[name] = stiff
         tendons[name] = Gaussian(float(np.log(stiff)), float(np.exp(tendons[name].mean)) / stiff)
     inputs = tuple(sharpened(trial) for trial in problem.inputs)
     named = replace(problem, inputs=inputs)
-    richer = replace(
-        named,
-        spec=spec,
-        free=free,
-        base=np.array([base.get(n, table[n].start) for n in table]),
-        lower=np.array([low for low, _ in limits]),
-        upper=np.array([high for _, high in limits]),
-    )
+    richer = named.of_model(spec, free, base, problem.limits)
     with np.errstate(all="ignore"):  # a damaged file may hold anything; it is found out below
         own = _Linear(named, result.values, {})
         target = _Linear(richer, base, {**beliefs, **tendons})
@@ -106,14 +98,17 @@ def contradiction(result: FitResult) -> Contradiction | None:
             noise = own.noise()
         except np.linalg.LinAlgError:  # the model overflows
             return None
-        off = {
-            j: float(target.z[j])
-            for j, n in enumerate(free)
-            if n in beliefs or n not in result.values
-        }
-        zero = beliefs.get("torque_zero") if len(inputs) > 1 else None  # each has its own
-        off |= dict.fromkeys(range(len(free), len(free) + len(inputs) * (zero is not None)), 0.0)
-        gain, better = _gain(_quadratic(target, noise, zero), off)
+        added = [j for j, n in enumerate(free) if n in beliefs or n not in result.values]
+        off = {j: float(target.z[j]) for j in added}
+        own_zero = beliefs.get("torque_zero") if len(inputs) > 1 else None
+        zeros = [] if own_zero is None else [own_zero] * len(inputs)
+        off |= dict.fromkeys(range(len(free), len(free) + len(zeros)), 0.0)
+        laplace = _quadratic(target, noise, zeros)
+        try:
+            (alone, *_), (together, better, _) = laplace.solved(off), laplace.solved({})
+        except np.linalg.LinAlgError:
+            return None
+    gain = alone - together
     if not (gain > _SUPPORTED and np.isfinite(better).all()):
         return None
     away = np.abs(better[: len(free)] - target.z) * target.scale
@@ -133,9 +128,9 @@ class _Linear:
     def __init__(
         self, problem: FitProblem, values: Mapping[str, float], priors: Mapping[str, Gaussian]
     ) -> None:
-        self.problem, names = problem, problem.spec.names
-        base = dict(zip(names, problem.base.tolist(), strict=True))
-        self.values = np.array([values.get(n, base[n]) for n in names])
+        self.problem = problem
+        named = problem.by_name(problem.start)
+        self.values = np.array([values.get(n, own) for n, own in named.items()])
         own = self.values[problem.columns]
         log = np.array([n in TENDONS or not (n in _TOES or is_straight(n)) for n in problem.free])
         self.scale = np.where(log, own, 1.0)
@@ -165,14 +160,11 @@ class _Linear:
         return problem.spec.simulator(recording, problem.options).torque(self.values)
 
     def noise(self) -> list[tuple[FloatArray, NoiseModel]]:
-        """Residual of each recording, and noise as strong as its slow part.
-
-        Samples count for as little as that says.
-        """
+        """Residual of each recording, and noise as strong as its slow part."""
         blocks = []
         for recording in self.problem.inputs:
             rows = self.rows(recording)
-            rows[-1] -= 0.0 if recording.torque is None else recording.torque
+            rows[-1] -= measured(recording)
             counted = recording.counts
             root = 1.0 if recording.weight is None else np.sqrt(recording.weight)
             blocks.append((rows[-1], (rows * root)[:, counted], recording))
@@ -192,21 +184,15 @@ class _Linear:
         for (e, rows, recording), variance in zip(blocks, sd, strict=True):
             taken = back @ rows[:-1] / np.sqrt(variance)
             behind = noise_behind(rows[-1], taken, min(_ORDER, rows.shape[1] // 10))
-            level = max(behind.below(_SLOW / recording.rate_hz), behind.variance)
-            models.append((e, replace(behind, coefficients=np.zeros(0), variance=level)))
+            models.append((e, behind.slow(_SLOW / recording.rate_hz)))
         return models
 
 
 def _quadratic(
-    target: _Linear, own: list[tuple[FloatArray, NoiseModel]], zero: Gaussian | None
+    target: _Linear, own: list[tuple[FloatArray, NoiseModel]], zeros: list[Gaussian]
 ) -> LaplaceApproximation:
-    """What data say around the named model: its own residual, and what the richer one can do.
-
-    The richer model's residual is another there: its stiffest tendons are none that are rigid.
-    Behind the parameters come zeros of several recordings, and last how much of what filters did is
-    in the residual.
-    """
-    zeros = [] if zero is None else [zero] * len(target.problem.inputs)
+    """What data say around the named model: its own residual, and what the richer one can do."""
+    # the richer one's residual is another there: its stiffest tendons are none that are rigid
     more = [*zeros, *_BLUR]
     q = len(target.z) + len(more)
     information, gradient, cost = np.zeros((q, q)), np.zeros(q), 0.0
@@ -223,14 +209,10 @@ def _quadratic(
         information += block[:-1] @ block[:-1].T
         gradient += block[:-1] @ block[-1]
         cost += float(block[-1] @ block[-1])
-    return LaplaceApproximation(
-        information,
-        gradient,
-        cost,
-        z=np.append(target.z, np.zeros(len(more))),
-        mean=np.append(target.mean, [belief.mean for belief in more]),
-        weight=np.append(target.weight, [1.0 / belief.sd for belief in more]),
-    )
+    z = np.append(target.z, np.zeros(len(more)))
+    mean = np.append(target.mean, [belief.mean for belief in more])
+    weight = np.append(target.weight, [1.0 / belief.sd for belief in more])
+    return LaplaceApproximation(information, gradient, cost, z, mean, weight)
 
 
 def _blurred(target: _Linear, recording: ModelInputs, torque: FloatArray) -> FloatArray:
@@ -238,19 +220,7 @@ def _blurred(target: _Linear, recording: ModelInputs, torque: FloatArray) -> Flo
 
     A fast movement's torque is not the one at what filters leave of the movement, though that was
     sharpened. Filtering once more shows by how much; filtering twice more, how that grows.
-
-    `torque` is the model's of the recording as it is.
     """
     again = sharpened(smoothed(replace(recording, torque=torque)))
-    wanted = torque if again.torque is None else again.torque
-    error: FloatArray = target.torque(again) - wanted
+    error: FloatArray = target.torque(again) - measured(again)
     return error if np.isfinite(error).all() else np.zeros(recording.n)
-
-
-def _gain(laplace: LaplaceApproximation, off: Mapping[int, float]) -> tuple[float, FloatArray]:
-    """By how much −2 ln Z is less with what is off let free, and the mode then; 0: not at all."""
-    try:
-        alone, better = laplace.solved(off), laplace.solved({})
-    except np.linalg.LinAlgError:
-        return 0.0, laplace.z
-    return alone[0] - better[0], better[1]

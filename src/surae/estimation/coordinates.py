@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.estimation.problem import FitProblem
-from surae.estimation.residuals import stiffness_valleys
+from surae.estimation.residuals import valleys_among
 from surae.model.registry import PARAMETERS
 from surae.model.sources import Gaussian
 from surae.units import FloatArray
@@ -40,27 +40,19 @@ class Coordinates:
         #: Means and 1/sd of the priors, and bounds, of every coordinate, shape (q,).
         self.mean = np.array([priors[n].mean for n in coordinates])
         self.weight = np.array([1.0 / priors[n].sd for n in coordinates])
-        self.lower, self.upper = (
-            np.array([limits[problem.free.index(n)] for n in coordinates])
-            for limits in (problem.lower, problem.upper)
-        )
+        self.lower, self.upper = np.array([problem.limits[n] for n in coordinates]).T.copy()
         for j in np.flatnonzero(self._log):
             self.lower[j] = np.log(max(self.lower[j], _FLOOR * np.exp(self.mean[j])))
             self.upper[j] = np.log(self.upper[j])
         #: Positions of a stiffness k and slack length x0 that trade off; the longest muscle [m].
-        self.valleys = [
-            (self.names.index(k), self.names.index(x0), longest)
-            for k, x0, longest in stiffness_valleys(problem)
-            if k in self.names and x0 in self.names
-        ]
+        self.valleys = valleys_among(problem, self.names)
 
     def start(self, values: Mapping[str, float]) -> FloatArray:
         """Coordinates of values by name, of the prior's mean where there is none."""
         z = self.mean.copy()
         for j, name in enumerate(self.names):
             if name in values:
-                value = values[name]
-                z[j] = np.log(max(value, 1e-300)) if self._log[j] else value
+                z[j] = np.log(max(values[name], 1e-300)) if self._log[j] else values[name]
         if self.zeros and _ZERO in values:
             z[len(self.names) :] = values[_ZERO]
         return np.asarray(np.clip(z, self.lower, self.upper))

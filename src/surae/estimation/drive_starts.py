@@ -8,7 +8,7 @@ sum of squares has a valley where the filter makes the delay and one where emd d
 import numpy as np
 
 from surae.estimation.problem import FitProblem
-from surae.estimation.separable import SomeRows, solve_linear
+from surae.estimation.separable import SomeRows, best_along, solve_linear
 from surae.model import get_model, with_optional
 from surae.model.parameters import OPTIONAL
 from surae.units import FloatArray
@@ -27,37 +27,27 @@ def own_columns(problem: FitProblem) -> list[int]:
 
 
 def drives_off(problem: FitProblem) -> FitProblem:
-    """Hold a problem's freed drives off, or at the bound that is nearest to off.
-
-    A drive that is off altogether is left out of the model: the problem is the one that a fit
-    without it has.
-    """
+    """The problem with its freed drives off, left out where the bounds allow that."""
     own = own_columns(problem)
-    values = problem.values(held_off(problem, problem.start[own]))
-    by_name = dict(zip(problem.spec.names, values.tolist(), strict=True))
-    on = [
-        name
-        for name in problem.spec.optional
-        if any(name in group and _is_on(group, by_name) for group in OPTIONAL.values())
-    ]
+    values = problem.by_name(held_off(problem, problem.start[own]))
+    acts = {name for name, value in values.items() if value and name != "reflex_delay"}
+    groups = [group for group in OPTIONAL.values() if acts & {*group}]
+    on = [name for name in problem.spec.optional if any(name in group for group in groups)]
     spec = with_optional(get_model(problem.spec.name), on)
-    return problem.narrowed(spec, [problem.free[j] for j in own], values)
+    return problem.of_model(spec, [problem.free[j] for j in own], values, problem.limits)
 
 
 def held_off(problem: FitProblem, own: FloatArray) -> FloatArray:
     """All free parameters, shape (p,), from those that are not a drive's, with the drives off."""
-    x = np.array([p if name == "reflex_delay" else 0.0 for name, p in _starts(problem)])
+    x = np.where([name == "reflex_delay" for name in problem.free], problem.start, 0.0)
     x[own_columns(problem)] = own
-    clipped: FloatArray = np.clip(x, problem.lower, problem.upper)
-    return clipped
+    return np.asarray(np.clip(x, problem.lower, problem.upper))
 
 
 def delay_valleys(problem: FitProblem, rows: SomeRows, x: FloatArray) -> list[FloatArray]:
-    """Points to descend from, of a model of rigid tendons whose minimum without drives is `x`.
+    """The minimum without drives, `x`, or better, then points with a delay to descend from.
 
-    The first is that minimum or better, the others are delayed. Their filter stays as it is,
-    becomes faster by as much as emd delays, or fast: what is best with the linear parameters
-    solved.
+    Their filter is the best of three, see `_filters`, with the linear parameters solved.
     """
     here = _with_reflex(problem, rows, x)
     points = [here]
@@ -68,19 +58,9 @@ def delay_valleys(problem: FitProblem, rows: SomeRows, x: FloatArray) -> list[Fl
             if problem.lower[emd] <= delay <= problem.upper[emd]:
                 point = here.copy()
                 point[emd] = delay
-                filters = _filters(problem, point)
-                solved = [solve_linear(problem, rows, filtered) for filtered in filters]
+                solved = [solve_linear(problem, rows, p) for p in _filters(problem, point)]
                 points.append(min(solved, key=lambda pair: pair[1])[0])
     return points
-
-
-def _starts(problem: FitProblem) -> list[tuple[str, float]]:
-    return list(zip(problem.free, problem.start.tolist(), strict=True))
-
-
-def _is_on(group: tuple[str, ...], values: dict[str, float]) -> bool:
-    """Whether a drive does anything: its delay or one of its gains is not 0."""
-    return any(values.get(name, 0.0) for name in group if name != "reflex_delay")
 
 
 def _with_reflex(problem: FitProblem, rows: SomeRows, x: FloatArray) -> FloatArray:
@@ -89,22 +69,15 @@ def _with_reflex(problem: FitProblem, rows: SomeRows, x: FloatArray) -> FloatArr
         return x
     j = problem.free.index("reflex_delay")
     residual = rows(x, [])[-1]
-    best, lowest = x, float(residual @ residual)
-    for delay in _REFLEX_DELAYS:
-        point = x.copy()
-        point[j] = np.clip(delay, problem.lower[j], problem.upper[j])
-        point, sse = solve_linear(problem, rows, point)
-        if sse < lowest:
-            best, lowest = point, sse
-    return best
+    return best_along(problem, rows, (x, float(residual @ residual)), j, _REFLEX_DELAYS)[0]
 
 
 def _filters(problem: FitProblem, x: FloatArray) -> list[FloatArray]:
-    """The point, and where its cut-off is free the point with two faster filters."""
+    """The point, and with a free cut-off one as much faster as emd delays, and a fast one."""
     cutoff = next((j for j, name in enumerate(problem.free) if name in ("f0", "f")), None)
     if cutoff is None:
         return [x]
-    values = dict(zip(problem.spec.names, problem.values(x).tolist(), strict=True))
+    values = problem.by_name(x)
     beta = values.get("beta", 1.0)
     beyond_delay = beta / (np.pi * x[cutoff]) - values["emd"]  # of what the filter delayed [s]
     faster, fast = x.copy(), x.copy()

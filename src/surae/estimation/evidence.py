@@ -8,7 +8,7 @@ the value at which it is off, its prior not counted) is a matter of small matric
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import chain, combinations
 
 import numpy as np
 
@@ -16,18 +16,6 @@ from surae.units import FloatArray
 
 #: Rounding of sums over samples, of a matrix with ones on its diagonal.
 _ROUNDING = 1e-11
-
-
-def factor_of(scaled: FloatArray) -> FloatArray:
-    """Lower Cholesky factor of a matrix, shape (q, q), with ones on its diagonal.
-
-    Data without noise outweigh every prior to their last digit: then the matrix is singular but for
-    rounding, which is added.
-    """
-    try:
-        return np.asarray(np.linalg.cholesky(scaled))
-    except np.linalg.LinAlgError:
-        return np.asarray(np.linalg.cholesky(scaled + _ROUNDING * np.eye(len(scaled))))
 
 
 def root(covariance: FloatArray) -> FloatArray:
@@ -66,7 +54,10 @@ class LaplaceApproximation:
         # Columns of very different size: a factor of what is scaled keeps its digits.
         scale = 1.0 / np.sqrt(np.diag(H))
         scaled = H * scale * scale[:, None]
-        factor = factor_of(scaled)
+        try:
+            factor = np.linalg.cholesky(scaled)
+        except np.linalg.LinAlgError:  # data without noise outweigh every prior to the last digit
+            factor = np.linalg.cholesky(scaled + _ROUNDING * np.eye(len(scaled)))
         inverse = np.linalg.inv(factor) * scale
         solved = inverse @ g
         log_det = 2.0 * float(np.log(np.diag(factor) / scale).sum())
@@ -94,27 +85,20 @@ def subsets(
     off: Mapping[int, float],
     odds: Mapping[str, float] | None = None,
 ) -> tuple[Subset, ...]:
-    """All subsets of the groups, the best supported first.
+    """All subsets of the groups, given by their parameters' positions, the best supported first.
 
-    `groups` holds the positions of each group's parameters, `off` the value of each at which it is
-    off, `odds` the odds beforehand that a group is in, 1 where not given.
+    `off` has the value at which each is off, `odds` those beforehand that a group is in, else 1.
     """
     scored = []
-    names = tuple(groups)
-    for size in range(len(names) + 1):
-        for chosen in combinations(names, size):
-            held = {j: off[j] for g in names if g not in chosen for j in groups[g]}
-            try:
-                evidence, mode, covariance = laplace.solved(held)
-            except np.linalg.LinAlgError:
-                continue
-            evidence -= 2.0 * sum(float(np.log((odds or {}).get(g, 1.0))) for g in chosen)
-            variance = np.diag(covariance).copy()
-            scored.append(Subset(chosen, 0.0, evidence, mode, variance))
+    for chosen in chain.from_iterable(combinations(groups, n) for n in range(len(groups) + 1)):
+        held = {j: off[j] for g in groups if g not in chosen for j in groups[g]}
+        try:
+            evidence, mode, covariance = laplace.solved(held)
+        except np.linalg.LinAlgError:
+            continue
+        evidence -= 2.0 * sum(float(np.log((odds or {}).get(g, 1.0))) for g in chosen)
+        scored.append(Subset(chosen, 0.0, evidence, mode, np.diag(covariance).copy()))
     scored.sort(key=lambda subset: subset.evidence)
     weights = np.exp(-0.5 * np.array([subset.evidence - scored[0].evidence for subset in scored]))
     weights /= weights.sum()
-    return tuple(
-        replace(subset, weight=float(weight))
-        for weight, subset in zip(weights, scored, strict=True)
-    )
+    return tuple(replace(s, weight=float(w)) for w, s in zip(weights, scored, strict=True))

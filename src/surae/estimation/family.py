@@ -18,7 +18,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.estimation.coordinates import is_straight
-from surae.estimation.evidence import subsets
+from surae.estimation.evidence import Subset, subsets
 from surae.estimation.film import names_of_film
 from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
@@ -36,9 +36,9 @@ from surae.estimation.population import WIDENED, wide_priors
 from surae.estimation.posterior import LogPosterior, Point
 from surae.estimation.problem import MASSES, FitProblem
 from surae.estimation.result import TENDONS, FitResult
-from surae.estimation.summed import ChosenDepartures, summed
+from surae.estimation.summed import summed
 from surae.frozen import FrozenDict
-from surae.model import adapted, get_model, with_optional
+from surae.model import get_model, with_optional
 from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
 from surae.model.sources import Gaussian
 from surae.progress import SearchProgress
@@ -89,15 +89,31 @@ def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -
     search = _Search(problem, progress)
     with one_blas_thread(), postponed_interrupt():
         try:
-            return search.result(begin)
+            result = search.result()
         except KeyboardInterrupt:
-            return search.stopped(begin)
+            result = search.stopped()
+    return replace(result, seconds=time.perf_counter() - begin)
 
 
 def resumed(result: FitResult) -> tuple[LogPosterior, Point]:
     """The posterior that a fit of `fit_family` chose, and its mode."""
+    family = result.family
+    assert family is not None
     with one_blas_thread():
-        return _Search(result.problem, None).resumed(result)
+        search = _Search(result.problem, None)
+        post = search._posterior(family.candidates[0].groups, _RATES[1], family.noise, family.sizes)
+        if len(family.films) != sum(len(own.films) for own in post.latents):
+            raise InputError("this fit kept no noise of its films: fit again")
+        noise = iter(family.films)
+        latents = tuple(
+            replace(own, films=tuple([replace(film, noise=next(noise)) for film in own.films]))
+            for own in post.latents
+        )
+        fast = None if search._perfect else family.sizes["drive"]
+        post = post.having(latents=latents, fast=fast)
+        z = post.start(result.values)
+        z[len(post.names) :] = family.zeros
+        return post, post.descend(z, evaluations=20, tolerance=1e-3)
 
 
 class _Search:
@@ -134,58 +150,27 @@ class _Search:
         self._perfect = problem.settings.nuisances == NONE
         self._starts: list[tuple[Point, dict[str, float]]] = []
 
-    def result(self, begin: float) -> FitResult:
+    def result(self) -> FitResult:
         """Search, choose, and sum up."""
         values, noise = self._first()
         self._say(1)
-        choice = self._choose(values, noise)
+        chosen = self._choose(values, noise)
         self._say(2)
-        return summed(choice, self._inputs, self._original, begin, self._starts)
+        return summed(*chosen, self._inputs, self._original, self._starts)
 
-    def resumed(self, result: FitResult) -> tuple[LogPosterior, Point]:
-        """The posterior at the end of a search, and its mode."""
-        family = result.family
-        assert family is not None
-        post = self._posterior(family.candidates[0].groups, _RATES[1], family.noise, family.sizes)
-        if len(family.films) != sum(len(own.films) for own in post.latents):
-            raise InputError("this fit kept no noise of its films: fit again")
-        noise = iter(family.films)
-        latents = tuple(
-            replace(own, films=tuple([replace(film, noise=next(noise)) for film in own.films]))
-            for own in post.latents
-        )
-        fast = None if self._perfect else family.sizes["drive"]
-        post = post.having(latents=latents, fast=fast)
-        z = post.start(result.values)
-        z[len(post.names) :] = family.zeros
-        return post, post.descend(z, evaluations=20, tolerance=1e-3)
-
-    def stopped(self, begin: float) -> FitResult:
+    def stopped(self) -> FitResult:
         """What is kept where the user stopped: the rigid model, nothing weighed."""
-        plain = fit_problem(self._rigid(), starts=1)
-        without = ", without priors," if self._original.priors else ""
+        original, spec = self._original, get_model(RIGID)
+        free = [n for n in spec.names if n in original.free]
+        rigid = original.of_model(spec, free, original.by_name(original.start), original.limits)
+        plain = fit_problem(replace(rigid, inputs=self._inputs, priors=FrozenDict()), starts=1)
+        without = ", without priors," if original.priors else ""
         return replace(
             plain,
             message=f"stopped by the user: the rigid model alone{without} is kept; fit again for "
             "the whole",
             starts=(replace(plain.starts[0], outcome=str(Outcome.INTERRUPTED)),),
-            seconds=time.perf_counter() - begin,
         )
-
-    def _rigid(self) -> FitProblem:
-        original, spec = self._original, get_model(RIGID)
-        table = adapted(spec.parameters, original.options, original.inputs[0].emg_unit)
-        values = dict(zip(original.spec.names, original.base.tolist(), strict=True))
-        limits = dict(
-            zip(original.free, zip(original.lower, original.upper, strict=True), strict=True)
-        )
-        free = tuple(n for n in spec.names if n in original.free)
-        return replace(
-            original, spec=spec, free=free, inputs=self._inputs, priors=FrozenDict(),
-            base=np.array([values.get(n, p.start) for n, p in table.items()]),
-            lower=np.array([limits[n][0] for n in free]),
-            upper=np.array([limits[n][1] for n in free]),
-        )  # fmt: skip
 
     def _say(self, stage: int) -> None:
         if self._progress is not None and self._starts:
@@ -200,12 +185,11 @@ class _Search:
         if like is not None and like.rate_hz == rate_hz:
             inputs, latents = like.problem.inputs, like.latents
         else:
-            inputs = tuple(
-                thinned(r, thinning_factor(r, rate_hz, _SAMPLES)) for r in original.inputs
-            )
+            each = original.inputs
+            inputs = tuple(thinned(r, thinning_factor(r, rate_hz, _SAMPLES)) for r in each)
             latents = tuple(
                 Latents.of(r, self._silent, whole.n / whole.rate_hz, perfect=self._perfect)
-                for r, whole in zip(inputs, original.inputs, strict=True)
+                for r, whole in zip(inputs, each, strict=True)
             )
         beliefs = {
             name: belief
@@ -213,27 +197,18 @@ class _Search:
             if (group := group_of(name)) not in DEPARTURES or group in groups
         }
         spec = get_model(COMPLIANT)
-        spec = with_optional(
-            spec, [n for n in (*beliefs, *original.spec.optional) if n not in spec.names]
-        )
-        table = adapted(spec.parameters, self._options, original.inputs[0].emg_unit)
-        limits = {n: (p.lower, p.upper) for n, p in table.items()}
-        limits |= dict(
-            zip(original.free, zip(original.lower, original.upper, strict=True), strict=True)
-        )
-        for name, pair in _WIDER.items():  # priors hold them, and not the bounds of a search
-            if name in original.free and name not in original.settings.bounds:
-                limits[name] = pair
+        more = [n for n in (*beliefs, *original.spec.optional) if n not in spec.names]
+        spec = with_optional(spec, more)
+        limits = original.limits
+        # priors hold them, and not the bounds of a search
+        limits |= {n: pair for n, pair in _WIDER.items() if n not in original.settings.bounds}
         for name, belief in beliefs.items():
             if group_of(name) == "rest":  # amplifiers differ a thousandfold
                 limits[name] = (belief.mean - _REST * belief.sd, belief.mean + _REST * belief.sd)
-        free = tuple(n for n in spec.names if n in original.free or n in beliefs)
-        base = dict(zip(original.spec.names, original.base.tolist(), strict=True))
-        problem = replace(
-            original, spec=spec, options=self._options, free=free, inputs=inputs,
-            base=np.array([base.get(n, p.start) for n, p in table.items()]),
-            lower=np.array([limits[n][0] for n in free], dtype=float),
-            upper=np.array([limits[n][1] for n in free], dtype=float),
+        free = [n for n in spec.names if n in original.free or n in beliefs]
+        problem = original.of_model(
+            spec, free, original.by_name(original.start), limits,
+            options=self._options, inputs=inputs,
         )  # fmt: skip
         priors = self._leg(problem) | {n: _searched(n, b) for n, b in beliefs.items()}
         return LogPosterior(
@@ -258,12 +233,11 @@ class _Search:
 
     def _first(self) -> tuple[dict[str, float], tuple[NoiseModel, ...]]:
         """Values without departures from thinned data, and the noise they leave."""
-        rate, best = _RATES[0], None
         post: LogPosterior | None = None
+        met = []
         for relaxation in _RELAXATIONS:
-            post = self._posterior(
-                (), rate, _white(self._original, _TEMPERS[0]), _NEARLY_NONE, post
-            )
+            noise = _white(self._original, _TEMPERS[0])
+            post = self._posterior((), _RATES[0], noise, _NEARLY_NONE, post)
             given = {"tau_rel": relaxation, "k_rel": _RELAXED, **self._original.settings.start}
             point = post.descend(post.start(given), evaluations=10, tolerance=0.3)
             post = post.having(noise=_white(self._original, _TEMPERS[1]))
@@ -278,10 +252,8 @@ class _Search:
                 for recording, noise in zip(post.problem.inputs, post.noise, strict=True)
             )
             self._starts.append((replace(point, cost=spent), post.by_name(point.z)))
-            if best is None or spent < best[0]:
-                best = (spent, post.by_name(point.z), post.noise)
-        assert best is not None
-        return best[1], best[2]
+            met.append((spent, self._starts[-1][1], post.noise))
+        return min(met, key=lambda each: each[0])[1:]
 
     def _learnt(
         self, post: LogPosterior, point: Point, rounds: int, *, white: bool = False,
@@ -296,14 +268,15 @@ class _Search:
             noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
             post = post.having(noise=noise, sizes=sizes, latents=latents)
             point = post.descend(point.z, point.c, point.w, evaluations=evaluations, tolerance=0.1)
-            if np.all(
-                np.abs(point.z - before) < _AT_REST * np.sqrt(np.diag(post.covariance(point)))
-            ):
+            sd = np.sqrt(np.diag(post.covariance(point)))
+            if np.all(np.abs(point.z - before) < _AT_REST * sd):
                 break
         return post, point
 
-    def _choose(self, values: Mapping[str, float], noise: Sequence[NoiseModel]) -> ChosenDepartures:
-        """The set of departures that the data ask for."""
+    def _choose(
+        self, values: Mapping[str, float], noise: Sequence[NoiseModel]
+    ) -> tuple[LogPosterior, Point, tuple[Subset, ...], tuple[str, ...]]:
+        """The posterior with what the data ask for, its mode, all sets, what their modes are of."""
         possible = tuple(g for g in DEPARTURES if any(group_of(n) == g for n in self._beliefs))
         post = self._posterior(possible, _RATES[0], noise, _BEGIN)
         point = post.descend(post.start(values), evaluations=20, tolerance=0.3)
@@ -336,7 +309,7 @@ class _Search:
         if own.fast is None and not self._perfect:
             own, best = self._with_drive_errors(own, best, ())
         best = own.descend(best.z, best.c, best.w, evaluations=10, tolerance=_ENDS)
-        return ChosenDepartures(own, best, scored, full.names)
+        return own, best, scored, full.names
 
     def _with_drive_errors(
         self, own: LogPosterior, point: Point, sizes: Sequence[float]
@@ -361,14 +334,10 @@ class _Search:
             tried[size] = (post.evidence(there), post, there)
             return min(tried, key=lambda s: tried[s][0]) == size
 
-        low, middle, *high = sizes
+        low, middle, high, highest = sizes
         better(middle)
-        if not better(high[0]):
-            better(low)
-        else:
-            better(high[1])
-        _, post, there = min(tried.values(), key=lambda each: each[0])
-        return post, there
+        better(highest if better(high) else low)
+        return min(tried.values(), key=lambda each: each[0])[1:]
 
 
 def _white(problem: FitProblem, part: float) -> tuple[NoiseModel, ...]:
@@ -376,8 +345,7 @@ def _white(problem: FitProblem, part: float) -> tuple[NoiseModel, ...]:
     models = []
     for recording in problem.inputs:
         deviation = part * float(np.std(recording.torque)) if recording.torque is not None else 1.0
-        variance = max(deviation, 1e-9) ** 2
-        models.append(NoiseModel(np.zeros(0), variance, np.array([variance]), float(recording.n)))
+        models.append(NoiseModel.white(max(deviation, 1e-9) ** 2, float(recording.n)))
     return tuple(models)
 
 

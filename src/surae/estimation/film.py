@@ -9,7 +9,7 @@ millimetre or two within seconds; what is left counts as the noise of the torque
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -57,15 +57,10 @@ class FilmView:
         drift = DRIFT**2 * (np.exp(-apart) + 1e-6 * np.eye(len(knots)))
         return cls(
             film.channel, group_of_film(film.channel), length, before, at - before,
-            np.stack([np.interp(time, knots, row) for row in np.eye(len(knots))]),
+            hats(time, knots),
             np.asarray(np.linalg.inv(drift), dtype=float),
-            NoiseModel(np.zeros(0), _BEGIN**2, np.array([_BEGIN**2]), float(len(frames))),
+            NoiseModel.white(_BEGIN**2, float(len(frames))),
         )  # fmt: skip
-
-    @property
-    def names(self) -> tuple[str, str]:
-        """Its scale and zero among the parameters."""
-        return names_of_film(self.channel)
 
     def at_frames(self, rows: FloatArray) -> FloatArray:
         """What is known at the samples, (…, n), at the frames, (…, k)."""
@@ -86,6 +81,11 @@ class FilmView:
         after = np.take_along_axis(columns, low + 1, axis=1)
         values = np.where(inside, here + (since - low) * (after - here), 0.0)
         return np.ascontiguousarray(np.where(at < len(position), values, 0.0)), begin
+
+
+def hats(at: FloatArray, knots: FloatArray) -> FloatArray:
+    """Hat functions about the knots, each from one neighbour to the next, shape (k, n)."""
+    return np.stack([np.interp(at, knots, row) for row in np.eye(len(knots))])
 
 
 def views(recording: ModelInputs) -> tuple[FilmView, ...]:
@@ -114,8 +114,7 @@ def seen_by(channel: str, values: Mapping[str, float], length: FloatArray) -> Fl
 def noise_of_film(residual: FloatArray, taken: FloatArray) -> NoiseModel:
     """The noise behind a film's residual [m]; `taken` is as of `noise_behind`."""
     model = noise_behind(residual, taken, min(_ORDER, len(residual) // 10))
-    slow = model.below(_COUNTED / _RATE)
-    return replace(model, coefficients=np.zeros(0), variance=max(slow, model.variance, _LEAST**2))
+    return model.slow(_COUNTED / _RATE, least=_LEAST**2)
 
 
 def slices_of(films: Sequence[FilmView], start: int) -> tuple[slice, ...]:

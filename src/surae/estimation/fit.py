@@ -13,7 +13,7 @@ from surae.estimation.least_squares import Minimum, Outcome, minimise
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import Residuals
 from surae.estimation.result import FitResult, Start, at_bounds
-from surae.estimation.starts import Follow, from_start
+from surae.estimation.starts import Follow, from_start, stopped
 from surae.frozen import read_only
 from surae.progress import SearchProgress
 from surae.settings import STARTS
@@ -82,7 +82,7 @@ def fit_problem(
         try:
             for number, initial in enumerate(initials):
                 # The first start is where the user, or the literature, expects the lengths.
-                minima.append(minimum(initial, scan=number > 0))
+                minima.append(minimum(initial, number > 0))
                 if minima[-1].outcome is Outcome.INTERRUPTED:
                     break
                 if progress is not None:
@@ -98,15 +98,13 @@ def fit_problem(
                 )  # fmt: skip
         except KeyboardInterrupt:
             if len(minima) == number:  # and not while the caller learnt of a whole start
-                here = minimise(
-                    residuals.rows, initial, problem.lower, problem.upper, max_iterations=1
-                )
-                minima.append(replace(here, outcome=Outcome.INTERRUPTED))
-    return _result(problem, residuals, initials, minima, seed, time.perf_counter() - begin)
+                minima.append(stopped(problem, residuals, initial))
+    result = _result(problem, residuals, initials, minima, seed)
+    return replace(result, seconds=time.perf_counter() - begin)
 
 
 def _finite_sum(minimum: Minimum) -> float:
-    """Give a minimum's sum of squares, infinite where there is none."""
+    """A minimum's sum of squares, infinite where there is none."""
     return minimum.sse if np.isfinite(minimum.sse) else np.inf
 
 
@@ -125,21 +123,14 @@ def _initials(problem: FitProblem, starts: int, seed: int) -> list[FloatArray]:
 
 
 def _result(
-    problem: FitProblem,
-    residuals: Residuals,
-    initials: Sequence[FloatArray],
-    minima: Sequence[Minimum],
-    seed: int,
-    seconds: float,
-) -> FitResult:
+    problem: FitProblem, residuals: Residuals, initials: Sequence[FloatArray],
+    minima: Sequence[Minimum], seed: int,
+) -> FitResult:  # fmt: skip
+    """The best of the minima, in how many of them, and what each start came to."""
     best = min(minima, key=_finite_sum)
     # Sums that differ by less than the variance of the noise cannot be told apart by the data;
     # on data without noise, all that is left is rounding and how far the iteration went.
-    power = sum(
-        float(np.sum(recording.torque**2))
-        for recording in problem.inputs
-        if recording.torque is not None
-    )
+    power = sum(float(np.sum(r.torque**2)) for r in problem.inputs if r.torque is not None)
     limit = max(best.sse * (1 + 1 / (problem.n - len(problem.free))), _EXACT * power)
     # Of points that agree, one where the iteration came to rest is the better one.
     rested = [m for m in minima if m.sse <= limit and m.outcome is Outcome.CONVERGED]
@@ -147,27 +138,25 @@ def _result(
     agreeing = sum(m.sse <= limit for m in minima)
     status, message = _status(problem, best, minima, agreeing, len(initials))
     left = residuals.of(best.x)
+
+    def of_free(x: FloatArray) -> dict[str, float]:
+        return dict(zip(problem.free, x.tolist(), strict=True))
+
     return FitResult(
         problem=problem,
         status=status,
         message=message,
-        values=dict(zip(problem.spec.names, problem.values(best.x).tolist(), strict=True)),
+        values=problem.by_name(best.x),
         residuals=tuple(read_only(residual) for residual in left),
         sse=residuals.sse(left),
         R=read_only(best.R),
         starts=tuple(
-            Start(
-                dict(zip(problem.free, initial.tolist(), strict=True)),
-                dict(zip(problem.free, m.x.tolist(), strict=True)),
-                m.sse,
-                str(m.outcome),
-                m.iterations,
-            )
+            Start(of_free(initial), of_free(m.x), m.sse, str(m.outcome), m.iterations)
             for initial, m in zip(initials, minima, strict=False)
         ),
         agreeing=agreeing,
         seed=seed,
-        seconds=seconds,
+        seconds=0.0,
         versions=versions(),
     )
 
@@ -176,10 +165,10 @@ def _status(
     problem: FitProblem, best: Minimum, minima: Sequence[Minimum], agreeing: int, starts: int
 ) -> tuple[str, str]:
     """Status and message of the best minimum."""
-    within = minima[-1].outcome is Outcome.INTERRUPTED
-    stopped = within or len(minima) < starts
-    where = f"{'in' if within else 'after'} start {len(minima)} of {starts}"
-    suffix = f"; stopped by the user {where}" if stopped else ""
+    suffix = ""
+    if (within := minima[-1].outcome is Outcome.INTERRUPTED) or len(minima) < starts:
+        where = f"{'in' if within else 'after'} start {len(minima)} of {starts}"
+        suffix = f"; stopped by the user {where}"
     if best.outcome is not Outcome.CONVERGED:
         advice = {
             Outcome.INTERRUPTED: "the best so far is kept; fit again for a minimum",
@@ -188,8 +177,7 @@ def _status(
             Outcome.NOT_FINITE: "the model overflows at the start; give another start or bounds",
         }[best.outcome]
         return "failed", f"no minimum reached ({best.outcome}): {advice}{suffix}"
-    values = dict(zip(problem.free, best.x.tolist(), strict=True))
-    bound = at_bounds(problem, values, of_family=False)
+    bound = at_bounds(problem, problem.by_name(best.x), of_family=False)
     text = f"{agreeing} of {len(minima)} starts reach the best minimum"
     if len(minima) > 1 and agreeing == 1:
         text += ": it may not be the global one, give more starts"

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag, solveh_banded
 
-from surae.estimation.banded import add_hats
-from surae.estimation.film import FilmView, slices_of, views
+from surae.estimation.banded import lifted
+from surae.estimation.film import FilmView, hats, slices_of, views
 from surae.model.activation import IntArray
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, smooth_effort
@@ -50,18 +50,11 @@ class Latents:
 
     @classmethod
     def of(
-        cls,
-        recording: ModelInputs,
-        silent: frozenset[str],
-        seconds: float,
-        *,
-        perfect: bool = False,
+        cls, recording: ModelInputs, silent: frozenset[str], seconds: float, *, perfect: bool
     ) -> "Latents":
         """The latents of a recording that lasts so long before it is thinned.
 
-        Muscles that are silent have no gain.
-
-        A perfect laboratory has nearly none: its one is the torque's zero at the greatest distance.
+        Muscles that are silent, and all of a `perfect` laboratory, have no gain.
         """
         muscles = tuple(
             i
@@ -77,10 +70,9 @@ class Latents:
             source: slice(int(end - size), int(end))
             for source, size, end in zip(SOURCES, sizes, ends, strict=True)
         }
+        of_gain = np.kron(np.eye(len(muscles)), _inverse_correlation(at_gain, GAIN_S))
         inverses: dict[str, FloatArray] = {
-            "gain": np.asarray(
-                np.kron(np.eye(len(muscles)), _inverse_correlation(at_gain, GAIN_S)), dtype=float
-            ),
+            "gain": of_gain.astype(float),
             "drift": _inverse_correlation(at_drift, DRIFT_S),
             "misfit": np.eye(sizes[2]),
         }
@@ -193,8 +185,9 @@ class Fast:
 
     def log_gain(self, w: FloatArray, muscles: tuple[int, ...]) -> FloatArray:
         """Logarithmic gain of the four muscles over time, shape (4, n)."""
-        gains = np.zeros((len(MUSCLES), self.n))
-        add_hats(w.reshape(len(self.first), -1), self.first, self.shapes, np.array(muscles), gains)
+        gains, own = np.zeros((len(MUSCLES), self.n)), np.zeros((self.n, len(muscles)))
+        lifted(self.shapes, self.first, w.reshape(len(self.first), -1), own)
+        gains[list(muscles)] = own.T
         return gains
 
 
@@ -212,9 +205,7 @@ def _hats_over_time(
 ) -> tuple[FloatArray, FloatArray]:
     """Hat functions over the recording, shape (k, n), and where they peak [s]."""
     knots = np.linspace(0.0, seconds, min(max(2, round(seconds / step) + 1), MOST))
-    time = np.arange(recording.n) / recording.rate_hz
-    hats = np.stack([np.interp(time, knots, row) for row in np.eye(len(knots))])
-    return hats, knots
+    return hats(np.arange(recording.n) / recording.rate_hz, knots), knots
 
 
 def _hats_over_movement(recording: ModelInputs) -> FloatArray:
@@ -224,9 +215,8 @@ def _hats_over_movement(recording: ModelInputs) -> FloatArray:
     fast = max(float(np.percentile(np.abs(speed), 98.0)), 1e-6)
     over_angle = np.linspace(low, max(high, low + 1e-6), ANGLES)
     over_speed = np.linspace(-1.0, 1.0, VELOCITIES)
-    by_angle = [np.interp(angle, over_angle, row) for row in np.eye(ANGLES)]
-    by_speed = [np.interp(np.tanh(speed / fast), over_speed, row) for row in np.eye(VELOCITIES)]
-    return np.stack([a * v for a in by_angle for v in by_speed])
+    by_speed = hats(np.tanh(speed / fast), over_speed)
+    return np.stack([a * v for a in hats(angle, over_angle) for v in by_speed])
 
 
 def _inverse_correlation(at: FloatArray, time: float) -> FloatArray:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import cho_solve, solve_triangular
 
-from surae.estimation.banded import lifted, solve_band_transposed
+from surae.estimation.banded import solve_band_transposed
 from surae.estimation.evidence import root
 from surae.estimation.film import noise_of_film
 from surae.estimation.latent import SOURCES, Latents
@@ -30,10 +30,7 @@ _SLOW, _EFFORT, _FEWEST = (0.3, 5.0), (0.1, 0.3), 50
 
 
 def effort_ratio(posterior: LogPosterior, point: Point) -> float:
-    """Size of the slow residual under effort over that at rest; 0 where one of them is rare.
-
-    Of legs whose EMG errs at the muscles' own frequencies it is 2.5 to 7, of others below 1.5.
-    """
+    """Size of the slow residual under effort over that at rest; 0 where one of them is rare."""
     from scipy.signal import butter, sosfiltfilt
 
     strong, weak = [], []
@@ -120,16 +117,14 @@ def learnt_noise(
         if recording.weight is not None:
             e = e * np.sqrt(recording.weight)
         U = _taken(V, b, rows, own)
-        if rows.fast is not None:
-            U = np.concatenate([U, _drawn(rows, b, len(e)) / np.sqrt(own.variance)])
+        if b.band is not None:
+            U = np.concatenate([U, _drawn(rows, b.band) / np.sqrt(own.variance)])
         model = noise_behind(e, U, 0 if white or posterior.fast else min(_ORDER, len(e) // 10))
         # samples count for as little as the slow part says, in which parameters act: a noise
         # model that is correlated itself lets the torque go where the model is wrong
         model = level_where_filtered(model, recording)
-        slow = model.below(_COUNTED / recording.rate_hz)
         least = (_EXACT * float(np.std(measured(recording)))) ** 2
-        level = max(slow, model.variance, least, 1e-30)
-        models.append(replace(model, coefficients=np.zeros(0), variance=level))
+        models.append(model.slow(_COUNTED / recording.rate_hz, least=max(least, 1e-30)))
     return tuple(models)
 
 
@@ -145,27 +140,18 @@ def _taken(V: FloatArray, b: Block, rows: SensorRows, noise: NoiseModel) -> Floa
     """
     by_z, by_c = rows.by_z, rows.by_c
     if b.fast is not None:
-        assert rows.fast is not None
-        assert rows.first is not None
-        followed = np.zeros((rows.whole.shape[1], b.fast.shape[1]))
-        lifted(rows.fast, rows.first, np.ascontiguousarray(b.fast), followed)
-        by_z, by_c = by_z - followed[:, : len(by_z)].T, by_c - followed[:, len(by_z) :].T
+        moved = rows.lifted(np.ascontiguousarray(b.fast)).T
+        by_z, by_c = by_z - moved[: len(by_z)], by_c - moved[len(by_z) :]
     of_z = V @ (by_z - b.solved.T @ by_c)
     of_c = solve_triangular(b.factor[0], by_c, trans="T", lower=False)
     return np.asarray(np.concatenate([of_z, of_c]) / np.sqrt(noise.variance))
 
 
-def _drawn(rows: SensorRows, b: Block, n: int) -> FloatArray:
-    """SensorRows whose products are on average those of what fast gains take of the noise."""
-    assert b.band is not None
-    assert rows.fast is not None
-    assert rows.first is not None
-    rng = np.random.default_rng(0)
-    white = rng.standard_normal((len(rows.first), _DRAWS)) / np.sqrt(_DRAWS)
+def _drawn(rows: SensorRows, band: FloatArray) -> FloatArray:
+    """Rows whose products are on average those of what fast gains take of the noise."""
+    white = np.random.default_rng(0).standard_normal((band.shape[1], _DRAWS)) / np.sqrt(_DRAWS)
     # L·Lᵀ = D, so that L⁻ᵀ·white has the covariance D⁻¹
-    taken = np.zeros((n, _DRAWS))
-    lifted(rows.fast, rows.first, solve_band_transposed(b.band, white), taken)
-    return np.ascontiguousarray(taken.T)
+    return np.ascontiguousarray(rows.lifted(solve_band_transposed(band, white)).T)
 
 
 def level_where_filtered(noise: NoiseModel, recording: ModelInputs) -> NoiseModel:

@@ -2,12 +2,10 @@
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg.lapack import dgeqrf
 
 from surae.model.jit import jit
@@ -16,14 +14,11 @@ from surae.units import FloatArray
 
 @jit
 def box_quadratic(H: FloatArray, g: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
-    """Minimise ½dᵀHd + gᵀd subject to lower ≤ d ≤ upper, by an active set.
+    """Minimise ½dᵀHd + gᵀd subject to lower ≤ d ≤ upper, H positive definite, by an active set.
 
-    Primal active set: a step that meets a bound stops there and holds it, a held bound whose
-    multiplier has the wrong sign is let go, one at a time. Each face is left at a lower value, so
-    no face comes twice and the loop is finite; the count below only guards against rounding.
-
-    H, shape (p, p), is symmetric and positive definite, best with a unit diagonal; bounds may be
-    infinite.
+    A step that meets a bound stops there and holds it, a held bound whose multiplier has the wrong
+    sign is let go, one at a time. Each face is left at a lower value, so no face comes twice and
+    the loop is finite; the count below only guards against rounding.
     """
     p = len(g)
     d = np.minimum(np.maximum(np.zeros(p), lower), upper)
@@ -107,26 +102,16 @@ class Minimum:
 
 
 def compress(rows: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-    """R of the Jacobian and Qᵀ·residual: all that a step needs, p × p instead of n × p.
+    """R of the Jacobian, Qᵀ·residual, and the sum of squares that no step can take away.
 
-    `rows`, shape (p + 1, n), are the Jacobian's and the residual; they are overwritten. Given back
-    are R, Qᵀ·residual, and the sum of squares of the residual that no combination of the columns
-    can take away.
+    `rows`, shape (p + 1, n), are the Jacobian's and the residual; they are overwritten.
     """
     p, n = rows.shape[0] - 1, rows.shape[1]
     factored = dgeqrf(rows.T, lwork=64 * (p + 1), overwrite_a=True)[0]
     full = np.zeros((p + 1, p + 1))
-    np.copyto(full[: min(p + 1, n)], factored[: p + 1], where=_upper(p + 1)[: min(p + 1, n)])
+    full[: min(p + 1, n)] = np.triu(factored[: p + 1])
     rest = float(full[p, p])  # of Python, which overflows without a warning
     return full[:p, :p], full[:p, p], rest * rest
-
-
-@cache
-def _upper(size: int) -> npt.NDArray[np.bool_]:
-    """Mask of a square matrix's upper triangle."""
-    mask = np.triu(np.ones((size, size), dtype=np.bool_))
-    mask.setflags(write=False)
-    return mask
 
 
 def minimise(
@@ -188,10 +173,10 @@ def minimise(
     """
     stall = ftol if stall is None else stall
     x = np.clip(x, lower, upper)
-    here = best = _Point.of(x, rows(x))
-    count, eye = 1, np.eye(len(x))
-    if not here.finite:
-        return best.minimum(Outcome.NOT_FINITE, count)
+    here, q = _point(x, rows(x))
+    best, count, eye = here, 1, np.eye(len(x))
+    if not (np.isfinite(here.sse) and np.isfinite(here.R).all()):
+        return replace(here, outcome=Outcome.NOT_FINITE)
     norms = column_norms(here.R)
     damping, growth, failed = 1e-3, 2.0, False
     milestone, since = here.sse, 0
@@ -202,9 +187,9 @@ def minimise(
             norms = np.maximum(norms, column_norms(here.R))
             scale = np.where(norms > 0, norms, 1.0)
             A = here.R / scale
-            g, H = A.T @ here.q, A.T @ A
+            g, H = A.T @ q, A.T @ A
             room = (lower - here.x) * scale, (upper - here.x) * scale
-            undamped = _gain(H, g, box_quadratic(H + _RIDGE * eye, g, *room))
+            undamped = predicted_gain(H, g, box_quadratic(H + _RIDGE * eye, g, *room))
             d = box_quadratic(H + damping * eye, g, *room)
             step = d / scale
             if (
@@ -223,11 +208,11 @@ def minimise(
             if sse < milestone * (1 - min(_WORTHWHILE * stall, 0.5)):
                 milestone, since = sse, 0
             since += 1
-            predicted = _gain(H, g, d)
+            predicted = predicted_gain(H, g, d)
             gain = (min(max(recent), (1 + _UPHILL) * best.sse) - sse) / predicted
             if gain > _ENOUGH:
                 monotone = (here.sse - sse) / predicted
-                here = _Point.of(x, trial)
+                here, q = _point(x, trial)
                 if here.sse < best.sse:
                     best = here
                     if better is not None:
@@ -240,34 +225,14 @@ def minimise(
                 growth *= 2.0
     except KeyboardInterrupt:
         outcome = Outcome.INTERRUPTED
-    return best.minimum(outcome, count)
+    return replace(best, outcome=outcome, iterations=count)
 
 
-@dataclass(frozen=True, slots=True)
-class _Point:
-    """A point of the iteration: parameters, sum of squares, and the compressed problem there."""
-
-    x: FloatArray
-    sse: float
-    residual: FloatArray
-    R: FloatArray
-    q: FloatArray
-
-    @classmethod
-    def of(cls, x: FloatArray, rows: FloatArray) -> "_Point":
-        """Compress the rows at `x`, which are overwritten."""
-        residual = rows[-1].copy()
-        R, q, _ = compress(rows)
-        return cls(x, sum_of_squares(residual), residual, R, q)
-
-    @property
-    def finite(self) -> bool:
-        """Whether the model has numbers here."""
-        return bool(np.isfinite(self.sse) and np.isfinite(self.R).all())
-
-    def minimum(self, outcome: Outcome, count: int) -> Minimum:
-        """The point as a result."""
-        return Minimum(self.x, self.sse, self.residual, self.R, outcome, count)
+def _point(x: FloatArray, rows: FloatArray) -> tuple[Minimum, FloatArray]:
+    """A point of the iteration and Qᵀ·residual there; its rows are overwritten."""
+    residual = rows[-1].copy()
+    R, q, _ = compress(rows)
+    return Minimum(x, sum_of_squares(residual), residual, R, Outcome.ITERATIONS, 1), q
 
 
 def sum_of_squares(residual: FloatArray) -> float:
@@ -276,7 +241,7 @@ def sum_of_squares(residual: FloatArray) -> float:
         return float(residual @ residual)
 
 
-def _gain(H: FloatArray, g: FloatArray, d: FloatArray) -> float:
+def predicted_gain(H: FloatArray, g: FloatArray, d: FloatArray) -> float:
     """How much a step lowers the sum of squares of the linear problem."""
     return -float(d @ (2.0 * g + H @ d))
 

@@ -24,6 +24,16 @@ class NoiseModel(Comparable):
     autocovariance: Listed  #: What the model was made of, m > q, shape (m,).
     samples: float  #: How many samples that came from.
 
+    @classmethod
+    def white(cls, variance: float, samples: float) -> "NoiseModel":
+        """White noise."""
+        return cls(np.zeros(0), variance, np.array([variance]), samples)
+
+    def slow(self, part: float, least: float = 0.0) -> "NoiseModel":
+        """White noise as strong as this is below a part of the sampling rate."""
+        level = max(self.below(part), self.variance, least)
+        return replace(self, coefficients=np.zeros(0), variance=level)
+
     @property
     def order(self) -> int:
         """Number q of coefficients."""
@@ -61,12 +71,10 @@ class NoiseModel(Comparable):
 
 
 def autoregressive(autocovariance: FloatArray, samples: float) -> NoiseModel:
-    """The autoregressive model of the order that Akaike's criterion prefers.
+    """The autoregressive model of the order below m that Akaike's criterion prefers.
 
     The Yule–Walker equations are solved for all orders by the recursion of Levinson and Durbin;
-    it ends where the autocovariance stops being one.
-
-    Order 0 to m − 1 is tried for an autocovariance of shape (m,), estimated from so many samples.
+    it ends where the autocovariance, shape (m,), stops being one.
     """
     coefficients, variance = np.zeros(0), float(autocovariance[0])
     best, lowest = (coefficients, variance), samples * np.log(variance) if variance > 0 else 0.0
@@ -89,17 +97,8 @@ def noise_behind(residual: FloatArray, taken: FloatArray, lags: int) -> NoiseMod
     """The autoregressive noise whose residual, after a fit, would be as this residual is.
 
     A fit with the hat matrix H = UᵀU leaves (1 − H)·noise. Of the noise's power at a frequency it
-    takes the part that U has there, so that is given back until the noise model rests (the idea is
-    Worsley's, NeuroImage 15, 2002).
-
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Of the fit.
-    taken : ndarray, shape (q, n)
-        U.
-    lags : int
-        Largest order that is tried, below n.
+    takes the part that U, `taken`, shape (q, n), has there, so that is given back until the noise
+    model, of at most so many lags, rests (the idea is Worsley's, NeuroImage 15, 2002).
     """
     from scipy.fft import next_fast_len
 

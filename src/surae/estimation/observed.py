@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from surae.estimation.banded import band_products, border_products
+from surae.estimation.banded import band_products, border_products, lifted
 from surae.estimation.coordinates import Coordinates
-from surae.estimation.film import seen_by
+from surae.estimation.film import names_of_film, seen_by
 from surae.estimation.interrupt import checkpoint
 from surae.estimation.latent import TAIL_S, Latents
 from surae.estimation.residuals import simulators
@@ -29,6 +29,8 @@ _KEPT = 2
 #: Active state over which it reaches zero in a search [N]: resting muscles cross zero at one value
 #: of crosstalk or of EMG at rest, at which the model's kink would stop it.
 _SMOOTH = 0.3
+#: Derivatives by fast gains, and their first samples, where there are none.
+_NO_COLUMNS = np.zeros((0, 0)), np.zeros(0, dtype=np.int64)
 
 
 class SensorRows:
@@ -39,9 +41,8 @@ class SensorRows:
     """
 
     def __init__(
-        self, whole: FloatArray, q: int, fast: FloatArray | None = None,
-        first: IntArray | None = None, muscles: int = 1,
-    ) -> None:  # fmt: skip
+        self, whole: FloatArray, q: int, fast: FloatArray, first: IntArray, muscles: int
+    ) -> None:
         self.whole, self.fast, self.first = whole, fast, first
         self.by_z, self.by_c, self.residual = whole[:q], whole[q:-1], whole[-1]
         self._muscles = muscles
@@ -52,11 +53,15 @@ class SensorRows:
         with np.errstate(over="ignore", invalid="ignore"):
             return np.asarray(self.whole @ self.whole.T)
 
+    def lifted(self, heights: FloatArray) -> FloatArray:
+        """What fast gains of these heights, (k, d), move, shape (n, d)."""
+        moved = np.zeros((self.whole.shape[1], heights.shape[1]))
+        lifted(self.fast, self.first, heights, moved)
+        return moved
+
     @cached_property
     def band(self) -> FloatArray:
         """Products of the fast columns, as a lower band (b + 1, k)."""
-        assert self.fast is not None
-        assert self.first is not None
         spacing = float(self.first[-1]) / (len(self.first) // self._muscles - 1)
         reach = self._muscles * (int(np.ceil(self.fast.shape[1] / spacing)) + 2)
         band = np.zeros((min(reach, len(self.first) - 1) + 1, len(self.first)))
@@ -66,8 +71,6 @@ class SensorRows:
     @cached_property
     def border(self) -> FloatArray:
         """Products of the fast columns with `whole`, shape (k, q + m + 1)."""
-        assert self.fast is not None
-        assert self.first is not None
         border = np.zeros((len(self.first), len(self.whole)))
         border_products(self.fast, self.first, np.ascontiguousarray(self.whole.T), border)
         return border
@@ -85,16 +88,14 @@ class Observed:
         self._gains = [_short(each.gain) for each in latents]
         self.simulated = 0  #: Recordings that were simulated with derivatives.
         #: What the misfit's values add to each recording's torque, once its descent began.
-        self._added: list[FloatArray | None] = [None for _ in self._inputs]
-        self._kept: list[deque[tuple[bytes, list[SensorRows]]]] = [
-            deque(maxlen=_KEPT) for _ in self._inputs
-        ]
+        self._added: list[FloatArray | None] = []
+        self._kept: list[deque[tuple[bytes, list[SensorRows]]]] = []
+        self.anew()
 
     def anew(self) -> None:
         """Begin a descent: active torques of its first point hold from now on."""
         self._added = [None for _ in self._inputs]
-        for kept in self._kept:
-            kept.clear()
+        self._kept = [deque(maxlen=_KEPT) for _ in self._inputs]
 
     def _set(
         self, z: FloatArray, c: FloatArray, w: FloatArray, number: int
@@ -170,32 +171,31 @@ class Observed:
         self._gain_rows(tangent.response, number, own)
         drift = latents.slices["drift"].start
         whole[-1] = tangent.torque - measured(recording) + c[drift:] @ own[drift:]
-        fast = first = None
-        if len(w):
-            fast, first = self._fast_columns(tangent.response, values, number)
+        response = tangent.response
+        fast, first = self._fast_columns(response, values, number) if len(w) else _NO_COLUMNS
         if recording.weight is not None:
             root = np.sqrt(recording.weight)
             whole *= root
-            if fast is not None and first is not None:
-                fast *= root[np.minimum(first[:, None] + np.arange(fast.shape[1]), n - 1)]
+            fast = fast * root[np.minimum(first[:, None] + np.arange(fast.shape[1]), n - 1)]
         each = [SensorRows(whole, q, fast, first, len(latents.muscles))]
         by_name = at.by_name(z, number)
         for film, where in zip(latents.films, latents.own_of_films(), strict=True):
-            grown = 1.0 + by_name.get(film.names[0], 0.0)
+            names = names_of_film(film.channel)
+            grown = 1.0 + by_name.get(names[0], 0.0)
             whole = np.zeros((q + latents.size + 1, n))
             whole[: len(scale)] = tangent.length_jacobian[film.group] * scale
-            self._gain_rows(tangent.response, number, whole[q:-1], film.group)
+            self._gain_rows(response, number, whole[q:-1], film.group)
             whole = grown * film.at_frames(whole)
             length = film.at_frames(tangent.lengths[film.group])
-            for name, by in zip(film.names, (length, np.ones_like(length)), strict=True):
+            for name, by in zip(names, (length, np.ones_like(length)), strict=True):
                 if name in at.names:
                     whole[at.names.index(name)] = by
             whole[q + where.start : q + where.stop] = film.drift
             seen = seen_by(film.channel, by_name, length)
             whole[-1] = seen + c[where] @ film.drift - film.length
-            fast = first = None
+            fast, first = _NO_COLUMNS
             if len(w):
-                short, begins = self._fast_columns(tangent.response, values, number, film.group)
+                short, begins = self._fast_columns(response, values, number, film.group)
                 fast, first = film.short(grown * short, begins)
             each.append(SensorRows(whole, q, fast, first, len(latents.muscles)))
         return each

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -34,12 +35,8 @@ class Loss:
     #: of the efficiency of least squares.
     tuning: float
     #: ψ(u)/u with ψ = ρ′/2, from u/tuning: 1 at 0, less at an outlier.
-    weight: Callable[[FloatArray], FloatArray]
-    slope: Callable[[FloatArray], FloatArray]  #: ψ′(u), from u/tuning.
-
-
-def _tukey(t: FloatArray) -> FloatArray:
-    return np.asarray(np.maximum(1 - t * t, 0.0))
+    weight: Callable[[FloatArray], Any]
+    slope: Callable[[FloatArray], Any]  #: ψ′(u), from u/tuning.
 
 
 LOSSES: Mapping[str, Loss] = {
@@ -49,32 +46,20 @@ LOSSES: Mapping[str, Loss] = {
         Loss(
             "huber",
             1.345,
-            lambda t: np.asarray(1 / np.maximum(np.abs(t), 1.0)),
-            lambda t: np.asarray((np.abs(t) < 1).astype(float)),
+            lambda t: 1 / np.maximum(np.abs(t), 1.0),
+            lambda t: 1.0 * (np.abs(t) < 1),
         ),
         # 2·(√(1 + t²) − 1), its smooth relative.
-        Loss(
-            "soft-l1",
-            1.2871,
-            lambda t: np.asarray((1 + t * t) ** -0.5),
-            lambda t: np.asarray((1 + t * t) ** -1.5),
-        ),
+        Loss("soft-l1", 1.2871, lambda t: (1 + t * t) ** -0.5, lambda t: (1 + t * t) ** -1.5),
         # Beaton and Tukey 1974: an outlier far away counts nothing.
         Loss(
             "tukey",
             4.685,
-            lambda t: _tukey(t) ** 2,
-            lambda t: np.asarray(np.where(np.abs(t) < 1, (1 - t * t) * (1 - 5 * t * t), 0.0)),
+            lambda t: np.maximum(1 - t * t, 0.0) ** 2,
+            lambda t: np.where(np.abs(t) < 1, (1 - t * t) * (1 - 5 * t * t), 0.0),
         ),
     )
 }
-
-
-def named_loss(name: str) -> Loss:
-    """The loss of that name; an unknown one is an `InputError` that lists the known ones."""
-    if name not in LOSSES:
-        raise InputError(f"unknown loss {name!r}; known losses: {', '.join(LOSSES)}")
-    return LOSSES[name]
 
 
 def spread(residual: FloatArray) -> float:
@@ -131,57 +116,46 @@ def fit_robust(
     Huber and Ronchetti, Robust Statistics (2009), chapter 7; Holland and Welsch, Robust regression
     using iteratively reweighted least-squares, Commun. Stat. A6 (1977).
     """
-    chosen, begin = named_loss(loss), time.perf_counter()
+    if loss not in LOSSES:
+        raise InputError(f"unknown loss {loss!r}; known losses: {', '.join(LOSSES)}")
+    begin = time.perf_counter()
     first = fit_problem(problem, starts=1, seed=seed, follow=follow)
     if first.status == "failed":
         return first
     x = np.array([first.values[name] for name in problem.free])
     for _ in range(_PASSES):
-        resting = _settled(problem, x, chosen)
+        resting = _settled(problem, x, LOSSES[loss])
         if resting is None:
             stopped = replace(first.starts[-1], outcome=str(Outcome.INTERRUPTED))
             return replace(
-                first,
-                status="failed",
+                first, status="failed", starts=(*first.starts[:-1], stopped),
                 message="stopped by the user before the weights of the outliers were found; "
                 "these are the least squares",
-                starts=(*first.starts[:-1], stopped),
-            )
+            )  # fmt: skip
         x, sse, outliers = resting
         weighted = replace(
             problem, inputs=_with(problem.inputs, outliers.weights), base=problem.values(x)
         )
         result = fit_problem(
-            weighted,
-            starts=starts,
-            seed=seed,
-            progress=progress,
-            noise=outliers.scale,
+            weighted, starts=starts, seed=seed, progress=progress, noise=outliers.scale,
             follow=follow,
-        )
+        )  # fmt: skip
         if result.status == "failed" or result.sse >= sse * (1 - 1 / (problem.n - len(x))):
             break
         x = np.array([result.values[name] for name in problem.free])
     status, message = result.status, result.message
     if outliers.rounds >= _ROUNDS:
-        status = "failed"
-        message = (
+        status, message = "failed", (
             f"the weights of the {loss} loss did not rest in {_ROUNDS} rounds: try another loss, "
             "or leave the outliers out"
-        )
+        )  # fmt: skip
     elif status != "failed" and result.sse > sse * (1 + 1 / (problem.n - len(x))):
-        status = "failed"
-        message = (
+        status, message = "failed", (
             "no start came back to the minimum that the weights of the outliers belong to: "
             "give more starts"
-        )
-    return replace(
-        result,
-        status=status,
-        message=message,
-        outliers=outliers,
-        seconds=time.perf_counter() - begin,
-    )
+        )  # fmt: skip
+    seconds = time.perf_counter() - begin
+    return replace(result, status=status, message=message, outliers=outliers, seconds=seconds)
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,13 +174,13 @@ def _settled(
     problem: FitProblem, x: FloatArray, loss: Loss
 ) -> tuple[FloatArray, float, Outliers] | None:
     """Parameters, weighted sum and weights at which the weights rest; None where interrupted."""
+    held = None
     with one_blas_thread(), postponed_interrupt():
         try:
             if loss.name == "tukey":
-                before = _iterated(problem, x, named_loss("huber"))
-                last = _iterated(problem, before.x, loss, before.scale)
-            else:
-                last = _iterated(problem, x, loss)
+                before = _iterated(problem, x, LOSSES["huber"])
+                x, held = before.x, before.scale
+            last = _iterated(problem, x, loss, held)
         except KeyboardInterrupt:
             return None
     counts = np.concatenate([recording.counts for recording in problem.inputs])
@@ -224,11 +198,7 @@ def _settled(
 
 
 def _iterated(problem: FitProblem, x: FloatArray, loss: Loss, held: float | None = None) -> _Round:
-    """Rounds of least squares until the weights rest, or there have been too many.
-
-    `held` is the scale, where it is known. The weights are those that the parameters were found
-    with.
-    """
+    """Rounds of least squares until the weights rest; `held` is the scale, where it is known."""
     residuals, inputs = Residuals(problem, 1.0), problem.inputs
     counts = np.concatenate([recording.counts for recording in inputs])
     precise = np.concatenate(
@@ -268,9 +238,8 @@ def _step(
 
 
 def _with(inputs: Sequence[ModelInputs], weights: Sequence[FloatArray]) -> tuple[ModelInputs, ...]:
+    """The recordings with these weights times their own."""
     return tuple(
-        replace(
-            recording, weight=read_only(w if recording.weight is None else recording.weight * w)
-        )
-        for recording, w in zip(inputs, weights, strict=True)
+        replace(trial, weight=read_only(w if trial.weight is None else trial.weight * w))
+        for trial, w in zip(inputs, weights, strict=True)
     )

@@ -14,7 +14,7 @@ that of health with its spread `WIDENED`, so that patients lie within it and it 
 as a fit's bounds, or the parameter's own wide prior.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,38 +84,18 @@ def population_priors(
         known = ", ".join(POPULATIONS)
         raise InputError(f"no priors of population {population!r}; known populations: {known}")
     table = adapted(PARAMETERS.values(), options or ModelOptions())
-    return {
-        name: (p.known[population].median, p.known[population].spread)
-        for name, p in table.items()
-        if p.known
-    }
+    believed = {name: p.known[population] for name, p in table.items() if p.known}
+    return {name: (belief.median, belief.spread) for name, belief in believed.items()}
 
 
 def wide_priors(
     options: ModelOptions | None = None, emg_unit: str = "V"
 ) -> dict[str, tuple[float, float]]:
-    """Median and spread of every parameter that is above zero, of a leg nothing is known of.
-
-    With virtual work lengths and stiffnesses are others; ε0 is a strain where it is to be read so.
-    Weights of a normalised envelope are forces.
-    """
-    return {
-        name: (p.wide.median, p.wide.spread)
-        if p.wide is not None
-        else (p.known["healthy"].median, WIDENED * p.known["healthy"].spread)
-        for name, p in adapted(PARAMETERS.values(), options or ModelOptions(), emg_unit).items()
-        if p.wide is not None or p.known
-    }
-
-
-def population_of(
-    priors: Mapping[str, tuple[float, float]], options: ModelOptions
-) -> dict[str, str]:
-    """The population whose default each prior is, by parameter; of those that are a default."""
-    best: dict[str, str] = {}
-    for population in POPULATIONS:
-        known = population_priors(population, options)
-        same = {name: population for name, pair in priors.items() if known.get(name) == pair}
-        if len(same) > len(best):  # the populations share some: the one that explains most
-            best = same
-    return best
+    """Median and spread of every parameter that is above zero, of a leg nothing is known of."""
+    priors = {}
+    for name, p in adapted(PARAMETERS.values(), options or ModelOptions(), emg_unit).items():
+        if p.wide is not None:
+            priors[name] = p.wide.median, p.wide.spread
+        elif p.known:
+            priors[name] = p.known["healthy"].median, WIDENED * p.known["healthy"].spread
+    return priors

@@ -20,7 +20,7 @@ from surae.estimation.banded import solve_band
 from surae.estimation.coordinates import Coordinates
 from surae.estimation.evidence import LaplaceApproximation
 from surae.estimation.latent import Latents
-from surae.estimation.least_squares import box_quadratic
+from surae.estimation.least_squares import box_quadratic, predicted_gain
 from surae.estimation.noise import NoiseModel
 from surae.estimation.observed import Observed, SensorRows
 from surae.estimation.problem import FitProblem
@@ -44,12 +44,6 @@ class Block:
     fast: FloatArray | None = None
     step: FloatArray | None = None
 
-    def moved(self, w: FloatArray, by: FloatArray) -> FloatArray:
-        """Fast gains where parameters and slow latents are moved so."""
-        if self.step is None or self.fast is None:
-            return w
-        return np.asarray(w - self.step - self.fast @ by)
-
     @property
     def log_width(self) -> float:
         """Logarithm of the determinant of the latents' part, lost by integrating over them."""
@@ -69,15 +63,14 @@ class Point:
 
     def latents_at(self, z: FloatArray) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
         """Latents, then fast gains, as the normal equations have them where parameters are z."""
-        moved = z - self.z
-        c = tuple(
-            own - b.step_c - b.solved @ moved for own, b in zip(self.c, self.blocks, strict=True)
-        )
-        w = tuple(
-            b.moved(own, np.concatenate([moved, after - before]))
-            for own, b, after, before in zip(self.w, self.blocks, c, self.c, strict=True)
-        )
-        return c, w
+        moved, slow, fast = z - self.z, [], []
+        for c, w, b in zip(self.c, self.w, self.blocks, strict=True):
+            slow.append(c - b.step_c - b.solved @ moved)
+            if b.step is None or b.fast is None:
+                fast.append(w)
+            else:
+                fast.append(w - b.step - b.fast @ np.concatenate([moved, slow[-1] - c]))
+        return tuple(slow), tuple(fast)
 
 
 class LogPosterior(Coordinates):
@@ -104,7 +97,8 @@ class LogPosterior(Coordinates):
     def _prepare(self) -> None:
         fast = self.fast
         self._fast = [] if fast is None else [each.fast.precision(fast) for each in self.latents]
-        self._precisions = [each.precision(self.sizes) for each in self.latents]
+        #: Inverse covariance of each recording's slow latents beforehand, shape (m, m).
+        self.precisions = [each.precision(self.sizes) for each in self.latents]
 
     def having(self, **changes: Any) -> "LogPosterior":
         """The posterior with other values of attributes, films' noise being in `latents`."""
@@ -138,7 +132,7 @@ class LogPosterior(Coordinates):
             counts = self.problem.inputs[number].n, *(len(film.length) for film in films)
             total += float(np.dot(counts, np.log(self.variances(number))))
             total += b.log_width
-            total -= np.linalg.slogdet(self._precisions[number])[1]
+            total -= np.linalg.slogdet(self.precisions[number])[1]
             if b.band is not None:
                 prior = cholesky_banded(self._fast[number][0], lower=True)
                 total -= 2.0 * float(np.log(prior[0]).sum())
@@ -151,7 +145,7 @@ class LogPosterior(Coordinates):
     def block(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> Block:
         """A recording's normal equations, its latents eliminated, the fast ones first."""
         each = list(zip(self.observed.rows(z, c, w, number), self.variances(number), strict=True))
-        P = self._precisions[number]
+        P = self.precisions[number]
         H = np.sum([rows.products / variance for rows, variance in each], axis=0)
         if not np.isfinite(H).all():
             raise FloatingPointError
@@ -164,12 +158,10 @@ class LogPosterior(Coordinates):
         if len(w):
             prior, mean = self._fast[number]
             muscles = len(prior) - 1
-            band, border = each[0][0].band / each[0][1], each[0][0].border / each[0][1]
-            for rows, variance in each[1:]:
-                other = rows.band / variance
-                height = max(len(band), len(other))
-                band, other = (np.pad(b, ((0, height - len(b)), (0, 0))) for b in (band, other))
-                band, border = band + other, border + rows.border / variance
+            band = np.zeros((max(len(rows.band) for rows, _ in each), len(w)))
+            for rows, variance in each:
+                band[: len(rows.band)] += rows.band / variance
+            border = np.sum([rows.border / variance for rows, variance in each], axis=0)
             band[0] += prior[0]
             band[muscles] += prior[muscles]
             away = w - mean
@@ -189,10 +181,6 @@ class LogPosterior(Coordinates):
         gain += float(gc @ step_c)
         own, g = H[:q, :q] - B @ solved, H[:q, -1] - solved.T @ gc
         return Block(own, g, factor, solved, step_c, cost, gain, band, fast, step)
-
-    def precision(self, number: int) -> FloatArray:
-        """Inverse covariance of a recording's slow latents beforehand, shape (m, m)."""
-        return self._precisions[number]
 
     def fast_product(self, number: int, moved: FloatArray) -> FloatArray:
         """Inverse covariance of a recording's fast gains times these columns, shape (k, q)."""
@@ -246,7 +234,7 @@ class LogPosterior(Coordinates):
             A, b = H / np.outer(scale, scale), g / scale
             room = (self.lower - z) * scale, (self.upper - z) * scale
             d = box_quadratic(A + damping * np.eye(len(z)), b, *room)
-            gain = -float(d @ (2.0 * b + A @ d))
+            gain = predicted_gain(A, b, d)
             latent_gain = sum(x.latent_gain for x in blocks)
             if gain + latent_gain < tolerance:
                 break

@@ -52,8 +52,7 @@ class FitProblem(Comparable):
     @property
     def columns(self) -> list[int]:
         """Positions of the free parameters in the parameter vector."""
-        names = self.spec.names
-        return [names.index(name) for name in self.free]
+        return [self.spec.names.index(name) for name in self.free]
 
     @property
     def start(self) -> FloatArray:
@@ -77,30 +76,39 @@ class FitProblem(Comparable):
         given = ({**trial.fixed, **self.settings.fixed}.get("m") for trial in self.inputs)
         return all(mass == 0.0 for mass in given)
 
-    def fixed(self, name: str) -> float:
-        """The value of a parameter that is not free."""
-        return float(self.base[self.spec.names.index(name)])
-
     def values(self, x: FloatArray) -> FloatArray:
         """All parameters, shape (P,), from the free ones, shape (p,)."""
         values = self.base.copy()
         values[self.columns] = x
         return values
 
-    def narrowed(self, spec: ModelSpec, free: Sequence[str], values: FloatArray) -> "FitProblem":
-        """The problem with a model that has fewer parameters, and with fewer of them free.
+    def by_name(self, x: FloatArray) -> dict[str, float]:
+        """All parameters by name, from the free ones, shape (p,)."""
+        return dict(zip(self.spec.names, self.values(x).tolist(), strict=True))
 
-        `values` are all parameters of the model so far, shape (P,).
-        """
-        kept = [self.free.index(name) for name in free]
+    @property
+    def limits(self) -> dict[str, tuple[float, float]]:
+        """Bounds of the free parameters by name."""
+        pairs = zip(self.lower.tolist(), self.upper.tolist(), strict=True)
+        return dict(zip(self.free, pairs, strict=True))
+
+    def of_model(
+        self, spec: ModelSpec, free: Sequence[str], values: Mapping[str, float],
+        limits: Mapping[str, tuple[float, float]], **changes: Any,
+    ) -> "FitProblem":  # fmt: skip
+        """The problem of another model, with its own start and bounds where none are given."""
+        options = changes.get("options", self.options)
+        table = adapted(spec.parameters, options, self.inputs[0].emg_unit)
+        bounds = [limits.get(n, (table[n].lower, table[n].upper)) for n in free]
         return replace(
             self,
             spec=spec,
             free=tuple(free),
-            base=values[[self.spec.names.index(name) for name in spec.names]],
-            lower=self.lower[kept],
-            upper=self.upper[kept],
-            priors={name: prior for name, prior in self.priors.items() if name in free},
+            base=np.array([values.get(n, p.start) for n, p in table.items()]),
+            lower=np.array([low for low, _ in bounds], dtype=float),
+            upper=np.array([high for _, high in bounds], dtype=float),
+            priors=FrozenDict({n: prior for n, prior in self.priors.items() if n in free}),
+            **changes,
         )
 
 
@@ -143,19 +151,15 @@ def make_problem(
     for names in (prescribed, start, bounds, tuple(free)):
         check_names(names, spec)
     table = adapted(spec.parameters, options, _agreed_unit(inputs))
-    for name in free:
-        if name in prescribed:
-            raise InputError(f"{name} is both free and fixed; choose one")
+    if both := [name for name in free if name in prescribed]:
+        raise InputError(f"{both[0]} is both free and fixed; choose one")
     for values in (prescribed, start):
         for name, value in values.items():
             check_value(table[name], value, spec)
 
     base = {**{name: p.start for name, p in table.items()}, **start, **prescribed}
-    names = tuple(
-        name
-        for name in spec.names
-        if (name in spec.free or name in free) and name not in prescribed
-    )
+    estimated = {*spec.free, *free} - prescribed.keys()
+    names = tuple(name for name in spec.names if name in estimated)
     if not names:
         raise InputError("every parameter is fixed: nothing to estimate; free at least one")
     _check_reflex(names, base)
@@ -196,9 +200,7 @@ def _spelled_out(free: Sequence[str], fixed: Collection[str]) -> tuple[str, ...]
     """The names to free, a drive's name replaced by its parameters that are not fixed."""
     names: list[str] = []
     for name in free:
-        group = OPTIONAL.get(name, ())
-        if name in group:
-            group = ()
+        group = () if name in OPTIONAL.get(name, ()) else OPTIONAL.get(name, ())
         names += [member for member in group if member not in fixed] or [name]
     return tuple(names)
 
@@ -258,9 +260,8 @@ def _agreed_unit(inputs: Sequence[ModelInputs]) -> str:
             "some recordings have EMG in V and some normalised: their weights cannot be shared; "
             "fit them apart"
         )
-    references = [recording.emg_reference for recording in inputs]
-    for recording, reference in zip(inputs, references, strict=True):
-        if reference != references[0]:
+    for recording in inputs:
+        if recording.emg_reference != inputs[0].emg_reference:
             raise InputError(
                 f"{recording.where}: its EMG was divided by another reference than that of "
                 f"{inputs[0].where}: their weights cannot be shared; normalise all recordings of "
@@ -282,10 +283,8 @@ def _checked_bounds(name: str, pair: object, spec: ModelSpec) -> tuple[float, fl
 
 
 def _check_weight(recording: ModelInputs) -> None:
-    weight = recording.weight
-    if weight is not None and (
-        weight.shape != (recording.n,) or not np.isfinite(weight).all() or weight.min() < 0
-    ):
+    w = recording.weight
+    if w is not None and (w.shape != (recording.n,) or not np.isfinite(w).all() or w.min() < 0):
         raise InputError(
             f"{recording.name}: weight must hold {recording.n} finite numbers of zero or more, "
             "one a sample"

@@ -21,17 +21,13 @@ class Residuals:
     """Modelled minus measured torque of all recordings, with its Jacobian, weighted.
 
     Priors follow as further residuals, σ·(ln x − ln median)/spread (`Prior.row`), so that the sum
-    of squares over σ² is minus twice the logarithm of the posterior, but for a constant.
-
-    `noise` is the standard deviation σ of the torque's noise [Nm], against which priors are
-    weighed.
+    of squares over σ², of the torque's `noise` [Nm], is −2 ln of the posterior, but for a constant.
     """
 
     def __init__(self, problem: FitProblem, noise: float = 0.0) -> None:
         self._problem, self.noise = problem, noise
         self._simulators = simulators(problem)
-        measured = [recording.torque for recording in problem.inputs]
-        self._measured = [torque for torque in measured if torque is not None]
+        self._measured = [r.torque for r in problem.inputs if r.torque is not None]
         self._roots = [
             None if recording.weight is None else np.sqrt(recording.weight)
             for recording in problem.inputs
@@ -102,14 +98,8 @@ def curved_move(problem: FitProblem) -> Move:
     than k or x0 alone, so the valley of the minimum is the curve k·(x_ref − x0) = constant and a
     straight step leaves it. The step is therefore taken in φ = k·(x_ref − x0) and k: the same to
     first order, and a slack length held at a bound stays there.
-
-    The greatest length x_ref of each muscle is that of the problem's recordings.
     """
-    groups = [
-        (problem.free.index(k), problem.free.index(x0), longest)
-        for k, x0, longest in stiffness_valleys(problem)
-        if k in problem.free and x0 in problem.free
-    ]
+    groups = valleys_among(problem, problem.free)
 
     def move(x: FloatArray, step: FloatArray) -> FloatArray:
         moved = x + step
@@ -122,6 +112,15 @@ def curved_move(problem: FitProblem) -> Move:
         return np.asarray(moved)
 
     return move
+
+
+def valleys_among(problem: FitProblem, names: Sequence[str]) -> list[tuple[int, int, float]]:
+    """Positions of a stiffness and a slack length that are both among the names, and x_ref [m]."""
+    return [
+        (names.index(k), names.index(x0), longest)
+        for k, x0, longest in stiffness_valleys(problem)
+        if k in names and x0 in names
+    ]
 
 
 def stiffness_valleys(problem: FitProblem) -> list[tuple[str, str, float]]:

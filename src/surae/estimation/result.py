@@ -131,9 +131,8 @@ class FitResult(Comparable):
     @property
     def bounded(self) -> dict[str, float]:
         """Those at a bound have the standard deviation of a value anywhere between the bounds."""
-        p = self.problem
-        widths = dict(zip(p.free, (p.upper - p.lower).tolist(), strict=True))
-        return {name: float(widths[name] / np.sqrt(12.0)) for name in self.at_bound}
+        limits = self.problem.limits
+        return {n: float((limits[n][1] - limits[n][0]) / np.sqrt(12.0)) for n in self.at_bound}
 
 
 def at_bounds(
@@ -145,7 +144,7 @@ def at_bounds(
     """
     return tuple(
         name
-        for name, low, high in zip(problem.free, problem.lower, problem.upper, strict=True)
+        for name, (low, high) in problem.limits.items()
         if is_at_bound(values[name], -np.inf if of_family and name in TENDONS else low, high)
     )
 

@@ -6,16 +6,11 @@ the long valleys in which weights trade with filter and lengths are gone (Golub 
 Which parameters these are, each model's `ModelSpec` says.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from surae.estimation.least_squares import (
-    box_quadratic,
-    column_norms,
-    compress,
-    sum_of_squares,
-)
+from surae.estimation.least_squares import box_quadratic, column_norms, compress, sum_of_squares
 from surae.estimation.problem import FitProblem
 from surae.units import FloatArray
 
@@ -27,11 +22,9 @@ _RIDGE = 1e-10
 
 
 def solve_linear(problem: FitProblem, rows: SomeRows, x: FloatArray) -> tuple[FloatArray, float]:
-    """Replace the linear parameters of `x` by their least-squares values within the bounds.
+    """`x` with its linear parameters solved within the bounds, and the sum of squares there.
 
-    Parameters of `x` that are not linear are kept; `x` itself comes back where the model gives no
-    finite numbers. With it comes the sum of squared residuals there, known without another
-    evaluation, then infinite.
+    Where the model gives no finite numbers it is `x` as it is, and the sum is infinite.
     """
     names, spec = problem.free, problem.spec
     linear = [j for j, name in enumerate(names) if name in spec.linear or name in spec.slack]
@@ -51,8 +44,7 @@ def solve_linear(problem: FitProblem, rows: SomeRows, x: FloatArray) -> tuple[Fl
     for i, k_name in slack.items():
         # The unknown is the factor s = exp(−k·(x0' − x0)) on the passive torque, which is −J/k;
         # s − 1 falls as x0' grows, so the bounds change places.
-        k = float(x[names.index(k_name)] if k_name in names else problem.fixed(k_name))
-        stiffness[i] = k
+        k = stiffness[i] = problem.by_name(x)[k_name]
         basis[i] /= -k
         factor = np.array([-k * high[i], -k * low[i]])
         low[i], high[i] = np.expm1(np.minimum(np.maximum(factor, -700.0), 700.0))
@@ -66,9 +58,8 @@ def solve_linear(problem: FitProblem, rows: SomeRows, x: FloatArray) -> tuple[Fl
     change /= scale
     for i, k in stiffness.items():
         change[i] = -np.log1p(change[i]) / k
-    solved = base
-    solved[linear] += change
-    return np.minimum(np.maximum(solved, problem.lower), problem.upper), sse
+    base[linear] += change
+    return np.minimum(np.maximum(base, problem.lower), problem.upper), sse
 
 
 def scan_lengths(problem: FitProblem, rows: SomeRows, x: FloatArray) -> FloatArray:
@@ -77,15 +68,24 @@ def scan_lengths(problem: FitProblem, rows: SomeRows, x: FloatArray) -> FloatArr
     A start whose optimal length lies far outside the lengths the muscle reaches ends in a valley
     where f_l is little more than an exponential; a few evaluations along each length avoid it.
     """
-    best, lowest = solve_linear(problem, rows, x)
-    for name in problem.spec.scanned:
-        if name not in problem.free:
-            continue
-        j, base = problem.free.index(name), best
-        for length in np.linspace(problem.lower[j], problem.upper[j], _SCAN_POINTS + 2)[1:-1]:
-            point = base.copy()
-            point[j] = length
-            point, sse = solve_linear(problem, rows, point)
-            if sse < lowest:
-                best, lowest = point, sse
-    return best
+    best = solve_linear(problem, rows, x)
+    for j in (problem.free.index(name) for name in problem.spec.scanned if name in problem.free):
+        lengths = np.linspace(problem.lower[j], problem.upper[j], _SCAN_POINTS + 2)[1:-1]
+        best = best_along(problem, rows, best, j, lengths)
+    return best[0]
+
+
+def best_along(
+    problem: FitProblem,
+    rows: SomeRows,
+    here: tuple[FloatArray, float],
+    j: int,
+    values: Iterable[float],
+) -> tuple[FloatArray, float]:
+    """A point and its sum of squares, or better ones with parameter j at one of the values."""
+    solved = [here]
+    for value in values:
+        point = here[0].copy()
+        point[j] = np.clip(value, problem.lower[j], problem.upper[j])
+        solved.append(solve_linear(problem, rows, point))
+    return min(solved, key=lambda each: each[1])

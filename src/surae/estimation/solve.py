@@ -1,5 +1,7 @@
 """A problem solved as its settings ask: least squares, or with outliers counting less."""
 
+from functools import partial
+
 from surae.errors import InputError
 from surae.estimation.family import fit_family
 from surae.estimation.fit import fit_problem
@@ -37,10 +39,5 @@ def solve(
             )
         return fit_family(problem, progress=progress)
     count = settings.starts if starts is None else starts
-    if settings.loss is None:
-        return fit_problem(
-            problem, starts=count, seed=settings.seed, progress=progress, follow=follow
-        )
-    return fit_robust(
-        problem, settings.loss, starts=count, seed=settings.seed, progress=progress, follow=follow
-    )
+    fit = fit_problem if settings.loss is None else partial(fit_robust, loss=settings.loss)
+    return fit(problem, starts=count, seed=settings.seed, progress=progress, follow=follow)

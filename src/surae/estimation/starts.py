@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 
@@ -29,19 +28,11 @@ _RELAXATIONS, _RELAXATION_FACTOR, _APART = (0.3, 5.0), 0.4, 4.0
 Follow = Callable[[ModelSpec, FloatArray, float], None]
 #: Finds the minimum that a point leads to.
 Descent = Callable[[FloatArray], Minimum]
+#: Finds the minimum that a start leads to; true looks for better optimal lengths before.
+FromStart = Callable[[FloatArray, bool], Minimum]
 
 
-class FromStart(Protocol):
-    """Finds the minimum that a start leads to."""
-
-    def __call__(self, initial: FloatArray, *, scan: bool) -> Minimum:
-        """Minimum from the free parameters `initial`; `scan` looks for better optimal lengths."""
-        ...
-
-
-def from_start(
-    problem: FitProblem, residuals: Residuals, follow: Follow | None = None
-) -> FromStart:
+def from_start(problem: FitProblem, residuals: Residuals, follow: Follow | None) -> FromStart:
     """How a start of this problem finds its minimum.
 
     A model of rigid tendons solves its linear parameters first. A model with a parent takes the
@@ -56,51 +47,31 @@ def from_start(
 
 
 def _direct(problem: FitProblem, residuals: Residuals, follow: Follow | None) -> FromStart:
-    """Descends from the start itself, or from the parent's minimum.
-
-    Of several starts, those that thinned data lead to the minimum of another one end there.
-    """
-    descend = _descent(problem, residuals, follow)
-    ends: list[tuple[Minimum, Minimum]] = []
-    if problem.spec.parent is not None and (look := _first_look(problem, follow)) is not None:
-        return _by_looks(problem, residuals, look, ends, descend)
+    """Descends from the start, or the parent's minimum; others look at thinned data first."""
+    descend, again = _descent(problem, residuals, follow), None
     straight = _solved_first(problem, residuals, descend)
-    thin = _thinned(problem, _THIN_RATE_RIGID if problem.spec.parent is None else _THIN_RATE)
-    if thin.n == problem.n:
-        return straight
-    # What is known beforehand weighs as much beside fewer samples as beside all of them.
-    few = Residuals(thin, residuals.noise * np.sqrt(thin.n / problem.n))
-    again = _descent(thin, few, stall=_STALL_THINNED, ftol=_LOOK / thin.n)
-    others = _by_looks(problem, residuals, _solved_first(thin, few, again), ends, descend)
+    look = None if problem.spec.parent is None else _first_look(problem, follow)
+    if look is None:
+        thin = _thinned(problem, _THIN_RATE_RIGID if problem.spec.parent is None else _THIN_RATE)
+        if thin.n == problem.n:
+            return straight
+        # What is known beforehand weighs as much beside fewer samples as beside all of them.
+        few = Residuals(thin, residuals.noise * np.sqrt(thin.n / problem.n))
+        again = _descent(thin, few, stall=_STALL_THINNED, ftol=_LOOK / thin.n)
+        look = _solved_first(thin, few, again)
     first: list[Minimum] = []
+    #: Minima on thinned data, each with the one that it leads to on all of them.
+    ends: list[tuple[Minimum, Minimum]] = []
 
-    def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
-        if not first:
-            first.append(straight(initial, scan=scan))
+    def minimum(initial: FloatArray, scan: bool) -> Minimum:
+        if again is not None and not first:
+            first.append(straight(initial, scan))
             return first[0]
-        if not ends:
+        if again is not None and not ends:
             ends.append((again(first[0].x), first[0]))
-        return others(initial, scan=scan)
-
-    return minimum
-
-
-def _by_looks(
-    problem: FitProblem,
-    residuals: Residuals,
-    look: FromStart,
-    ends: list[tuple[Minimum, Minimum]],
-    descend: Descent,
-) -> FromStart:
-    """Looks at thinned data, and descends on all of them where no other start did.
-
-    `ends` are minima on thinned data, each with the one that it leads to on all of them.
-    """
-
-    def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
-        before = look(initial, scan=scan)
+        before = look(initial, scan)
         if before.outcome is Outcome.INTERRUPTED:
-            return _stopped(problem, residuals, before.x)
+            return stopped(problem, residuals, before.x)
         for thinned_end, end in ends:
             if _leads_to(before.x, before.sse, thinned_end):
                 return replace(end, iterations=before.iterations)
@@ -120,10 +91,9 @@ def _descent(
 ) -> Descent:
     """How a point descends to its minimum, so that one can `follow` it."""
     move = curved_move(problem)
-    better = None
-    if follow is not None:
 
-        def better(x: FloatArray, sse: float) -> None:
+    def better(x: FloatArray, sse: float) -> None:
+        if follow is not None:
             follow(problem.spec, problem.values(x), sse)
 
     def descend(x: FloatArray) -> Minimum:
@@ -138,7 +108,7 @@ def _descent(
 def _solved_first(problem: FitProblem, residuals: Residuals, descend: Descent) -> FromStart:
     """Descends from the start with its linear parameters solved."""
 
-    def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
+    def minimum(initial: FloatArray, scan: bool) -> Minimum:
         if scan:
             return descend(scan_lengths(problem, residuals.data_rows, initial))
         return descend(solve_linear(problem, residuals.data_rows, initial)[0])
@@ -159,17 +129,17 @@ def _with_drives(
     descend, rigid = _descent(problem, residuals), problem.spec.parent is None
     followed = _descent(problem, residuals, follow)
 
-    def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
+    def minimum(initial: FloatArray, scan: bool) -> Minimum:
         x = held_off(problem, initial[own])
         if without is not None:
-            before = without(initial[own], scan=scan)
+            before = without(initial[own], scan)
             x = held_off(problem, before.x)
             if before.outcome is Outcome.INTERRUPTED:
-                return _stopped(problem, residuals, x)
+                return stopped(problem, residuals, x)
         points = delay_valleys(problem, residuals.data_rows, x) if rigid else [x]
         best = _lowest(followed(points[0]), descend, points[1:])
         if len(points) == 1:
-            best = _lowest(best, lambda start: direct(start, scan=scan), [initial])
+            best = _lowest(best, lambda start: direct(start, scan), [initial])
         if follow is not None:
             follow(problem.spec, problem.values(best.x), best.sse)
         return best
@@ -177,8 +147,8 @@ def _with_drives(
     return minimum
 
 
-def _stopped(problem: FitProblem, residuals: Residuals, x: FloatArray) -> Minimum:
-    """The minimum where the user stopped before the problem's own iteration began."""
+def stopped(problem: FitProblem, residuals: Residuals, x: FloatArray) -> Minimum:
+    """A point as the minimum where the user stopped before the problem's own iteration began."""
     here = minimise(residuals.rows, x, problem.lower, problem.upper, max_iterations=1)
     return replace(here, outcome=Outcome.INTERRUPTED)
 
@@ -196,24 +166,27 @@ def _lowest(best: Minimum, descend: Descent, points: Iterable[FloatArray]) -> Mi
     return best
 
 
-def _first_look(problem: FitProblem, follow: Follow | None = None) -> FromStart | None:
-    """The minimum of a model with a parent on thinned data; None for a model without."""
+def _first_look(problem: FitProblem, follow: Follow | None) -> FromStart | None:
+    """The minimum of a model with a parent on thinned data; None if nothing is free in that."""
     thin = replace(_thinned(problem, _THIN_RATE), priors={})  # a first look needs none
-    parent = _parent(thin)
-    if parent is None:
+    assert problem.spec.parent is not None
+    spec = with_optional(get_model(problem.spec.parent), problem.spec.optional)
+    names = [name for name in problem.free if name in spec.names]
+    if not names:
         return None
-    shared = [problem.free.index(name) for name in parent.free]
+    parent = thin.of_model(spec, names, thin.by_name(thin.start), thin.limits)
+    shared = [problem.free.index(name) for name in names]
     from_parent = from_start(parent, Residuals(parent), follow)
     residuals = Residuals(thin)
     descend = _descent(thin, residuals, stall=_STALL_THINNED)
     followed = _descent(thin, residuals, follow, stall=_STALL_THINNED)
 
-    def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
-        before = from_parent(initial[shared], scan=scan)
+    def minimum(initial: FloatArray, scan: bool) -> Minimum:
+        before = from_parent(initial[shared], scan)
         x = initial.copy()
         x[shared] = before.x
         if before.outcome is Outcome.INTERRUPTED:
-            return _stopped(thin, residuals, x)
+            return stopped(thin, residuals, x)
         best = followed(x)
         return _lowest(best, descend, _other_relaxations(thin, best.x))
 
@@ -222,11 +195,8 @@ def _first_look(problem: FitProblem, follow: Follow | None = None) -> FromStart 
 
 def _thinned(problem: FitProblem, rate_hz: float) -> FitProblem:
     """The problem with fewer samples, or as it is where too few of them would count."""
-    factors = [thinning_factor(recording, rate_hz, _THIN_SAMPLES) for recording in problem.inputs]
-    inputs = tuple(
-        thinned(recording, by) for recording, by in zip(problem.inputs, factors, strict=True)
-    )
-    thin = replace(problem, inputs=inputs)
+    inputs = [thinned(r, thinning_factor(r, rate_hz, _THIN_SAMPLES)) for r in problem.inputs]
+    thin = replace(problem, inputs=tuple(inputs))
     return thin if thin.n > len(problem.free) else problem
 
 
@@ -236,7 +206,7 @@ def _other_relaxations(problem: FitProblem, x: FloatArray) -> list[FloatArray]:
     A fast relaxation looks like the damping of a compliant tendon, and a slow one like stiffness:
     the sum of squares has a valley at each, and which of them a start falls into says little.
     """
-    if "tau_rel" not in problem.free or "k_rel" not in problem.free:
+    if not {"tau_rel", "k_rel"} <= {*problem.free}:
         return []
     tau, gain = problem.free.index("tau_rel"), problem.free.index("k_rel")
     points = []
@@ -246,15 +216,6 @@ def _other_relaxations(problem: FitProblem, x: FloatArray) -> list[FloatArray]:
             point[tau], point[gain] = value, _RELAXATION_FACTOR
             points.append(np.clip(point, problem.lower, problem.upper))
     return points
-
-
-def _parent(problem: FitProblem) -> FitProblem | None:
-    """The problem with the parent model; None without one, or with nothing free in it."""
-    if problem.spec.parent is None:
-        return None
-    spec = with_optional(get_model(problem.spec.parent), problem.spec.optional)
-    shared = [name for name in problem.free if name in spec.names]
-    return replace(problem.narrowed(spec, shared, problem.base), priors={}) if shared else None
 
 
 #: A point is at a minimum when its sum differs by less than so many noise variances, and its

@@ -1,22 +1,14 @@
 """The fit at a mode of the posterior: values, and what makes them unsure, source by source."""
 
-import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from surae.estimation.evidence import Subset
 from surae.estimation.posterior import LogPosterior, Point
 from surae.estimation.problem import FitProblem
-from surae.estimation.result import (
-    Candidate,
-    Family,
-    FitResult,
-    OfRecording,
-    Start,
-    at_bounds,
-)
+from surae.estimation.result import Candidate, Family, FitResult, OfRecording, Start, at_bounds
 from surae.estimation.uncertainty import (
     UNSUPPORTED,
     between_subsets,
@@ -31,30 +23,19 @@ from surae.units import FloatArray
 from surae.versions import versions
 
 
-@dataclass(frozen=True, slots=True)
-class ChosenDepartures:
-    """A set of departures with its mode."""
-
-    posterior: LogPosterior
-    point: Point
-    scored: tuple[Subset, ...]  #: All sets, the chosen one first.
-    names: tuple[str, ...]  #: What their modes are of.
-
-
 def summed(
-    choice: ChosenDepartures, inputs: tuple[ModelInputs, ...], original: FitProblem, begin: float,
+    post: LogPosterior, point: Point, scored: tuple[Subset, ...], names: tuple[str, ...],
+    inputs: tuple[ModelInputs, ...], original: FitProblem,
     met: Sequence[tuple[Point, dict[str, float]]],
 ) -> FitResult:  # fmt: skip
-    """The fit at a mode, and what makes it unsure."""
-    post, point = choice.posterior, choice.point
+    """The fit at a mode, and what makes it unsure.
+
+    `scored` are all sets of departures, the chosen one first; `names` are what their modes are of.
+    """
     blocks, V = point.blocks, post.covariance(point)
     shifts = shifts_by_source(post, blocks, V)
-    shifts["model"] = np.concatenate(
-        [
-            between_subsets(choice.scored, choice.names, post, V),
-            dynamics(post, V, unheard=False),
-        ]
-    )
+    departures = between_subsets(scored, names, post, V)
+    shifts["model"] = np.concatenate([departures, dynamics(post, V, unheard=False)])
     if original.has_unheard:
         shifts["unheard"] = dynamics(post, V, unheard=True)
     shifts["trials"] = between_trials(blocks, V)
@@ -62,7 +43,7 @@ def summed(
     change = _natural(post, point)
     spread = {source: read_only(by @ change.T) for source, by in shifts.items() if len(by)}
     covariance = sum((by.T @ by for by in spread.values()), np.zeros((len(problem.free),) * 2))
-    values = dict(zip(problem.spec.names, post.values(point.z).tolist(), strict=True))
+    values = post.by_name(point.z)
     residuals = tuple(
         read_only(-post.observed.plain_residual(point.z, recording, number))
         for number, recording in enumerate(inputs)
@@ -74,32 +55,25 @@ def summed(
     status = "failed" if not finite else "at-bounds" if bound else "converged"
     free = {name: values[name] for name in problem.free}
     initial = dict(zip(problem.free, problem.start.tolist(), strict=True))
-    starts = [
-        Start(initial, {n: by.get(n, free[n]) for n in free}, sse, "converged", 1) for _, by in met
-    ]
+    ends = [free, *({n: by.get(n, free[n]) for n in free} for _, by in met[1:])]
     best = min(end.cost for end, _ in met)
+    kept = [scored[0], *(s for s in scored[1:6] if s.weight > UNSUPPORTED)]
+    chosen, *others = (Candidate(COMPLIANT, s.groups, s.evidence, s.weight, {}) for s in kept)
     return FitResult(
         problem=problem,
         status=status,
-        message=_message(choice, bound, finite),
+        message=_message(scored[0], bound, finite),
         values=values,
         residuals=residuals,
         sse=sse,
         R=read_only(_factor(covariance, sse, problem) if finite else covariance * np.nan),
-        starts=(Start(initial, free, sse, "converged", 1), *starts[1:]),
+        starts=tuple(Start(initial, end, sse, "converged", 1) for end in ends),
         agreeing=int(sum(end.cost - best < 2.0 for end, _ in met)),
         seed=original.settings.seed,
-        seconds=time.perf_counter() - begin,
+        seconds=0.0,
         versions=versions(),
         family=Family(
-            candidates=tuple(
-                Candidate(
-                    COMPLIANT, s.groups, s.evidence, s.weight,
-                    FrozenDict(values) if s is choice.scored[0] else {},
-                )
-                for s in choice.scored[:6]
-                if s.weight > UNSUPPORTED or s is choice.scored[0]
-            ),
+            candidates=(replace(chosen, values=FrozenDict(values)), *others),
             beliefs=FrozenDict(post.beliefs),
             noise=post.noise,
             films=tuple(film.noise for each in post.latents for film in each.films),
@@ -107,9 +81,7 @@ def summed(
             covariance=read_only(covariance),
             spread=FrozenDict(spread),
             sizes=FrozenDict({**post.sizes, "drive": post.fast or 0.0}),
-            population=FrozenDict(
-                {n: post.priors[n] for n in post.names if group_of(n) is None}
-            ),
+            population=FrozenDict({n: post.priors[n] for n in post.names if not group_of(n)}),
             recordings=_each(post, point, change) if len(inputs) > 1 else (),
         ),
     )  # fmt: skip
@@ -119,19 +91,14 @@ def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecor
     """What each recording says by itself, from its quadratic at the common mode."""
     own = []
     prior = post.weight**2
+    leg = {n: j for j, n in enumerate(post.problem.free) if group_of(n) is None}
     for b in point.blocks:
         V = np.linalg.inv(b.H + np.diag(prior))
         z = point.z - V @ (b.g + prior * (point.z - post.mean))
         sd = np.sqrt(np.diag(change @ V @ change.T))
         values = post.by_name(np.clip(z, post.lower, post.upper))
-        leg = [j for j, n in enumerate(post.problem.free) if group_of(n) is None]
-        names = [post.problem.free[j] for j in leg]
-        own.append(
-            OfRecording(
-                FrozenDict({n: values[n] for n in names}),
-                FrozenDict({n: float(sd[j]) for n, j in zip(names, leg, strict=True)}),
-            )
-        )
+        sems = {n: float(sd[j]) for n, j in leg.items()}
+        own.append(OfRecording(FrozenDict({n: values[n] for n in leg}), FrozenDict(sems)))
     return tuple(own)
 
 
@@ -148,22 +115,20 @@ def _factor(covariance: FloatArray, sse: float, problem: FitProblem) -> FloatArr
 def _natural(post: LogPosterior, point: Point) -> FloatArray:
     """The problem's free parameters, in their units, by what is searched, shape (p, q)."""
     free = post.problem.free
-    change, scale = np.zeros((len(free), len(point.z))), post.scale(point.z)
-    for i, name in enumerate(free):
-        if name in post.names:
-            j = post.names.index(name)
-            change[i, j] = scale[j]
-        else:  # the mean of the recordings' zeros
-            change[i, len(post.names) :] = 1.0 / post.zeros
+    change = np.zeros((len(free), len(point.z)))
+    for j, (name, scale) in enumerate(zip(post.names, post.scale(point.z), strict=True)):
+        change[free.index(name), j] = scale
+    if post.zeros:  # their mean
+        change[free.index("torque_zero"), len(post.names) :] = 1.0 / post.zeros
     return change
 
 
-def _message(choice: ChosenDepartures, bound: Sequence[str], finite: bool) -> str:
+def _message(chosen: Subset, bound: Sequence[str], finite: bool) -> str:
     if not finite:
         return "no minimum reached: the model has no finite numbers; give another start or bounds"
-    groups = choice.scored[0].groups
-    text = "the muscle-tendon model"
-    text += f" with departures: {', '.join(groups)}" if groups else " without any departure"
-    if choice.scored[0].weight < 0.99:
-        text += f" (probability {100 * choice.scored[0].weight:.0f} %)"
+    text = "the muscle-tendon model "
+    groups = ", ".join(chosen.groups)
+    text += f"with departures: {groups}" if groups else "without any departure"
+    if chosen.weight < 0.99:
+        text += f" (probability {100 * chosen.weight:.0f} %)"
     return text + (f"; at a bound: {', '.join(bound)}" if bound else "")

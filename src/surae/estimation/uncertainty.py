@@ -33,17 +33,16 @@ def shifts_by_source(
     posterior: LogPosterior, blocks: Sequence[Block], V: FloatArray
 ) -> dict[str, FloatArray]:
     """Shifts of the searched coordinates, shape (r, q) each, by source."""
-    shifts: dict[str, FloatArray] = {}
     rows: dict[str, list[FloatArray]] = {}
     for j, weight in enumerate(posterior.weight):
         name = posterior.names[j] if j < len(posterior.names) else "torque_zero"
         of = source_of(name) if group_of(name) is not None else None
         rows.setdefault("population" if of is None else of.name, []).append(V[j] * weight)
-    shifts |= {source: np.stack(each) for source, each in rows.items()}
+    shifts = {source: np.stack(each) for source, each in rows.items()}
     total = sum((by.T @ by for by in shifts.values()), np.zeros_like(V))
     latent = {source: np.zeros_like(V) for source in (*SOURCES, "fast", "film")}
     for number, b in enumerate(blocks):
-        P = posterior.precision(number)
+        P = posterior.precisions[number]
         for source, at in posterior.latents[number].slices.items():
             moved = b.solved[at] @ V
             latent[source] += moved.T @ P[at, at] @ moved
@@ -78,11 +77,9 @@ def between_subsets(
 
 
 def dynamics(posterior: LogPosterior, V: FloatArray, *, unheard: bool) -> FloatArray:
-    """Shifts by what the activation filter cannot express, shape (r, q).
+    """Shifts by what the activation filter cannot express, or by muscles `unheard`, shape (r, q).
 
-    A muscle is excited by more than a filter of the second order; and of muscles that no electrode
-    hears the EMG of others stands for theirs, and they act a little earlier or later. No residual
-    tells that from another filter. The other values follow along their valleys.
+    No residual tells that from another filter; the other values follow along their valleys.
     """
     if unheard:
         size = _UNHEARD
@@ -104,11 +101,8 @@ def between_trials(blocks: Sequence[Block], V: FloatArray) -> FloatArray:
     n = len(blocks)
     if n < 2:
         return np.zeros((0, len(V)))
-    pulls, expected = [], np.zeros(len(V))
-    for b in blocks:
-        pulls.append(V @ b.g)
-        expected += np.diag(V @ b.H @ V)
-    rows = np.stack(pulls) * np.sqrt(n / (n - 1.0))
+    expected = sum((np.diag(V @ b.H @ V) for b in blocks), np.zeros(len(V)))
+    rows = np.stack([V @ b.g for b in blocks]) * np.sqrt(n / (n - 1.0))
     seen = np.sum(rows**2, axis=0)
     excess = np.sqrt(np.maximum(seen - expected, 0.0) / np.maximum(seen, 1e-300))
     return np.asarray(rows * excess)
