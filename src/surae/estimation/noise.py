@@ -52,14 +52,6 @@ class NoiseModel(Comparable):
         density = self.spectrum(4096)
         return float(density[: max(2, int(4096 * part))].mean())
 
-    def draw(self, n: int, rng: np.random.Generator) -> FloatArray:
-        """A realisation, shape (n,), by filtering white noise in the frequency domain."""
-        from scipy.fft import next_fast_len
-
-        size = next_fast_len(2 * n, real=True)
-        white = np.fft.rfft(rng.standard_normal(size))
-        return np.asarray(np.fft.irfft(white * np.sqrt(self.spectrum(size)), size)[:n])
-
     def uncertainty(self) -> FloatArray:
         """Covariance of the coefficients, shape (q, q), for a long series: σ²Γ⁻¹/n."""
         from scipy.linalg import toeplitz

@@ -1,7 +1,7 @@
 """Losses in which outliers count less, and fits weighted anew until the weights rest."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,7 +18,6 @@ from surae.estimation.starts import Follow
 from surae.frozen import read_only
 from surae.progress import SearchProgress
 from surae.settings import STARTS
-from surae.signals import ModelInputs
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
 
@@ -111,6 +110,11 @@ def fit_robust(
         Its problem holds the weights at the solution, the loss's multiplied with the problem's own;
         `outliers` tells them apart. What is derived from it takes them as fixed.
 
+    Raises
+    ------
+    InputError
+        The loss is not known.
+
     References
     ----------
     Huber and Ronchetti, Robust Statistics (2009), chapter 7; Holland and Welsch, Robust regression
@@ -133,9 +137,11 @@ def fit_robust(
                 "these are the least squares",
             )  # fmt: skip
         x, sse, outliers = resting
-        weighted = replace(
-            problem, inputs=_with(problem.inputs, outliers.weights), base=problem.values(x)
+        inputs = tuple(
+            replace(trial, weight=read_only(w if trial.weight is None else trial.weight * w))
+            for trial, w in zip(problem.inputs, outliers.weights, strict=True)
         )
+        weighted = replace(problem, inputs=inputs, base=problem.values(x))
         result = fit_problem(
             weighted, starts=starts, seed=seed, progress=progress, noise=outliers.scale,
             follow=follow,
@@ -235,11 +241,3 @@ def _step(
     if best.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt
     return best.x, float(data @ data)
-
-
-def _with(inputs: Sequence[ModelInputs], weights: Sequence[FloatArray]) -> tuple[ModelInputs, ...]:
-    """The recordings with these weights times their own."""
-    return tuple(
-        replace(trial, weight=read_only(w if trial.weight is None else trial.weight * w))
-        for trial, w in zip(inputs, weights, strict=True)
-    )
