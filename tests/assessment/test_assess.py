@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment import Verdict, assess, predict
+from surae.assessment import Verdict, assess
 from surae.assessment.assess import _noise_share
 from surae.assessment.parameter import IDENTIFIED, judge_interval
 from surae.assessment.uncertainty.covariance import half_width
+from surae.assessment.validation import predict_others
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.residuals import Residuals
@@ -231,8 +232,7 @@ def test_a_strong_partner_is_named(fitted):
 
 
 def test_predict_by_hand(fitted, noisy, clean):
-    problem = fitted.problem
-    one, two = predict(problem.spec, problem.options, fitted.values, [noisy, clean])
+    one, two = predict_others(fitted, [noisy, clean], judge=False)
     np.testing.assert_allclose(one.torque, noisy.torque - fitted.residuals[0], atol=1e-9)
     assert one.vaf == pytest.approx(assess(fitted).vaf, abs=1e-9)
     e = clean.torque - two.torque
@@ -243,10 +243,9 @@ def test_predict_by_hand(fitted, noisy, clean):
 
 
 def test_predict_needs_a_torque(fitted, noisy):
-    problem = fitted.problem
     for torque in (None, np.zeros(noisy.n)):
         with pytest.raises(InputError, match="no torque to compare"):
-            predict(problem.spec, problem.options, fitted.values, [replace(noisy, torque=torque)])
+            predict_others(fitted, [replace(noisy, torque=torque)])
 
 
 def test_the_share_of_noise_is_finite_however_wide_an_interval_is():

@@ -7,8 +7,7 @@ import pytest
 from toys import linear, toy_fit
 
 from surae.assessment import assess
-from surae.assessment.identifiability.directions import unexplained
-from surae.assessment.identifiability.identified import identifiability
+from surae.assessment.identifiability.identified import identifiability, unexplained
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.residuals import Residuals
 from surae.protocol import Protocol, generate

@@ -1,16 +1,11 @@
 """What a fit is worth: goodness, uncertainty, identifiability, validation."""
 
 from surae.assessment.adequacy import Adequacy, Grade
-from surae.assessment.assess import (
-    Assessment,
-    RecordingQuality,
-    assess,
-)
+from surae.assessment.assess import Assessment, RecordingQuality, assess
 from surae.assessment.parameter import Interval, ParameterEstimate, Verdict
 from surae.assessment.residual import Whiteness, rmse, vaf, whiteness
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
-from surae.assessment.uncertainty.robust import RobustCovariance
-from surae.assessment.validation import PooledPrediction, Prediction, pooled, predict
+from surae.assessment.validation import Prediction, pooled
 
 __all__ = [
     "Adequacy",
@@ -19,10 +14,8 @@ __all__ = [
     "Grade",
     "Interval",
     "ParameterEstimate",
-    "PooledPrediction",
     "Prediction",
     "RecordingQuality",
-    "RobustCovariance",
     "Verdict",
     "Whiteness",
     "assess",
@@ -30,7 +23,6 @@ __all__ = [
     "half_width",
     "ipde",
     "pooled",
-    "predict",
     "rmse",
     "vaf",
     "whiteness",

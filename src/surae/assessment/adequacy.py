@@ -1,22 +1,11 @@
 """Whether a fit is good enough for its numbers to mean something: one gate, with reasons.
 
 A parameter of a model that does not follow the torque is known precisely and means nothing, and so
-is one of a leg that did not move. What is looked at, and from where on it matters, was chosen on
-virtual legs of the family:
-
-================== =================================================================================
-centred R²         of the torque's changes, not of its offset, which any gravity or zero explains
-movement           an ankle that holds still shows neither stiffness nor an optimal length
-effort             weights that are to be estimated need EMG that changes
-residual structure the part of the residual that angle, velocity and activation explain belongs to
-                   the leg and not to noise: the model leaves something out
-bounds             an estimate at its bound is where the search ended, not what the data say
-cross-prediction   several recordings of a leg should follow one set of parameters alike
-filmed fascicles   the model's muscle should shorten as the film shows, but for the tracker's drift
-================== =================================================================================
+is one of a leg that did not move. From where on something matters was chosen on virtual legs of the
+family.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -86,134 +75,129 @@ def judge_adequacy(result: FitResult) -> Adequacy:
         *_agreement(inputs, residuals, r2),
         *_films(result),
     ]
-    return _graded(sorted(reasons, key=lambda reason: not reason[0]), r2)
+    return _graded(reasons, r2)
 
 
 #: Whether it is grave, and the sentence.
 _Reason = tuple[bool, str]
 
 
-def _graded(reasons: Sequence[_Reason], r2: float) -> Adequacy:
-    grades = [Grade.INADEQUATE if grave else Grade.DOUBTFUL for grave, _ in reasons]
-    worst = Grade.INADEQUATE if Grade.INADEQUATE in grades else Grade.DOUBTFUL
-    return Adequacy(worst if grades else Grade.ADEQUATE, tuple(text for _, text in reasons), r2)
+def _graded(reasons: Iterable[_Reason], r2: float) -> Adequacy:
+    """The judgement that reasons lead to, the gravest first."""
+    ordered = sorted(reasons, key=lambda reason: not reason[0])
+    grade = Grade.ADEQUATE
+    if ordered:
+        grade = Grade.INADEQUATE if ordered[0][0] else Grade.DOUBTFUL
+    return Adequacy(grade, tuple(text for _, text in ordered), r2)
 
 
-def _goodness(r2: float) -> list[_Reason]:
+def _goodness(r2: float) -> Iterator[_Reason]:
+    """The torque's changes count, not its offset, which any gravity or zero explains."""
     if r2 < _NOT_FOLLOWED:
-        return [(True, f"the model does not follow the torque's changes (centred R² {r2:.1f} %)")]
-    if r2 < _FOLLOWED:
-        return [(False, f"the torque's changes are followed only roughly (centred R² {r2:.1f} %)")]
-    return []
+        yield True, f"the model does not follow the torque's changes (centred R² {r2:.1f} %)"
+    elif r2 < _FOLLOWED:
+        yield False, f"the torque's changes are followed only roughly (centred R² {r2:.1f} %)"
 
 
-def _movement(inputs: Sequence[ModelInputs]) -> list[_Reason]:
-    """All recordings together must move: several holds at different angles do."""
+def _range(inputs: Sequence[ModelInputs]) -> float:
+    """Movement of all recordings together [rad]: several holds at different angles have one."""
     angle = np.concatenate([recording.angle[recording.counts] for recording in inputs])
-    low, high = np.percentile(angle, [1.0, 99.0])
-    text = f"({np.degrees(high - low):.2g}° in all)"
-    if high - low < _STILL:
-        return [(True, f"the ankle hardly moves {text}: nothing tells stiffness from strength")]
-    if high - low < _LITTLE:
-        return [(False, f"the ankle moves little {text}")]
-    return []
+    return float(np.ptp(np.percentile(angle, [1.0, 99.0])))
 
 
-def _effort(result: FitResult) -> list[_Reason]:
+def _movement(inputs: Sequence[ModelInputs]) -> Iterator[_Reason]:
+    """An ankle that holds still shows neither stiffness nor an optimal length."""
+    moved = _range(inputs)
+    text = f"({np.degrees(moved):.2g}° in all)"
+    if moved < _STILL:
+        yield True, f"the ankle hardly moves {text}: nothing tells stiffness from strength"
+    elif moved < _LITTLE:
+        yield False, f"the ankle moves little {text}"
+
+
+def _effort(result: FitResult) -> Iterator[_Reason]:
     """Weights that are free need an EMG that changes."""
     problem = result.problem
     steady = zip(MUSCLES, problem.spec.weights, steady_emg(problem.inputs), strict=True)
     silent = [
         muscle.upper() for muscle, weight, is_so in steady if is_so and weight in problem.free
     ]
-    if not silent:
-        return []
-    return [(False, f"the EMG of {', '.join(silent)} hardly changes: its weight is a guess")]
+    if silent:
+        yield False, f"the EMG of {', '.join(silent)} hardly changes: its weight is a guess"
 
 
 def _structure(
     inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray], r2: float
-) -> list[_Reason]:
+) -> Iterator[_Reason]:
+    """What angle, velocity and activation explain of the residual belongs to the leg."""
     share = structure(inputs, residuals)
     left_out = share * (100.0 - r2)
-    if share < _STRUCTURED or left_out < _LEFT_OUT:
-        return []
-    text = (
-        f"{100 * share:.0f} % of the residual follow angle, velocity or activation "
-        f"({left_out:.1f} % of the torque's variance): the model leaves something out"
-    )
-    return [(left_out > _TOO_MUCH, text)]
+    if share >= _STRUCTURED and left_out >= _LEFT_OUT:
+        yield (
+            left_out > _TOO_MUCH,
+            (
+                f"{100 * share:.0f} % of the residual follow angle, velocity or activation "
+                f"({left_out:.1f} % of the torque's variance): the model leaves something out"
+            ),
+        )
 
 
-def _bounds(result: FitResult) -> list[_Reason]:
+def _bounds(result: FitResult) -> Iterator[_Reason]:
+    """An estimate at its bound is where the search ended, not what the data say."""
     leg = [name for name in result.problem.free if group_of(name) is None]
-    own = [name for name in leg if name in result.at_bound]
-    if not own:
-        return []
-    many = len(own) > _MOST_BOUND * len(leg)
-    verb = "lies" if len(own) == 1 else "lie"
-    return [(many, f"{', '.join(own)} {verb} at a bound")]
+    if own := [name for name in leg if name in result.at_bound]:
+        verb = "lies" if len(own) == 1 else "lie"
+        yield len(own) > _MOST_BOUND * len(leg), f"{', '.join(own)} {verb} at a bound"
 
 
-def _laboratory(result: FitResult) -> list[_Reason]:
+def _laboratory(result: FitResult) -> Iterator[_Reason]:
     """A laboratory that is odder than laboratories are stands for what the model leaves out."""
     if result.family is None:
-        return []
+        return
     own = {"torque_zero": result.family.zeros} if result.family.zeros else {}
+    meanings = {p.name: p.meaning for p in result.problem.spec.parameters}
     odd = [
-        name
+        f"{meanings[name]} ({name})"
         for name, belief in result.family.beliefs.items()
         if any(
             abs(value - belief.mean) >= _ODD * belief.sd
             for value in own.get(name, (result.values[name],))
         )
     ]
-    if not odd:
-        return []
-    meanings = {p.name: p.meaning for p in result.problem.spec.parameters}
-    named = ", ".join(f"{meanings[name]} ({name})" for name in odd)
-    return [(False, f"{named}: implausible; check electrodes and set-up")]
+    if odd:
+        yield False, f"{', '.join(odd)}: implausible; check electrodes and set-up"
 
 
 def _agreement(
     inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray], r2: float
-) -> list[_Reason]:
-    if len(inputs) < 2:
-        return []
-    reasons = []
+) -> Iterator[_Reason]:
+    """Several recordings of a leg should follow one set of parameters alike."""
     for recording, e in zip(inputs, residuals, strict=True):
         own = centred_r2([counted(recording, e)])
         if own < r2 - _CONTRADICTS:
-            reasons.append(
-                (own < _NOT_FOLLOWED, f"{recording.name} is not followed (R² {own:.1f} %)")
-            )
-    return reasons
+            yield own < _NOT_FOLLOWED, f"{recording.name} is not followed (R² {own:.1f} %)"
 
 
-def _films(result: FitResult) -> list[_Reason]:
+def _films(result: FitResult) -> Iterator[_Reason]:
     """Trackers drift by 1 to 2 mm: what departs by more is not how the muscle moves."""
-    reasons = []
     for film in fascicles_of(result):
         away = 1e3 * float(np.std(film.measured - film.modelled))
         if away > _OFF_FILM:
             why = "its tendon is rigid" if not film.stretch.any() else "or the film is wrong"
-            reasons.append((
+            yield (
                 False,
-                f"{film.channel} of {film.recording}: the film shows the muscle move "
-                f"otherwise than the model, by {away:.1f} mm (standard deviation): {why}",
-            ))  # fmt: skip
-    return reasons
+                (
+                    f"{film.channel} of {film.recording}: the film shows the muscle move "
+                    f"otherwise than the model, by {away:.1f} mm (standard deviation): {why}"
+                ),
+            )
 
 
 def judge_prediction(result: FitResult, recording: ModelInputs, torque: FloatArray) -> Adequacy:
     """Judge how a fit predicts a recording that it has not seen, against what it promises.
 
-    A fit promises errors like its own, in proportion where the torque changes more, and what its
-    covariance makes of the predicted torque. The mean is judged apart from the changes: a sensor's
-    zero is another in each recording.
-
-    `torque` is what is predicted of the recording [Nm]; the `r2` of the answer is of the torque's
-    changes.
+    The mean is judged apart from the changes, of which `r2` is: a sensor's zero is another in each
+    recording. `torque` is what is predicted of the recording [Nm].
     """
     predicted = np.zeros(recording.n) if recording.torque is None else recording.torque - torque
     measured, e = counted(recording, predicted)
@@ -222,25 +206,26 @@ def judge_prediction(result: FitResult, recording: ModelInputs, torque: FloatArr
     r2 = centred_r2([(measured, changes)])
     if not np.isfinite(r2):
         return Adequacy(Grade.INADEQUATE, ("the torque does not change",), r2)
-    reasons = []
-    if np.ptp(np.percentile(recording.angle[recording.counts], [1.0, 99.0])) < _STILL:
-        reasons.append((False, "the ankle holds still there: following it says little"))
-    else:
-        reasons += _goodness(r2)
+    reasons = list(_goodness(r2))
+    if _range([recording]) < _STILL:
+        reasons = [(False, "the ankle holds still there: following it says little")]
     promised = _promised(result, recording)
     error = float(np.sqrt(np.mean(changes**2)))
     if not error <= _BEYOND * promised:
-        reasons.append(
-            (False, f"it errs by {error:.2g} Nm where the fit promises {promised:.2g} Nm")
-        )
+        text = f"it errs by {error:.2g} Nm where the fit promises {promised:.2g} Nm"
+        reasons.append((False, text))
     if not abs(bias) <= _BEYOND * promised:
-        off = f"its mean is off by {bias:+.2g} Nm: another zero of the sensor, or another leg"
-        reasons.append((False, off))
+        text = f"its mean is off by {bias:+.2g} Nm: another zero of the sensor, or another leg"
+        reasons.append((False, text))
     return _graded(reasons, r2)
 
 
 def _promised(result: FitResult, recording: ModelInputs) -> float:
-    """Standard deviation [Nm] of the error that a fit promises of another recording's changes."""
+    """Standard deviation [Nm] of the error that a fit promises of another recording's changes.
+
+    It is like the fit's own, in proportion where the torque changes more, and what the covariance
+    makes of the predicted torque.
+    """
     problem = result.problem
     pairs = list(map(counted, problem.inputs, result.residuals))
     own = np.concatenate([e - e.mean() for _, e in pairs])
@@ -262,9 +247,7 @@ def structure(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) ->
 
     A linear regression in each recording on the angle to its third power, on velocity and its size
     and sign, and on each muscle's activation and its product with the angle; lessened by what as
-    many regressors explain of noise that is as correlated as the residual.
-
-    `residuals` are measured minus modelled torque of each recording [Nm].
+    many regressors explain of noise that is as correlated as the residual [Nm].
     """
     explained = total = 0.0
     for recording, residual in zip(inputs, residuals, strict=True):
@@ -295,14 +278,13 @@ def _features(recording: ModelInputs) -> FloatArray:
     from scipy.signal import butter, sosfiltfilt
 
     angle = recording.angle - recording.angle.mean()
-    top = max(float(np.abs(recording.velocity).max()), 1e-12)
-    columns = [angle, angle**2, angle**3, recording.velocity, np.abs(recording.velocity)]
-    columns.append(np.tanh(10.0 * recording.velocity / top))
+    speed = recording.velocity
+    top = max(float(np.abs(speed).max()), 1e-12)
+    columns = [angle, angle**2, angle**3, speed, np.abs(speed), np.tanh(10.0 * speed / top)]
+    active = recording.emg
     if recording.rate_hz > 2.5 * _ACTIVATION_HZ and recording.n > 20:
         sos = butter(2, _ACTIVATION_HZ, fs=recording.rate_hz, output="sos")
-        active = sosfiltfilt(sos, recording.emg, axis=0)
-    else:
-        active = recording.emg
+        active = sosfiltfilt(sos, active, axis=0)
     for channel in active.T:
         columns += [channel, channel * angle]
     return np.stack(columns, axis=1)

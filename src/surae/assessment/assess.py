@@ -35,15 +35,10 @@ from surae.frozen import Comparable
 from surae.model import adapted
 from surae.threads import one_blas_thread
 
-_NO_VARIANCE = "no estimate has a variance"
 _NOT_FINITE = "no interval: the model gives no finite torque here"
 _AT_BOUND = (
     "at its {side} bound: no interval; the optimum is outside the bounds, or the data do not "
     "constrain it"
-)
-_MARGINAL = (
-    "they contain the correlated noise, the measurement errors, and the models that "
-    "the data do not reject"
 )
 
 
@@ -108,9 +103,7 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
     problem = result.problem
     estimated = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
     robust, white = robust_covariance(result, estimated)
-    interval, why = _believed(result, white) if robust else (Interval.THESIS, _NO_VARIANCE)
-    if result.family is not None:
-        interval, why = Interval.MARGINAL, _MARGINAL
+    interval, why = _believed(result, robust, white)
     pairs = [
         (*counted(trial, residual), np.ones(trial.n) if trial.weight is None else
          trial.weight[trial.counts])
@@ -133,15 +126,12 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
         )
         for recording, (torque, residual, weight) in zip(problem.inputs, pairs, strict=True)
     )
-    left_out = [
-        name
-        for name in problem.free
-        if name not in estimated.names and not _is_nuisance(result, name)
-    ]
-    leg = _without_nuisances(result, estimated)
-    several = len(leg.names) > 1
+    laboratory = {} if result.family is None else result.family.beliefs
+    leg = _only(estimated, [j for j, n in enumerate(estimated.names) if n not in laboratory])
+    dependency = ipde(leg.correlation) if len(leg.names) > 1 else None
+    left_out = [n for n in problem.free if n not in estimated.names and n not in laboratory]
     note = f"without {', '.join(left_out)}" if left_out else ""
-    if not several:
+    if dependency is None:
         note = "fewer than two parameters have a variance"
     residuals = np.concatenate([residual for _, residual, _ in pairs])
     adequacy = judge_adequacy(result)
@@ -152,31 +142,35 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
         why += f"; they reach to where a model with some of {missing} has the parameters"
     if result.family is not None:
         table |= marginal(result.family, problem, table, adequacy)
-    parameters = {n: p for n, p in table.items() if not _is_nuisance(result, n)}
-    nuisances = {n: p for n, p in table.items() if _is_nuisance(result, n)}
     return Assessment(
         vaf=vaf(np.concatenate([torque for torque, _, _ in pairs]), residuals),
         rmse=rmse(residuals),
         vaf_weighted=weighted_vaf(pairs),
-        parameters=parameters,
-        nuisances=nuisances,
+        parameters={n: p for n, p in table.items() if n not in laboratory},
+        nuisances={n: p for n, p in table.items() if n in laboratory},
         covariance=leg,
         robust=robust,
         whiteness=white,
         interval=interval,
         interval_note=why,
-        ipde=ipde(leg.correlation) if several else None,
+        ipde=dependency,
         ipde_note=note,
         recordings=recordings,
         adequacy=adequacy,
     )
 
 
-def _believed(result: FitResult, white: Sequence[Whiteness]) -> tuple[Interval, str]:
-    """Which standard errors to believe, and why: the thesis's only where all residuals are white.
-
-    The level of the test is shared among the recordings (Bonferroni).
-    """
+def _believed(
+    result: FitResult, robust: RobustCovariance | None, white: Sequence[Whiteness]
+) -> tuple[Interval, str]:
+    """Which standard errors to believe: the thesis's only where all residuals are white, and why."""
+    if result.family is not None:
+        return Interval.MARGINAL, (
+            "they contain the correlated noise, the measurement errors, and the models that the "
+            "data do not reject"
+        )
+    if robust is None:
+        return Interval.THESIS, "no estimate has a variance"
     if result.outliers is not None:
         return Interval.ROBUST, "outliers count less than their square"
     if any(recording.emphasised for recording in result.problem.inputs):
@@ -185,28 +179,20 @@ def _believed(result: FitResult, white: Sequence[Whiteness]) -> tuple[Interval, 
     text = "p < 0.001" if least < 1e-3 else f"p = {least:.2g}"
     if len(white) > 1:
         text += f", the least of {len(white)} recordings"
-    if least >= LEVEL / len(white):
+    if least >= LEVEL / len(white):  # the recordings share the level (Bonferroni)
         return Interval.THESIS, f"the residual passes for white noise ({text})"
     return Interval.ROBUST, f"the residual is correlated over time ({text})"
 
 
-def _without_nuisances(result: FitResult, estimated: Covariance) -> Covariance:
-    """The covariance of the leg's parameters, nuisances estimated along."""
-    leg = [j for j, name in enumerate(estimated.names) if not _is_nuisance(result, name)]
-    if len(leg) == len(estimated.names):
-        return estimated
-    block = np.ix_(leg, leg)
+def _only(estimated: Covariance, kept: Sequence[int]) -> Covariance:
+    """The covariance of some of the parameters, the others estimated along."""
+    block = np.ix_(kept, kept)
     return replace(
         estimated,
-        names=tuple(estimated.names[j] for j in leg),
+        names=tuple(estimated.names[j] for j in kept),
         matrix=estimated.matrix[block],
         correlation=estimated.correlation[block],
     )
-
-
-def _is_nuisance(result: FitResult, name: str) -> bool:
-    """Whether a parameter is one of the laboratory that `model="auto"` put in."""
-    return result.family is not None and name in result.family.beliefs
 
 
 def _noise_share(half: float, shift: float) -> float:
@@ -224,21 +210,19 @@ def _parameters(
 ) -> dict[str, ParameterEstimate]:
     problem, withheld = result.problem, adequacy.grade is Grade.INADEQUATE
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
-    bounds = dict(
-        zip(problem.free, zip(problem.lower.tolist(), problem.upper.tolist(), strict=True),
-            strict=True)
-    )  # fmt: skip
+    ends = zip(problem.lower.tolist(), problem.upper.tolist(), strict=True)
+    bounds = dict(zip(problem.free, ends, strict=True))
     variances = dict(zip(estimated.names, np.diag(estimated.matrix).tolist(), strict=True))
-    at_bound = result.at_bound
+    shifts = {} if against is None else against.shift
     parameters = {}
     for name, p in table.items():
         value = result.values[name]
         lower, upper = bounds.get(name, (p.lower, p.upper))
         sem = sem_robust = ci95 = again = None
-        repeatable, budget = False, {"noise": 1.0}
+        repeatable, budget = False, {}
         if name not in problem.free:
             verdict, note = Verdict.FIXED, "fixed, not estimated"
-        elif name in at_bound:
+        elif name in result.at_bound:
             side = "lower" if value - lower < upper - value else "upper"
             verdict, note = Verdict.AT_BOUND, _AT_BOUND.format(side=side)
         elif name in variances:
@@ -249,12 +233,11 @@ def _parameters(
                 sem_robust = float(np.sqrt(robust.matrix[j, j]))
                 if interval is Interval.ROBUST:
                     half = half_width(sem_robust, float(robust.dof[j]))
-            again = (value - half, value + half)
+            again, budget = (value - half, value + half), {"noise": 1.0}
             repeatable = half <= IDENTIFIED * abs(value) and not withheld
-            shift = against.shift.get(name, 0.0) if against is not None else 0.0
-            if against is not None and shift > 0.0:
-                budget = {"noise": _noise_share(half, shift)}
-                budget["model"] = 1.0 - budget["noise"]
+            if (shift := shifts.get(name, 0.0)) > 0.0:
+                noise = _noise_share(half, shift)
+                budget = {"noise": noise, "model": 1.0 - noise}
                 half += shift
             ci95 = (value - half, value + half)
             verdict, note = judge_interval(name, value, half, estimated, p.unit, withheld=withheld)
@@ -270,8 +253,8 @@ def _parameters(
             verdict, note = Verdict.UNDETERMINED, judge_singular(name, estimated.directions)
         parameters[name] = ParameterEstimate(
             name, p.unit, p.meaning, p.group, value, sem, sem_robust, ci95,
-            interval if ci95 else None, lower, upper, name in problem.free, name in at_bound,
-            verdict, note, again, repeatable, budget if ci95 else {},
+            interval if ci95 else None, lower, upper, name in problem.free, name in result.at_bound,
+            verdict, note, again, repeatable, budget,
         )  # fmt: skip
     return parameters
 
@@ -296,15 +279,15 @@ def variance_inflation(assessment: Assessment) -> Inflation:
     error, as at a bound, has the median of the others.
     """
     free = [p for p in assessment.parameters.values() if p.free]
-    if assessment.interval is not Interval.ROBUST:
-        return Inflation({p.name: 1.0 for p in free}, assessment.interval_note)
-    known = {p.name: (p.sem_robust / p.sem) ** 2 for p in free if p.sem and p.sem_robust}
+    known = {}
+    if assessment.interval is Interval.ROBUST:
+        known = {p.name: (p.sem_robust / p.sem) ** 2 for p in free if p.sem and p.sem_robust}
     common = Inflation(known, "").common
     return Inflation({p.name: known.get(p.name, common) for p in free}, assessment.interval_note)
 
 
 def described(factors: Mapping[str, float], reason: str) -> str:
     """What was done to the noise and why, as a line: ``variance of the noise ×4: …``."""
-    least, most = f"{min(factors.values()):.3g}", f"{max(factors.values()):.3g}"
+    least, most = (f"{end(factors.values()):.3g}" for end in (min, max))
     text = f"×{least}" if least == most else f"×{least} … ×{most}, by parameter"
     return f"variance of the noise {text}" + (f": {reason}" if reason else "")

@@ -61,20 +61,13 @@ def fascicles_of(result: FitResult) -> tuple[Fascicles, ...]:
 
 
 def followed(
-    spec: ModelSpec,
-    options: ModelOptions,
-    values: Mapping[str, float],
-    recording: ModelInputs,
+    spec: ModelSpec, options: ModelOptions, values: Mapping[str, float], recording: ModelInputs
 ) -> tuple[Fascicles, ...]:
-    """A recording's films and what parameters say of them.
-
-    A film that the fit did not have is taken for the group's own length.
-    """
+    """A recording's films and what parameters say of them; one not fitted is the group's length."""
     if not recording.films:
         return ()
-    lengths, stretches, forces = spec.simulator(recording, options).muscles(
-        spec.vector(values, options)
-    )
+    vector = spec.vector(values, options)
+    lengths, stretches, forces = spec.simulator(recording, options).muscles(vector)
     measured = np.full(recording.n, np.nan) if recording.torque is None else recording.torque
     each = []
     for film in recording.films:
@@ -88,17 +81,7 @@ def followed(
         )
         modelled = seen_by(film.channel, values, length)
         grown = 1.0 + values.get(names_of_film(film.channel)[0], 0.0)
-        each.append(
-            Fascicles(
-                recording.name,
-                film.channel,
-                time,
-                seen,
-                modelled,
-                stretch,
-                stretch + (modelled - seen) / grown,
-                force,
-                torque,
-            )
-        )
+        filmed = stretch + (modelled - seen) / grown
+        own = (time, seen, modelled, stretch, filmed, force, torque)
+        each.append(Fascicles(recording.name, film.channel, *own))
     return tuple(each)

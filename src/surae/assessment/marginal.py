@@ -6,7 +6,14 @@ from dataclasses import replace
 import numpy as np
 
 from surae.assessment.adequacy import Adequacy, Grade
-from surae.assessment.parameter import IDENTIFIED, Interval, ParameterEstimate, Verdict, percent
+from surae.assessment.parameter import (
+    IDENTIFIED,
+    INADEQUATE,
+    Interval,
+    ParameterEstimate,
+    Verdict,
+    percent,
+)
 from surae.assessment.uncertainty.budget import Budget, budgets
 from surae.estimation import FitProblem
 from surae.estimation.coordinates import is_straight
@@ -14,9 +21,9 @@ from surae.estimation.residuals import stiffness_valleys
 from surae.estimation.result import Family
 from surae.model.laboratory import group_of
 from surae.model.sources import SOURCES
+from surae.normal import NORMAL
 from surae.signals import steady_emg
 
-_NORMAL = 1.959964
 #: Share of the variance from which a source is worth a remedy.
 _WORTH = 0.25
 #: Part of the population's standard deviation below which an estimate is news.
@@ -35,7 +42,7 @@ def marginal(
     bounds = [p.name for p in table.values() if p.at_bound and group_of(p.name) is None]
     withheld = f"nothing is identified with {', '.join(bounds)} at a bound" if bounds else ""
     if adequacy.grade is Grade.INADEQUATE:
-        withheld = "the fit is inadequate: what it says of a parameter means nothing"
+        withheld = INADEQUATE
     judged = {}
     longest = {x0: length for _, x0, length in stiffness_valleys(problem)}
     for name, budget in budgets(family, problem.free).items():
@@ -49,18 +56,19 @@ def marginal(
         verdict, note = _judge(p, half, budget, repeatable=repeatable, withheld=withheld)
         known = family.population.get(name)
         if verdict is Verdict.IDENTIFIED and known:
-            value, scale = (
-                (p.value, 1.0) if is_straight(name) else (np.log(max(p.value, 1e-300)), p.value)
-            )
+            value, scale = p.value, 1.0
+            if not is_straight(name):
+                value, scale = np.log(max(p.value, 1e-300)), p.value
+            but = ""
             if budget.sd > _NARROWER * known.sd * scale:
-                verdict, note = (
-                    Verdict.WEAK, f"{note}, but hardly better than before any measurement",
-                )  # fmt: skip
+                but = "hardly better than before any measurement"
             elif abs(value - known.mean) > _FAR * known.sd and name not in problem.spec.weights:
-                verdict, note = (
-                    Verdict.WEAK, f"{note}, but farther from other legs' than legs are: a prior "
-                    "that does not fit holds it back",
-                )  # fmt: skip
+                but = (
+                    "farther from other legs' than legs are: a prior that does not fit holds it "
+                    "back"
+                )
+            if but:
+                verdict, note = Verdict.WEAK, f"{note}, but {but}"
         if name == "l0_tib" and not withheld:
             note += _filmed(family, problem, table)
         judged[name] = replace(
@@ -86,7 +94,7 @@ def _filmed(family: Family, problem: FitProblem, table: Mapping[str, ParameterEs
     at = [problem.free.index(name) for name in names]
     l0, scale, zero = (table[name].value for name in names)
     slope, optimum = np.array([1.0 + scale, l0, 1.0]), (1.0 + scale) * l0 + zero
-    half = _NORMAL * float(np.sqrt(slope @ family.covariance[np.ix_(at, at)] @ slope))
+    half = NORMAL * float(np.sqrt(slope @ family.covariance[np.ix_(at, at)] @ slope))
     return (
         f"; the filmed fascicle's own optimum is {1e3 * optimum:.1f} mm ±{percent(half / optimum)} "
         "(optimal_fascicle_tib)"
@@ -100,12 +108,12 @@ def _interval(p: ParameterEstimate, sd: float, longest: float | None) -> tuple[f
     that end, k·(longest − x0), so that way is as unsure as 1/k.
     """
     if longest is not None and p.value < longest:
-        factor = float(np.exp(min(_NORMAL * sd / (longest - p.value), 50.0)))
+        factor = float(np.exp(min(NORMAL * sd / (longest - p.value), 50.0)))
         low, high = (longest - (longest - p.value) * f for f in (factor, 1.0 / factor))
     elif is_straight(p.name):
-        low, high = p.value - _NORMAL * sd, p.value + _NORMAL * sd
+        low, high = p.value - NORMAL * sd, p.value + NORMAL * sd
     else:
-        factor = float(np.exp(min(_NORMAL * sd / p.value, 50.0)))
+        factor = float(np.exp(min(NORMAL * sd / p.value, 50.0)))
         low, high = p.value / factor, p.value * factor
     return max(low, min(p.lower, p.value)), min(high, max(p.upper, p.value))
 

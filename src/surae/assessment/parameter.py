@@ -15,6 +15,8 @@ from surae.model.registry import PARAMETERS
 IDENTIFIED = 0.10
 #: Correlation from which the partner is named.
 _STRONG = 0.9
+#: What is said of a parameter in place of a claim.
+INADEQUATE = "the fit is inadequate: what it says of a parameter means nothing"
 
 
 class Verdict(StrEnum):
@@ -44,7 +46,7 @@ def judge_interval(
     relative = half / abs(value) if value else np.inf
     if relative <= IDENTIFIED:
         if withheld:
-            return Verdict.WEAK, "the fit is inadequate: what it says of a parameter means nothing"
+            return Verdict.WEAK, INADEQUATE
         return Verdict.IDENTIFIED, f"known to ±{percent(relative)}"
     verdict = Verdict.WEAK if relative <= 1.0 else Verdict.UNDETERMINED
     # A part of a value that may as well be 0 says nothing.
@@ -55,18 +57,17 @@ def judge_interval(
         known = f"known only to ±{percent(relative)}"
     else:
         known = "not determined: its interval is wider than its value"
-    row = estimated.correlation[estimated.names.index(name)].copy()
-    row[estimated.names.index(name)] = 0.0
+    own = estimated.names.index(name)
+    row = np.where(np.arange(len(estimated.names)) == own, 0.0, estimated.correlation[own])
     partner = int(np.argmax(np.abs(row)))
     if abs(row[partner]) >= _STRONG:
-        against = estimated.names[partner]
-        return verdict, (
-            f"{known}: trades off with {against} (correlation {row[partner]:+.2f}); fix one of the "
-            "two, or measure a movement that tells them apart"
+        known += (
+            f": trades off with {estimated.names[partner]} (correlation {row[partner]:+.2f}); fix "
+            "one of the two, or measure a movement that tells them apart"
         )
-    if nothing:
-        return verdict, known
-    return verdict, f"{known}: it has little influence on this torque"
+    elif not nothing:
+        known += ": it has little influence on this torque"
+    return verdict, known
 
 
 def judge_singular(name: str, directions: Sequence[Sequence[str]]) -> str:
@@ -107,67 +108,38 @@ class Interval(StrEnum):
 @filed("name", "meaning", "group")
 @dataclass(frozen=True, slots=True)
 class ParameterEstimate:
-    """One parameter of a fit.
+    """One parameter of a fit."""
 
-    Attributes
-    ----------
-    name, unit, meaning, group : str
-        As in `surae.model.Parameter`.
-    value : float
-        Estimate, or the value it was fixed at.
-    sem : float or None
-        Standard error, equation (34), which takes the residual for white noise; None where there
-        is none, and `note` says why.
-    sem_robust : float or None
-        Standard error under noise that is correlated as the residual says.
-    ci95 : tuple of float, or None
-        95 % interval, from the standard error that `interval` names.
-    interval : Interval or None
-        Which standard error `ci95` and `verdict` rest on; None without one.
-    lower, upper : float
-        Bounds of the fit.
-    free, at_bound : bool
-        Whether it was estimated, and whether the estimate lies at a bound.
-    verdict : Verdict
-        identified, weak, undetermined, at-bound or fixed.
-    note : str
-        The verdict in a plain sentence.
-    ci95_repeat : tuple of float, or None
-        95 % interval of what would be found were this leg measured and fitted once more in the same
-        way: as many trials of the same kind, electrodes and foot left as they are, with other
-        noise, effort, drift and zero of the sensor. What is wrong alike in both is not in it, nor a
-        change of the leg itself, unless recordings of a joint fit show how much trials differ. Two
-        such values differ by up to √((a² + b²)/2), a and b the half-widths of their intervals.
-    repeatable : bool
-        Whether that interval is within 10 % of the value, and the fit is not inadequate.
-    budget : mapping of str to float
-        Shares of the variance behind `ci95` by source, their sum 1; empty without an interval.
-    """
-
+    #: `name`, `unit`, `meaning`, `group`: as in `surae.model.Parameter`.
     name: str
     unit: str
     meaning: str
     group: str
-    value: float
+    value: float  #: Estimate, or the value it was fixed at.
+    #: Standard error, equation (34), which takes the residual for white noise; None where there is
+    #: none, and `note` says why.
     sem: float | None
+    #: Standard error under noise that is correlated as the residual says.
     sem_robust: float | None
-    ci95: tuple[float, float] | None
-    interval: Interval | None
+    ci95: tuple[float, float] | None  #: 95 % interval, from the standard error `interval` names.
+    interval: Interval | None  #: What `ci95` and `verdict` rest on; None without one.
+    #: `lower`, `upper`: bounds of the fit.
     lower: float
     upper: float
-    free: bool
-    at_bound: bool
-    verdict: Verdict
-    note: str
+    free: bool  #: Whether it was estimated.
+    at_bound: bool  #: Whether the estimate lies at a bound.
+    verdict: Verdict  #: identified, weak, undetermined, at-bound or fixed.
+    note: str  #: The verdict in a plain sentence.
+    #: 95 % interval of what would be found were this leg measured and fitted once more in the same
+    #: way: as many trials of the same kind, electrodes and foot left as they are, with other noise,
+    #: effort, drift and zero of the sensor. What is wrong alike in both is not in it, nor a change
+    #: of the leg itself, unless recordings of a joint fit show how much trials differ. Two such
+    #: values differ by up to √((a² + b²)/2), a and b the half-widths of their intervals.
     ci95_repeat: tuple[float, float] | None = None
+    #: Whether that interval is within 10 % of the value, and the fit is not inadequate.
     repeatable: bool = False
+    #: Shares of the variance behind `ci95` by source, their sum 1; empty without an interval.
     budget: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def is_informed(self) -> bool:
-        """Whether its interval is narrower than its bounds; else its value is only a start."""
-        width = self.upper - self.lower
-        return self.ci95 is not None and self.ci95[1] - self.ci95[0] < (1.0 - 1e-6) * width
 
     @property
     def trusted_sem(self) -> float | None:

@@ -59,26 +59,20 @@ def whiteness(
     against χ². Estimated parameters take correlation out of a residual; under white noise they take
     out a known amount, E ρ, which matters as soon as there are many of them.
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Residual [Nm], n at least 2.
-    rate_hz : float
-        Sampling rate [Hz].
-    counted : ndarray of bool, shape (n,), optional
-        Samples that count; the others are gaps, across which time goes on.
-    absorbed : ndarray, shape (most_lags(n) + 1,), optional
-        Sum of the autocovariances, at each lag, of an orthonormal basis of what the parameters
-        can do; without it they are taken to have none.
+    `residual` has n at least 2 samples [Nm], of which some are `counted`; the others are gaps,
+    across which time goes on. `absorbed`, shape (most_lags(n) + 1,), is the sum of the
+    autocovariances, at each lag, of an orthonormal basis of what the parameters can do; without it
+    they are taken to have none.
     """
+    from scipy.special import chdtrc
+
     n = len(residual)
     mask = np.ones(n, dtype=bool) if counted is None else counted
     samples = max(int(np.count_nonzero(mask)), 1)
     band = NORMAL / math.sqrt(samples)
     sums, pairs = autocovariance(residual, mask, n - 1)
     if not np.isfinite(sums[0]):
-        nothing = np.full(2, np.nan)
-        return Whiteness(rate_hz, nothing, band, math.nan, 0, math.nan, math.nan)
+        return Whiteness(rate_hz, np.full(2, np.nan), band, math.nan, 0, math.nan, math.nan)
     lags = most_lags(n)
     if sums[0] <= 0.0:
         none = np.concatenate([[1.0], np.zeros(min(40, n - 1))])
@@ -96,10 +90,9 @@ def whiteness(
     weight = samples * (samples + 2) / np.maximum(pairs[tested], 1.0)
     used = pairs[tested] > 0
     statistic = float(np.sum((weight * (rho[tested] - expected[1:]) ** 2)[used]))
-    return Whiteness(
-        rate_hz, shown_rho[: shown + 1], band, fall / rate_hz, lags, statistic,
-        _exceeded(statistic, int(np.count_nonzero(used))),
-    )  # fmt: skip
+    p_value = float(chdtrc(np.count_nonzero(used), statistic)) if used.any() else 1.0
+    correlation = shown_rho[: shown + 1]
+    return Whiteness(rate_hz, correlation, band, fall / rate_hz, lags, statistic, p_value)
 
 
 def most_lags(n: int) -> int:
@@ -122,10 +115,8 @@ def autocovariance(
         pairs = np.rint(_correlated(counted.astype(float), lags))
     if not math.isfinite(largest):
         return np.full(lags + 1, np.nan), pairs
-    with np.errstate(over="ignore", invalid="ignore"):
-        sums = (
-            _correlated(counting / (largest or 1.0), lags) * largest * largest
-        )  # no square overflows
+    with np.errstate(over="ignore", invalid="ignore"):  # divided, no square overflows
+        sums = _correlated(counting / (largest or 1.0), lags) * largest * largest
     return (sums if np.isfinite(sums).all() else np.full(lags + 1, np.nan)), pairs
 
 
@@ -135,13 +126,6 @@ def _correlated(signal: FloatArray, lags: int) -> FloatArray:
     size = next_fast_len(len(signal) + lags, real=True)
     spectrum = np.fft.rfft(signal, size)
     return np.asarray(np.fft.irfft(np.abs(spectrum) ** 2, size)[: lags + 1], dtype=np.float64)
-
-
-def _exceeded(statistic: float, lags: int) -> float:
-    """Probability that χ² of so many degrees of freedom is larger."""
-    from scipy.special import chdtrc
-
-    return float(chdtrc(lags, statistic)) if lags else 1.0
 
 
 def counted(recording: ModelInputs, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -192,12 +176,11 @@ def weighted_vaf(parts: Sequence[tuple[FloatArray, FloatArray, FloatArray]]) -> 
     `parts` are (measured, residual, weight) of each recording, where its weight is above zero. None
     where all samples count alike; NaN as `vaf`.
     """
-    weights = np.concatenate([weight for _, _, weight in parts])
+    measured, residual, weights = (np.concatenate(each) for each in zip(*parts, strict=True))
     if np.all(weights == weights[0]):
         return None
     roots = np.sqrt(weights)
-    measured = roots * np.concatenate([torque for torque, _, _ in parts])
-    return vaf(measured, roots * np.concatenate([residual for _, residual, _ in parts]))
+    return vaf(roots * measured, roots * residual)
 
 
 def rmse(residual: FloatArray) -> float:

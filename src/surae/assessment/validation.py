@@ -1,17 +1,17 @@
 """Parameters of some recordings tried on others (thesis 2.7)."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from surae.assessment.adequacy import Adequacy, judge_prediction
 from surae.assessment.fascicles import Fascicles, followed
-from surae.assessment.residual import rmse, vaf
+from surae.assessment.residual import counted, rmse, vaf
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.frozen import Comparable
-from surae.model import ModelOptions, ModelSpec, check_finite_torque
+from surae.model import check_finite_torque
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -34,7 +34,7 @@ class Prediction(Comparable):
     measured: FloatArray  #: Torque [Nm], shape (n,).
     #: Of the samples, shape (n,); those of weight 0 are in no figure. None: all count.
     weight: FloatArray | None = None
-    #: Whether it is as good as the fit promises; None where the parameters are of no fit.
+    #: Whether it is as good as the fit promises; None where that was not judged.
     adequacy: Adequacy | None = None
     fascicles: tuple[Fascicles, ...] = ()  #: Filmed lengths, measured and predicted.
 
@@ -61,19 +61,24 @@ class PooledPrediction(Comparable):
 
 def pooled(predictions: Sequence[Prediction]) -> PooledPrediction:
     """The figures of several predictions together; a longer recording counts more."""
-    measured = np.concatenate([prediction.errors[0] for prediction in predictions])
-    residual = np.concatenate([prediction.errors[1] for prediction in predictions])
+    errors = [prediction.errors for prediction in predictions]
+    measured, residual = (np.concatenate(each) for each in zip(*errors, strict=True))
     return PooledPrediction(vaf(measured, residual), rmse(residual), float(residual.mean()))
 
 
 def predict_others(
     result: FitResult, inputs: Sequence[ModelInputs], *, judge: bool = True
 ) -> tuple[Prediction, ...]:
-    """Predict recordings with the parameters of a fit to others, and judge; see `predict`."""
+    """Predict recordings with the parameters of a fit to others, and judge.
+
+    A sample of weight 0 is predicted, and is in no figure; other weights change nothing.
+    """
     problem = result.problem
-    unit = problem.inputs[0].emg_unit
-    weights = zip(MUSCLES, problem.spec.weights, strict=True)
+    spec, options, unit = problem.spec, problem.options, problem.inputs[0].emg_unit
+    weights = zip(MUSCLES, spec.weights, strict=True)
     estimated = [muscle for muscle, weight in weights if weight in problem.free]
+    vector = spec.vector(result.values, options)
+    predictions = []
     for recording in inputs:
         if recording.emg_unit != unit:
             raise InputError(
@@ -86,55 +91,25 @@ def predict_others(
                     f"{recording.where}: no EMG of muscle {muscle!r}, whose weight the fit "
                     f"estimated; add the channel emg_{muscle}"
                 )
-    predicted = predict(problem.spec, problem.options, result.values, inputs)
-    return tuple(
-        replace(
-            prediction,
-            adequacy=judge_prediction(result, recording, prediction.torque) if judge else None,
-            fascicles=followed(problem.spec, problem.options, result.values, recording),
-        )
-        for prediction, recording in zip(predicted, inputs, strict=True)
-    )
-
-
-def predict(
-    spec: ModelSpec,
-    options: ModelOptions,
-    values: Mapping[str, float],
-    inputs: Sequence[ModelInputs],
-) -> tuple[Prediction, ...]:
-    """Predict the torque of recordings with given parameters.
-
-    A sample of weight 0 is predicted, and is in no figure; other weights change nothing.
-
-    Raises
-    ------
-    InputError
-        A recording has no torque to compare with, or none that is not zero.
-    ComputationError
-        The predicted torque is not finite.
-    """
-    vector = spec.vector(values, options)
-    predictions = []
-    for recording in inputs:
         if recording.torque is None or not recording.torque.any():
             raise InputError(f"{recording.where}: no torque to compare the prediction with")
         with np.errstate(over="ignore", invalid="ignore"):  # refused below
             torque = spec.simulator(recording, options).torque(vector)
         check_finite_torque(torque, recording)
-        counted = recording.counts
-        residual = (recording.torque - torque)[counted]
+        measured, residual = counted(recording, recording.torque - torque)
         predictions.append(
             Prediction(
                 recording.name,
                 recording.files[0].name if recording.files else None,
-                vaf(recording.torque[counted], residual),
+                vaf(measured, residual),
                 rmse(residual),
                 float(residual.mean()),
                 torque,
                 recording.time,
                 recording.torque,
                 recording.weight,
+                judge_prediction(result, recording, torque) if judge else None,
+                followed(spec, options, result.values, recording),
             )
         )
     return tuple(predictions)

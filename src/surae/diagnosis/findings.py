@@ -43,19 +43,17 @@ def examined(recording: Recording, commanded: Commanded | None = None) -> Qualit
         return _together(quality, findings)
     signals = signals_of(right)
     if (degrees := _degrees(right, signals, quality)) is not None:
-        findings.append(degrees[0])
-        right = degrees[1]
+        finding, right = degrees
+        findings.append(finding)
         signals = signals_of(right)
         quality = check_recording(right, commanded)
     low, high = quantiles(signals.angle, 0.005, 0.995)
     if high - low < STILL:
-        findings.append(
-            make_finding(
-                "angle-still", "angle", span_of(signals.time), high - low,
-                f"The angle stays within {np.rad2deg(high - low):.2g}°: a static hold, nothing "
-                "moves.",
-            )
-        )  # fmt: skip
+        text = (
+            f"The angle stays within {np.rad2deg(high - low):.2g}°: a static hold, nothing moves."
+        )
+        still = make_finding("angle-still", "angle", span_of(signals.time), high - low, text)
+        findings.append(still)
         return _together(quality, findings, but=("angle-units", "rom-not-covered"))
     fit = None if signals.torque is None else quick_fit(right, signals)
     if fit is None:

@@ -73,6 +73,7 @@ def quick_fit(
                 level = shifted(level, -round(later[muscle] * rate))
             emg[:, MUSCLES.index(muscle)] = smooth(level, step)
     silent = [f"g{k + 1}" for k in range(len(MUSCLES)) if not emg[:, k].any()]
+    measured = read_only(torque * signals.torque[thin])
     inputs = ModelInputs(
         recording.name,
         rate / step,
@@ -82,15 +83,15 @@ def quick_fit(
         acceleration=read_only(np.gradient(velocity, 1.0 / rate)[thin]),
         emg=read_only(emg[thin]),
         emg_unit="V",
-        torque=read_only(torque * signals.torque[thin]),
+        torque=measured,
     )
-    mass = {name: value for name, value in recording.fixed.items() if name == "m"}
+    fixed = dict.fromkeys(silent, 0.0)
+    if "m" in recording.fixed:
+        fixed["m"] = recording.fixed["m"]
     try:
-        problem = make_problem([inputs], fixed={**dict.fromkeys(silent, 0.0), **mass})
+        problem = make_problem([inputs], fixed=fixed)
     except InputError:
         return None
-    measured = inputs.torque
-    assert measured is not None
     residuals = Residuals(problem)
 
     def rows(x: FloatArray, wanted: Sequence[int] | None = None) -> FloatArray:

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 from surae.assessment import Assessment, Prediction, Verdict, pooled
 from surae.assessment.assess import described, variance_inflation
-from surae.assessment.identifiability.directions import Direction
-from surae.assessment.identifiability.identified import Identified, identifiability
+from surae.assessment.identifiability.identified import Direction, Identified, identifiability
 from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
 from surae.formatting import NO_NUMBER, percentage, significant

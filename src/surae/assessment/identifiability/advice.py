@@ -16,9 +16,8 @@ class TradeOff:
     def holds(self, first: str, second: str) -> bool:
         """Whether this is about the two parameters."""
         beside = self.beside or self.names
-        return (first in self.names and second in beside) or (
-            second in self.names and first in beside
-        )
+        pairs = ((first, second), (second, first))
+        return any(one in self.names and other in beside for one, other in pairs)
 
 
 def _row(names: str, because: str, advice: str, beside: str = "") -> TradeOff:
@@ -78,8 +77,5 @@ TRADE_OFFS: tuple[TradeOff, ...] = (
 
 def trade_off(name: str, partners: tuple[str, ...]) -> TradeOff | None:
     """The known reason why a parameter trades off with one of its partners, strongest first."""
-    for partner in partners:
-        for known in TRADE_OFFS:
-            if known.holds(name, partner):
-                return known
-    return None
+    known = (row for partner in partners for row in TRADE_OFFS if row.holds(name, partner))
+    return next(known, None)

@@ -17,8 +17,10 @@ from surae.units import FloatArray
 _STALL = 0.01
 #: Relative ridge under which the others' answer to a step is predicted.
 _RIDGE = 1e-8
-#: Evaluations of one minimum at most; of a posterior, with what is to be gained by the last one.
-_MOST, _MOST_OF_POSTERIOR, _GAINED = 100, 15, 0.01
+#: Evaluations of one minimum at most.
+_MOST = 100
+#: Of a posterior, with what is to be gained by the last one.
+_SHORT: Any = {"evaluations": 15, "tolerance": 0.01}
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,11 +39,9 @@ class ConditionalMinimum:
 class Conditional:
     """Finds minima of a fit's problem with one of its free parameters held.
 
-    The parameter stays in the problem with equal bounds: the set that is free to move is smaller
-    by one, and the derivative by the held one is there to predict the others' answer to a step.
-
-    `noise` is the standard deviation of the residual [Nm] that priors are weighed against;
-    `stopped` is asked before every evaluation: True ends the work with KeyboardInterrupt.
+    The parameter stays in the problem with equal bounds, so that the derivative by it predicts the
+    others' answer to a step. `noise` is the standard deviation of the residual [Nm] that priors are
+    weighed against; `stopped` ends the work with KeyboardInterrupt before an evaluation.
     """
 
     def __init__(
@@ -58,15 +58,13 @@ class Conditional:
         self.fit = ConditionalMinimum(float(x[self._j]), x, self._sse(x), result.R)
 
     def at(self, value: float, near: ConditionalMinimum) -> ConditionalMinimum | None:
-        """The minimum with the parameter at `value`; None where there is no finite torque.
-
-        The others' change from the minimum nearby is predicted; that can leave a narrow valley.
-        """
+        """The minimum with the parameter at `value`; None where there is no finite torque."""
         lower, upper = self._problem.lower.copy(), self._problem.upper.copy()
         lower[self._j] = upper[self._j] = value
         plain = np.clip(near.x, lower, upper)
         if value == near.value:
             return self._minimum(plain, lower, upper)
+        # What is predicted can leave a narrow valley.
         predicted = np.clip(self._move(near.x, self._answer(value, near)), lower, upper)
         return self._minimum(min(predicted, plain, key=self._sse), lower, upper)
 
@@ -135,20 +133,12 @@ class ConditionalPosterior:
     def at(self, value: float, near: ConditionalMinimum) -> ConditionalMinimum | None:
         """The mode with the parameter at `value`, from a point of the posterior nearby."""
         at = self._posterior.start({self._name: value})[self._j]
-        return self._found(
-            lambda: self._posterior.held(
-                self._j, at, near.local, evaluations=_MOST_OF_POSTERIOR, tolerance=_GAINED
-            )
-        )
+        return self._found(lambda: self._posterior.held(self._j, at, near.local, **_SHORT))
 
     def free(self, near: ConditionalMinimum) -> ConditionalMinimum | None:
         """The mode over all parameters, from a point nearby."""
         at = near.local
-        return self._found(
-            lambda: self._posterior.descend(
-                at.z, at.c, at.w, evaluations=_MOST_OF_POSTERIOR, tolerance=_GAINED
-            )
-        )
+        return self._found(lambda: self._posterior.descend(at.z, at.c, at.w, **_SHORT))
 
     def _found(self, find: Callable[[], Point]) -> ConditionalMinimum | None:
         if self._stopped():

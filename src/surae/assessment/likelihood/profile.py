@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from surae.assessment.identifiability.directions import unexplained
+from surae.assessment.identifiability.identified import unexplained
 from surae.assessment.likelihood.conditional import ConditionalMinimum, Surface, surface_of
 from surae.errors import ComputationError, InputError
 from surae.estimation import FitResult
@@ -107,25 +107,18 @@ def profile(
     """Profile one parameter of a fit, from the minimum outwards to both sides.
 
     Of a fit with `model="auto"` it is the posterior's: with its films, priors, and all that differs
-    from moment to moment. Δχ² is then that of −2 ln p.
+    from moment to moment. Δχ² is then that of −2 ln p, divided by `variance_inflation` as any.
+    Fixed parameters stay fixed, bounds and priors hold. The threshold is t²(0.975; n − p), which is
+    F₁ and, for many samples, χ²₁(0.95) = 3.84: σ² is estimated from the residual, and where the
+    model is linear the interval is that of the covariance.
 
-    Every point starts from its neighbour, first on the way out, then again on the way in, and
-    keeps the lower minimum, so that a valley which only shows from afar is not missed.
-
-    Fixed parameters stay fixed, bounds and priors hold. `variance_inflation` is by how much the
-    variance of the noise counts more than that of white noise would; it divides Δχ². A residual
-    that is correlated over time holds fewer independent samples than it has: n/n_effective is a
-    rough value, the ratio of the squared standard errors with and without the correlation one for
-    this parameter. `over` is what `surface_of` makes of the fit; `stopped` ends the work with
-    KeyboardInterrupt where it is True. The threshold is t²(0.975; n − p), which is F₁ and, for many
-    samples, χ²₁(0.95) = 3.84: σ² is estimated from the residual, and where the model is linear the
-    interval is that of the covariance.
+    `over` is what `surface_of` makes of the fit; `stopped` ends the work with KeyboardInterrupt.
     """
     check_profiled(result, name, variance_inflation)
     problem = result.problem
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     search = _Search(result, name, over or surface_of(result), stopped, variance_inflation)
-    (low, why_low), (high, why_high) = ends = search.end(-1), search.end(+1)
+    (low, why_low), (high, why_high) = search.end(-1), search.end(+1)
     sse = np.array([point.sse for point in search.points])
     others = [i for i, free in enumerate(problem.free) if free != name]
     status: Status = "open" if low is None or high is None else "closed"
@@ -148,7 +141,7 @@ def profile(
         interval=(low, high),
         reasons=(why_low, why_high),
         status=status,
-        message=_message(name, search, [why for _, why in ends]),
+        message=search.message(why_low, why_high),
         lower=lower,
         evaluations=search.minima.evaluations,
     )
@@ -189,30 +182,6 @@ def profiled(result: FitResult) -> tuple[str, ...]:
     return tuple(n for n in result.problem.free if not (several and n == "torque_zero"))
 
 
-def _message(name: str, search: "_Search", open_ends: list[str]) -> str:
-    """What a reader has to know of a profile."""
-    sentences = []
-    if search.lower is not None:
-        by = (search.minima.fit.sse - search.lower.sse) / search.unit
-        sentences.append(
-            f"met a lower minimum than the fit's, at {name} = {search.lower.value:g} (Δχ² lower by "
-            f"{by:.2g}): fit again from there, or with more starts"
-        )
-    for side, why in zip(("downwards", "upwards"), open_ends, strict=True):
-        if why:
-            sentences.append(f"open {side}: {why}")
-    inside = search.inside
-    if inside[-1] - inside[0] + 1 > len(inside):
-        sentences.append("Δχ² exceeds the threshold between the ends too: the region has parts")
-    astray = sum(not point.converged for point in search.points)
-    if astray:
-        sentences.append(
-            f"{astray} of {len(search.points)} points met the iteration limit: Δχ² there may be "
-            "too high"
-        )
-    return "; ".join(sentences) or "both ends found"
-
-
 class _Search:
     """The work on one profile: out from the minimum, back again, and to the ends."""
 
@@ -229,7 +198,7 @@ class _Search:
     ) -> None:
         from scipy.special import stdtrit
 
-        self.minima = over(name, stopped)
+        self._name, self.minima = name, over(name, stopped)
         self._low, self._high = self.minima.limits
         self._width = self._high - self._low
         free, at_bound = result.problem.free, result.at_bound
@@ -361,3 +330,23 @@ class _Search:
             f"Δχ² is {rise:.2g} at the {side} bound {bound:g}, below the threshold "
             f"{self.threshold:.2f}"
         )
+
+    def message(self, why_low: str, why_high: str) -> str:
+        """What a reader has to know, with why either end is open."""
+        sentences = []
+        if self.lower is not None:
+            by = (self.minima.fit.sse - self.lower.sse) / self.unit
+            sentences.append(
+                f"met a lower minimum than the fit's, at {self._name} = {self.lower.value:g} (Δχ² "
+                f"lower by {by:.2g}): fit again from there, or with more starts"
+            )
+        ways = (("downwards", why_low), ("upwards", why_high))
+        sentences += [f"open {side}: {why}" for side, why in ways if why]
+        if self.inside[-1] - self.inside[0] + 1 > len(self.inside):
+            sentences.append("Δχ² exceeds the threshold between the ends too: the region has parts")
+        if astray := sum(not point.converged for point in self.points):
+            sentences.append(
+                f"{astray} of {len(self.points)} points met the iteration limit: Δχ² there may be "
+                "too high"
+            )
+        return "; ".join(sentences) or "both ends found"

@@ -9,12 +9,7 @@ from typing import Any
 
 from surae.assessment.assess import described
 from surae.assessment.likelihood.conditional import surface_of
-from surae.assessment.likelihood.profile import (
-    ParameterProfile,
-    check_profiled,
-    profile,
-    profiled,
-)
+from surae.assessment.likelihood.profile import ParameterProfile, check_profiled, profile, profiled
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.filed import filed
@@ -52,22 +47,16 @@ class Profiles(Tabular, Saved):
     def as_table(self) -> TextTable:
         """Intervals of profile and covariance beside each other, then remarks on them."""
         every = self.profiles.values()
-        notes = [
-            f"{p.name}: {p.message}"
-            for p in every
-            if p.status != "closed" or p.message != "both ends found"
-        ]
+        notes = [f"{p.name}: {p.message}" for p in every if p.message != "both ends found"]
         done = f"{len(every)} profiles in {self.seconds:.1f} s"
         heads = ("parameter", "value", "95 % profile", "95 % covariance", "status", "unit")
         rows = [
             (p.name, significant(p.value, 4), open_ends(p.interval), open_ends(p.from_covariance),
-             str(p.status), p.unit)
+             p.status, p.unit)
             for p in every
         ]  # fmt: skip
-        return TextTable(
-            heads, tuple(rows), below=(*notes, *filter(None, [self.noise]), done),
-            numbers=heads[1:4],
-        )  # fmt: skip
+        below = (*notes, *filter(None, [self.noise]), done)
+        return TextTable(heads, tuple(rows), below=below, numbers=heads[1:4])
 
 
 def profiles(
@@ -85,10 +74,9 @@ def profiles(
     for all; `inflation_reason` says why, for the reader. All else is as of `surae.profile`.
     """
     wanted = profiled(result) if names is None else tuple(names)
-    if isinstance(variance_inflation, Mapping):
-        inflation = {**dict.fromkeys(wanted, 1.0), **variance_inflation}
-    else:
-        inflation = dict.fromkeys(wanted, variance_inflation)
+    if not isinstance(variance_inflation, Mapping):
+        variance_inflation = dict.fromkeys(wanted, variance_inflation)
+    inflation = {**dict.fromkeys(wanted, 1.0), **variance_inflation}
     for name, factor in inflation.items():
         check_profiled(result, name, factor)
     for name in wanted:
@@ -101,9 +89,8 @@ def profiles(
         over = surface_of(result)
 
     def made(name: str) -> Any:
-        return profile(
-            result, name, variance_inflation=inflation[name], over=over, stopped=stop.is_set
-        )
+        factor = inflation[name]
+        return profile(result, name, variance_inflation=factor, over=over, stopped=stop.is_set)
 
     done: dict[str, Any] = {}
     threads = Engine("threads", cores() if workers is None else workers)

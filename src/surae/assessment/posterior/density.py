@@ -40,24 +40,19 @@ class SamplingPrior:
 def beliefs(
     problem: FitProblem, priors: Mapping[str, tuple[float, float]] | None = None
 ) -> dict[str, SamplingPrior]:
-    """The prior of every free parameter: given now, else the fit's, else the wide default.
-
-    `priors` holds (median, spread) by parameter.
-    """
+    """The prior of every free parameter: given now (median, spread), else the fit's, else wide."""
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
     beliefs = {}
     for name in problem.free:
         p = table[name]
-        if p.signed:
-            # Its bounds as two standard deviations to either side.
-            beliefs[name] = SamplingPrior((p.lower + p.upper) / 2, (p.upper - p.lower) / 4, False,
-                                 "population")  # fmt: skip
+        if p.signed:  # its bounds as two standard deviations to either side
+            median, spread, log = (p.lower + p.upper) / 2, (p.upper - p.lower) / 4, False
         elif name in wide:
-            beliefs[name] = SamplingPrior(*wide[name], True, "population")
+            median, spread, log = *wide[name], True
         else:
-            known = laboratory(joint=problem.options.anatomy)[name]
-            beliefs[name] = _of_nuisance(known)
+            median, spread, log = _of_nuisance(laboratory(joint=problem.options.anatomy)[name])
+        beliefs[name] = SamplingPrior(median, spread, log, "population")
     for name, prior in problem.priors.items():
         beliefs[name] = SamplingPrior(prior.median, prior.spread, True, "fit")
     for name, pair in (priors or {}).items():
@@ -68,13 +63,12 @@ def beliefs(
     return beliefs
 
 
-def _of_nuisance(prior: Gaussian) -> SamplingPrior:
-    """A nuisance's prior; on a logarithm where its mean is above zero."""
+def _of_nuisance(prior: Gaussian) -> tuple[float, float, bool]:
+    """Median and spread of a nuisance, on a logarithm where its mean is above zero."""
     if not prior.mean > 0.0:
-        return SamplingPrior(prior.mean, prior.sd, False, "population")
+        return prior.mean, prior.sd, False
     variance = float(np.log1p((prior.sd / prior.mean) ** 2))  # of the same mean and deviation
-    median = prior.mean * float(np.exp(-0.5 * variance))
-    return SamplingPrior(median, variance**0.5, True, "population")
+    return prior.mean * float(np.exp(-0.5 * variance)), variance**0.5, True
 
 
 #: Logarithm of a density, and its gradient; minus infinity where the model has no finite torque.
@@ -90,11 +84,7 @@ class Target:
 
     Its coordinates u are a standard Gaussian's as far as the Laplace approximation goes. That takes
     the curvature as JᵀJ·n/sse plus that of the priors, so it has a width in the directions of which
-    the recordings say nothing.
-
-    `given` are (median, spread) by parameter, in place of the fit's own priors.
-    `variance_inflation` is by how much the variance of the noise counts more than that of white
-    noise would.
+    the recordings say nothing. `given` are (median, spread) by parameter, in place of the fit's.
     """
 
     def __init__(
@@ -105,10 +95,9 @@ class Target:
     ) -> None:
         self._problem = problem = result.problem
         self.priors = beliefs(problem, given)  #: Of every free parameter.
-        known = list(self.priors.values())
+        known = self.priors.values()
         self._log = log = np.array([prior.log for prior in known])
-        medians = [np.log(prior.median) if prior.log else prior.median for prior in known]
-        self._centre = centre = np.array(medians)
+        self._centre = centre = np.array([np.log(b.median) if b.log else b.median for b in known])
         self._spread = spread = np.array([prior.spread for prior in known])
         self._samples = problem.n / variance_inflation
         residuals, weight = Residuals(problem), np.sqrt(self._samples / result.sse)

@@ -68,9 +68,8 @@ def weighted_draws(
 ) -> Weighted:  # fmt: skip
     """Draw in rounds of `size`, each from a proposal that those before have adapted.
 
-    In its coordinates the density is about a standard Gaussian. Each of `densities` is the same one
-    for use by one thread; the numbers do not depend on how many there are. Ctrl-C keeps the draws
-    so far, if there are any to speak of.
+    In its coordinates the density is about a standard Gaussian; each of `densities` is the same one
+    for another thread, how many does not matter. Ctrl-C keeps the draws so far, if there are some.
     """
     rng = np.random.default_rng(seed)
     mean, root = np.zeros(q), np.eye(q)

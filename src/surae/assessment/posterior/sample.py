@@ -25,7 +25,7 @@ from surae.frozen import Comparable, read_only
 from surae.model import adapted
 from surae.progress import Progress
 from surae.recording.frames import library
-from surae.records import Saved, to_plain
+from surae.records import Saved
 from surae.tables import Tabular, TextTable
 from surae.units import FloatArray
 from surae.versions import versions
@@ -77,10 +77,10 @@ class Marginal:
 @filed(
     "names",
     "draws",
-    "marginals",
     "covariance",
     "evaluations",
     "whole",
+    marginals="parameters",
     inflation_reason="variance_inflation_reason",
 )
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -128,8 +128,8 @@ class Posterior(Tabular, Saved, Comparable):
              open_ends(m.ci95), open_ends(m.from_covariance), m.unit)
             for name, m in self.marginals.items()
         ]  # fmt: skip
-        off = {name: m.off_covariance for name, m in self.marginals.items()}
-        known = {name: value for name, value in off.items() if value is not None}
+        off = ((name, m.off_covariance) for name, m in self.marginals.items())
+        known = {name: value for name, value in off if value is not None}
         apart = [f"{n} by {100 * value:.0f} %" for n, value in known.items() if value > _AGREE]
         notes = []
         if apart:
@@ -167,7 +167,6 @@ class Posterior(Tabular, Saved, Comparable):
         """The posterior as plain data, as it is saved."""
         return {
             **Saved.as_dict(self),
-            "parameters": {name: to_plain(marginal) for name, marginal in self.marginals.items()},
             "correlation": {"names": list(self.names), "matrix": self.correlation.tolist()},
             "draws": len(self.draws),
             "samples": {name: self.of(name).tolist() for name in self.names},
@@ -183,12 +182,8 @@ def inference_data(
         name: (("chain", "draw"), own[None], {"units": units[name]})
         for name, own in zip(units, draws.T, strict=True)
     }
-    about = {
-        "inference_library": "surae",
-        "inference_library_version": version,
-        "status": status,
-        "message": message,
-    }
+    about = {"inference_library": "surae", "inference_library_version": version, "status": status,
+             "message": message}  # fmt: skip
     along = {"chain": [0], "draw": np.arange(len(draws))}
     return xarray.DataTree.from_dict(
         {"/": xarray.Dataset(attrs=about), "/posterior": xarray.Dataset(variables, along, about)}
@@ -211,10 +206,8 @@ def sample(
 
     Fixed parameters stay fixed and weights hold. Priors take the place of bounds: those of
     `priors`, else the fit's own, else the wide defaults of `beliefs`. The likelihood takes the
-    noise for white: a residual that is correlated over time holds fewer independent samples than it
-    has, so the variance of the noise counts `variance_inflation` times: n/n_effective is a rough
-    value, the ratio of the squared standard errors with and without the correlation one for a
-    parameter. All else is as of `surae.posterior`.
+    noise for white, its variance `variance_inflation` times what it is, for the reason given. All
+    else is as of `surae.posterior`.
     """
     if result.family is not None:
         raise InputError(
@@ -242,11 +235,8 @@ def sample(
     values = read_only(target.parameters(points))
     reliable, message = _verdict(weighted)
     white = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
-    wide = replace(
-        white,
-        matrix=variance_inflation * white.matrix,
-        sigma2=variance_inflation * white.sigma2,
-    )
+    matrix, sigma2 = variance_inflation * white.matrix, variance_inflation * white.sigma2
+    wide = replace(white, matrix=matrix, sigma2=sigma2)
     return Posterior(
         model=problem.spec.name,
         names=problem.free,
@@ -271,18 +261,17 @@ def _verdict(weighted: Weighted) -> tuple[bool, str]:
     """Whether draws can be believed, and a sentence that says why or what to do."""
     shape = f"k-hat of the weights {weighted.k_hat:.2f}"
     worth = f"{weighted.effective:.0f} effective draws"
-    stopped = "" if weighted.whole else "; stopped by the user"
+    reliable, text = False, f"{worth}, {shape}"
     if not weighted.k_hat <= weighted.limit:
-        return False, (
+        text = (
             f"the posterior is not near enough to a Gaussian ({shape}, at most "
-            f"{weighted.limit:.2f} wanted): profile the parameters instead{stopped}"
+            f"{weighted.limit:.2f} wanted): profile the parameters instead"
         )
-    if weighted.effective < ENOUGH:
-        return False, (
-            f"only {worth}, {ENOUGH} wanted: allow more evaluations, or profile the "
-            f"parameters{stopped}"
-        )
-    return True, f"{worth}, {shape}{stopped}"
+    elif weighted.effective < ENOUGH:
+        text = f"only {worth}, {ENOUGH} wanted: allow more evaluations, or profile the parameters"
+    else:
+        reliable = True
+    return reliable, text if weighted.whole else f"{text}; stopped by the user"
 
 
 def _marginals(
@@ -293,14 +282,14 @@ def _marginals(
 ) -> dict[str, Marginal]:
     problem = result.problem
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
-    half = {
-        name: half_width(float(np.sqrt(variance)), estimated.dof)
-        for name, variance in zip(estimated.names, np.diag(estimated.matrix), strict=True)
-    }
+    sems = dict(zip(estimated.names, np.sqrt(np.diag(estimated.matrix)).tolist(), strict=True))
     marginals = {}
     for j, name in enumerate(problem.free):
         prior, value = known[name], result.values[name]
-        median = ci95 = part = None
+        median = ci95 = part = around = None
+        if name in sems:
+            half = half_width(sems[name], estimated.dof)
+            around = value - half, value + half
         if values is not None:
             drawn = values[:, j]
             low, median, high = np.quantile(drawn, [0.025, 0.5, 0.975]).tolist()
@@ -312,7 +301,7 @@ def _marginals(
             value=value,
             median=median,
             ci95=ci95,
-            from_covariance=(value - half[name], value + half[name]) if name in half else None,
+            from_covariance=around,
             prior=prior,
             prior_part=part,
         )

@@ -36,10 +36,7 @@ class SavedFit:
 
 
 def save_fit(
-    path: PathLike,
-    result: FitResult,
-    assessment: Assessment,
-    quality: Sequence[Quality] = (),
+    path: PathLike, result: FitResult, assessment: Assessment, quality: Sequence[Quality] = ()
 ) -> None:
     """Write a fit to `path`, all of it or nothing."""
     write_json(path, as_dict(result, assessment, quality))
@@ -192,13 +189,9 @@ def family_of(data: Any, free: Sequence[str]) -> Any:
         return data
     if not all(isinstance(prior, dict) for prior in data.get("population", {}).values()):
         data = {**data, "population": {}}
-    shifts = {
-        source: encode(np.diag([float(by.get(name, 0.0)) for name in free]))
-        if isinstance(by, dict) and "shape" not in by
-        else by
-        for source, by in data["spread"].items()
-    }
-    return {**data, "spread": shifts}
+    old = {s: by for s, by in data["spread"].items() if isinstance(by, dict) and "shape" not in by}
+    shifts = {s: encode(np.diag([float(by.get(n, 0.0)) for n in free])) for s, by in old.items()}
+    return {**data, "spread": {**data["spread"], **shifts}}
 
 
 def _check(result: FitResult) -> None:

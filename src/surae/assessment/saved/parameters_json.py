@@ -7,17 +7,7 @@ from typing import Any
 from surae.errors import InputError
 from surae.files import PathLike, shown
 from surae.frozen import FrozenDict
-from surae.records import check_format, from_plain, read_json
-
-
-@dataclass(frozen=True, slots=True)
-class GivenParameters:
-    """Parameters from a file, and what else a FIT.json says of them."""
-
-    values: Mapping[str, float]  #: By name.
-    model: str | None  #: The model they belong to; None where the file does not say.
-    options: Mapping[str, Any]  #: The model's options.
-    emg_unit: str | None  #: Unit of the EMG that the weights go with.
+from surae.records import check_format, from_file, read_json
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,12 +21,29 @@ class _Trace:
 
 
 @dataclass(frozen=True, slots=True)
-class _Given:
+class GivenParameters:
+    """Parameters from a file, and what else a FIT.json says of them."""
+
+    #: `parameters`, `nuisances`: by name.
     parameters: Mapping[str, _Value | float]
     nuisances: Mapping[str, _Value | float] = field(default_factory=FrozenDict)
-    model: str | None = None
-    options: Mapping[str, Any] = field(default_factory=FrozenDict)
+    model: str | None = None  #: The model they belong to; None where the file does not say.
+    options: Mapping[str, Any] = field(default_factory=FrozenDict)  #: The model's options.
     traces: tuple[_Trace, ...] = ()
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The numbers, by name."""
+        every = {**self.parameters, **self.nuisances}
+        return {
+            n: entry.value if isinstance(entry, _Value) else entry for n, entry in every.items()
+        }
+
+    @property
+    def emg_unit(self) -> str | None:
+        """Unit of the EMG that the weights go with; None where the file does not say."""
+        units = {trace.emg_unit for trace in self.traces}
+        return units.pop() if len(units) == 1 else None
 
 
 def read_parameters(path: PathLike) -> GivenParameters:
@@ -49,20 +56,10 @@ def read_parameters(path: PathLike) -> GivenParameters:
     """
     data = read_json(path)
     check_format(data, path)
-    where = shown(path)
     table = data.get("parameters")
     if not isinstance(table, dict) or not table:
         raise InputError(
-            f'{where}: no parameters; write {{"parameters": {{"m": 2.0, …}}}} or give a FIT.json'
+            f'{shown(path)}: no parameters; write {{"parameters": {{"m": 2.0, …}}}} or give a '
+            "FIT.json"
         )
-    try:
-        given = from_plain(_Given, data)
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from None
-    values = {
-        name: entry.value if isinstance(entry, _Value) else entry
-        for name, entry in {**given.parameters, **given.nuisances}.items()
-    }
-    units = {trace.emg_unit for trace in given.traces}
-    unit = units.pop() if len(units) == 1 else None
-    return GivenParameters(values, given.model, given.options, unit)
+    return from_file(GivenParameters, path, data)

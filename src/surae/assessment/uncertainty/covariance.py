@@ -73,14 +73,10 @@ def covariance(
     rows = root.matrix[known]
     inverse = rows @ rows.T
     norms = np.sqrt(np.diag(inverse))
-    return Covariance(
-        tuple(names[root.kept[j]] for j in known),
-        np.asarray(sigma2 * inverse),
-        np.asarray(inverse / np.outer(norms, norms)),
-        tuple(tuple(names[root.kept[j]] for j in group) for group in root.groups),
-        sigma2,
-        dof,
-    )
+    correlation = np.asarray(inverse / np.outer(norms, norms))
+    estimated = tuple(names[root.kept[j]] for j in known)
+    directions = tuple(tuple(names[root.kept[j]] for j in group) for group in root.groups)
+    return Covariance(estimated, np.asarray(sigma2 * inverse), correlation, directions, sigma2, dof)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,13 +103,11 @@ def inverse_root(
     A parameter at a bound may lie anywhere between its bounds for all that the quadratic can say:
     that enters as a prior of the width of the interval, and not as knowledge of the value.
     """
-    if not np.isfinite(R).all():
-        return InverseRoot(tuple(range(len(names))), np.empty((0, 0)), ())
     # Without noise a prior has no weight beside the data: what lies at its bound is known then.
     kept = tuple(
         j for j, name in enumerate(names) if name not in bounded or (sigma2 > 0 < bounded[name])
     )
-    if not kept:
+    if not kept or not np.isfinite(R).all():
         return InverseRoot(kept, np.empty((0, 0)), ())
     own = [np.sqrt(sigma2) / bounded.get(names[j], np.inf) for j in kept]
     A = np.vstack([R[:, kept], np.diag(own)])
@@ -121,29 +115,23 @@ def inverse_root(
     scale = np.where(norms > 0, norms, 1.0)
     _, s, Vt = np.linalg.svd(A / scale, full_matrices=False)
     singular = s <= _SINGULAR * s[0]
-    groups = _inseparable(Vt[singular])
     C = Vt[~singular].T / s[~singular] / scale[:, None]
-    return InverseRoot(kept, np.asarray(C), tuple(map(tuple, groups)))
+    return InverseRoot(kept, np.asarray(C), _inseparable(Vt[singular]))
 
 
-def _inseparable(directions: FloatArray) -> list[list[int]]:
+def _inseparable(directions: FloatArray) -> tuple[tuple[int, ...], ...]:
     """Sets of parameters that the singular directions, shape (k, p), tie together.
 
-    Any mixture of the directions is as good a basis, but their projector is unique: two parameters
-    belong together when it links them, directly or through others.
+    Any mixture of them is as good a basis, but their projector, which links parameters, is unique.
     """
     linked = np.abs(directions.T @ directions) >= _PART**2
-    left = np.flatnonzero(np.diag(linked)).tolist()
-    groups = []
-    while left:
-        group: set[int] = {left[0]}
-        grown: set[int] = set()
-        while group != grown:
-            grown = set(group)
-            group |= {j for j in left if linked[j, list(grown)].any()}
-        groups.append(sorted(group))
-        left = [j for j in left if j not in group]
-    return groups
+    part = np.flatnonzero(np.diag(linked))
+    if not len(part):
+        return ()
+    from scipy.sparse.csgraph import connected_components
+
+    count, group = connected_components(linked[np.ix_(part, part)], directed=False)
+    return tuple(tuple(part[group == k].tolist()) for k in range(count))
 
 
 def ipde(correlation: FloatArray) -> float:

@@ -13,7 +13,6 @@ Worsley's, for autoregressive noise in brain images: NeuroImage 15, 2002).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -69,21 +68,15 @@ def robust_covariance(
         root = inverse_root(result.R, problem.free, estimated.sigma2, result.bounded)
         x = np.array([result.values[name] for name in problem.free])
         rows = Residuals(problem).data_rows(x)
-        edges = pairwise(np.cumsum([0, *(inputs.n for inputs in problem.inputs)]).tolist())
+        ends = np.cumsum([inputs.n for inputs in problem.inputs])[:-1]
+        parts = zip(problem.inputs, np.split(rows, ends, axis=1), _gains(result), strict=True)
         seen = [
-            _Seen(
-                -rows[-1, begin:end],
-                inputs.counts,
-                root.matrix.T @ rows[list(root.kept), begin:end],
-                gain,
-            )
-            for inputs, (begin, end), gain in zip(
-                problem.inputs, edges, _gains(result), strict=True
-            )
+            _Seen(-own[-1], inputs.counts, root.matrix.T @ own[list(root.kept)], gain)
+            for inputs, own, gain in parts
         ]
         white = tuple(
-            whiteness(recording.residual, inputs.rate_hz, recording.counted, recording.absorbed)
-            for recording, inputs in zip(seen, problem.inputs, strict=True)
+            whiteness(own.residual, inputs.rate_hz, own.counted, own.absorbed)
+            for own, inputs in zip(seen, problem.inputs, strict=True)
         )
         models = _noise_models(seen)
         known = [j for j in root.known if problem.free[root.kept[j]] in estimated.names]
@@ -142,11 +135,10 @@ class _Seen:
             self.twice[-1] = 1.0
         power = np.sum((self.transformed * self.fitted.conj()).real, axis=0)
         self.absorbed = np.fft.irfft(power, self.size)[: self.lags + 1]
-        sums, pairs = autocovariance(self.residual, counted, self.lags)
+        self.sums, pairs = autocovariance(self.residual, counted, self.lags)
         self.samples = float(pairs[0])
         # Divided by n where nothing is left out, so that it is an autocovariance.
-        count = np.maximum(pairs, 1.0) * n / np.arange(n, n - self.lags - 1, -1.0)
-        self.sums, self.count = sums, count
+        self.count = np.maximum(pairs, 1.0) * n / np.arange(n, n - self.lags - 1, -1.0)
 
     def meat(self, model: NoiseModel) -> FloatArray:
         """QᵀΣQ, shape (r, r)."""
@@ -174,22 +166,14 @@ class _Seen:
 
 def _noise_models(seen: Sequence[_Seen]) -> tuple[NoiseModel, ...]:
     """The noise of every recording, with what the parameters took of it given back."""
-    models = [
-        autoregressive(recording.sums / recording.count, recording.samples) for recording in seen
-    ]
+    models = [autoregressive(own.sums / own.count, own.samples) for own in seen]
     for _ in range(_ROUNDS):
-        meat = sum(
-            (recording.meat(m) for recording, m in zip(seen, models, strict=True)),
-            start=np.zeros(()),
-        )
-        sums = [
-            recording.sums + recording.lost(m, meat)
-            for recording, m in zip(seen, models, strict=True)
-        ]
+        pairs = list(zip(seen, models, strict=True))
+        meat = sum((own.meat(model) for own, model in pairs), start=np.zeros(()))
         before = [model.autocovariance[0] for model in models]
         models = [
-            autoregressive(total / recording.count, recording.samples)
-            for recording, total in zip(seen, sums, strict=True)
+            autoregressive((own.sums + own.lost(model, meat)) / own.count, own.samples)
+            for own, model in pairs
         ]
         after = [model.autocovariance[0] for model in models]
         if np.allclose(before, after, rtol=_RESTS, atol=0.0):
@@ -213,17 +197,14 @@ def _covariance(
         C = np.asarray(np.linalg.solve(observed / outliers.widening + prior, C.T).T)
         sigma2 = outliers.scale**2
     inner = sigma2 * prior
-    shares, uncertain = [], []
+    parts = []
     for recording, model in zip(seen, models, strict=True):
         inner += recording.meat(model)
-        variance, relative = _variance_and_doubt(C @ recording.transformed, recording, model)
-        shares.append(variance)
-        uncertain.append(relative)
+        parts.append(_variance_and_doubt(C @ recording.transformed, recording, model))
     matrix = C @ inner @ C.T
     matrix = (matrix + matrix.T) / 2
     total = np.where(np.diag(matrix) > 0, np.diag(matrix), 1.0)
-    doubt = sum(((v / total) ** 2 * u for v, u in zip(shares, uncertain, strict=True)),
-                start=np.zeros(len(total)))  # fmt: skip
+    doubt = sum(((v / total) ** 2 * u for v, u in parts), start=np.zeros(len(total)))
     dof = np.minimum(2.0 / np.maximum(doubt, 1e-300), estimated.dof)
     return RobustCovariance(estimated.names, matrix, dof, tuple(models))
 
