@@ -74,7 +74,7 @@ def test_of_a_linear_model_it_is_the_parabola_of_the_covariance(line, name):
     slope = inverse[others, j] / inverse[j, j]
     path = exact[others] + np.outer(found.values - exact[j], slope)
     spread = np.sqrt(line.sse / (N - 3) * np.diag(inverse)[others])
-    assert np.max(np.abs(found.path - path) / spread) < 1e-3
+    assert np.max(np.abs(np.stack([*found.along.values()], 1) - path) / spread) < 1e-3
 
 
 def test_of_a_curve_it_is_the_known_likelihood(decayed):
@@ -87,7 +87,7 @@ def test_of_a_curve_it_is_the_known_likelihood(decayed):
     assert found.interval == pytest.approx((low, high), rel=2e-3)
     # Skewed: the upper arm is the longer one, which the covariance cannot say.
     assert (high - b) > 1.15 * (b - low)
-    assert found.path[:, 0] == pytest.approx(
+    assert found.along["a"] == pytest.approx(
         [decayed.problem.inputs[0].torque @ np.exp(-v * TIME) / np.exp(-2 * v * TIME).sum()
          for v in found.values], rel=1e-4,
     )  # fmt: skip
@@ -131,8 +131,8 @@ def test_flat_to_both_sides_is_open_to_both():
     for why, side in zip(found.reasons, ("lower", "upper"), strict=True):
         assert why.startswith("flat: ")
         assert f"{side} bound" in why
-    np.testing.assert_allclose(found.values * found.path[:, 0], found.values[0] * found.path[0, 0],
-                               rtol=1e-4)  # fmt: skip
+    product = found.values * found.along["b"]
+    np.testing.assert_allclose(product, product[0], rtol=1e-4)
 
 
 def test_a_parameter_without_any_influence_is_flat():
@@ -169,8 +169,8 @@ def test_the_others_meet_their_bounds_on_the_way():
     (one,) = fit.problem.inputs
     slope = np.array([np.clip((one.torque - a) @ TIME / (TIME @ TIME), 2.005, 2.02)
                       for a in found.values])  # fmt: skip
-    np.testing.assert_allclose(found.path[:, 0], slope, rtol=1e-6)
-    assert {2.005, 2.02} <= set(found.path[:, 0])
+    np.testing.assert_allclose(found.along["b"], slope, rtol=1e-6)
+    assert {2.005, 2.02} <= set(found.along["b"])
 
 
 def test_one_without_influence_at_its_bound_does_not_lead_astray():
@@ -201,7 +201,7 @@ def test_the_fixed_ones_stay(line):
     )  # fmt: skip
     fit = fit_problem(problem, starts=1)
     found = profile(fit, "a")
-    assert found.others == ("c",)
+    assert list(found.along) == ["c"]
     (one,) = problem.inputs
     for a, sse in zip(found.values, found.sse, strict=True):
         left = one.torque - 1.9 * TIME - a
@@ -214,8 +214,7 @@ def test_the_fixed_ones_stay(line):
 def test_a_single_parameter():
     fit = toy_fit(linear(TIME[:, None]), TIME + NOISE, {"a": 0.0}, {"a": WIDE})
     found = profile(fit, "a")
-    assert found.others == ()
-    assert found.path.shape == (len(found.values), 0)
+    assert found.along == {}
     assert found.interval == pytest.approx(found.from_covariance, rel=1e-4)
 
 

@@ -101,7 +101,7 @@ def test_the_file_holds_everything(decided, tmp_path):
         assert kept["delta_chi2"] == one.chi2.tolist()
         assert kept["interval"] == list(one.interval)
         assert kept["open"] == list(one.reasons)
-        assert kept["others"] == dict(zip(one.others, one.path.T.tolist(), strict=True))
+        assert kept["others"] == {n: path.tolist() for n, path in one.along.items()}
     assert data["profiles"]["b"]["interval"][1] is None
     assert "upper bound" in data["profiles"]["b"]["open"][1]
 

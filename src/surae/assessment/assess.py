@@ -163,7 +163,7 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
 def _believed(
     result: FitResult, robust: RobustCovariance | None, white: Sequence[Whiteness]
 ) -> tuple[Interval, str]:
-    """Which standard errors to believe: the thesis's only where all residuals are white, and why."""
+    """Which standard errors to believe: the thesis's where all residuals are white; and why."""
     if result.family is not None:
         return Interval.MARGINAL, (
             "they contain the correlated noise, the measurement errors, and the models that the "

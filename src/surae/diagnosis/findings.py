@@ -32,9 +32,7 @@ _AGREED = 0.25
 def examined(recording: Recording, commanded: Commanded | None = None) -> Quality:
     """All findings of a recording: those of the checks, and what is wrong with signs and units.
 
-    What is found to be wrong is put right before the checks look at the recording, so that what
-    follows from it is no finding of its own.
-
+    What is wrong is put right before the checks look, so that what follows from it is no finding.
     `commanded` is the motion that the device was to follow.
     """
     findings, right = wrong_units(recording)
@@ -63,6 +61,8 @@ def examined(recording: Recording, commanded: Commanded | None = None) -> Qualit
         if with_signs is not right:
             quality = check_recording(with_signs, commanded)
         return _together(quality, [*findings, *turned], but=("torque-sign",))
+    lags = [f for f in quality.findings if f.code in ("electrode-lag", "emg-torque-lag")]
+    false = [lag for lag in lags if not _explains(lag, right, signals, fit)]
     constant = next((f for f in quality.findings if f.code == "torque-offset"), None)
     if constant is None:
         findings += _zero(right, signals, fit)
@@ -70,10 +70,7 @@ def examined(recording: Recording, commanded: Commanded | None = None) -> Qualit
         # A fit's zero goes the way, and a part of it, that the torque's constant part says.
         beyond = (constant.value or 0.0) - sum(GRAVITY) / 2
         if not fit.zero * beyond >= _AGREED * beyond**2:
-            kept = tuple(f for f in quality.findings if f is not constant)
-            quality = replace(quality, findings=kept)
-    lags = [f for f in quality.findings if f.code in ("electrode-lag", "emg-torque-lag")]
-    false = [lag for lag in lags if not _explains(lag, right, signals, fit)]
+            false.append(constant)
     true = tuple(finding for finding in quality.findings if finding not in false)
     return _together(replace(quality, findings=true), findings)
 

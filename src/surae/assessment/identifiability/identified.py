@@ -84,9 +84,8 @@ class Identifiability:
 def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Identifiability:
     """Examine the Jacobian at the estimate.
 
-    Parameters at a bound are taken as known; priors count as data. `variance_inflation` is by how
-    much the variance of the noise counts more than that of white noise would. All is empty where
-    the model gave no finite torque.
+    Parameters at a bound are taken as known; priors count as data. All is empty where the model
+    gave no finite torque.
     """
     problem = result.problem
     inside = [j for j, name in enumerate(problem.free) if name not in result.at_bound]
@@ -94,10 +93,8 @@ def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Id
     if not (np.isfinite(result.sse) and np.isfinite(result.R).all()):
         return Identifiability((), (), None, {})
     sigma = float(np.sqrt(variance_inflation * result.sse / (problem.n - len(inside))))
-    sizes = np.maximum(
-        np.abs([result.values[name] for name in problem.free]),
-        _LEAST * (problem.upper - problem.lower),
-    )
+    values = np.array([result.values[name] for name in problem.free])
+    sizes = np.maximum(np.abs(values), _LEAST * (problem.upper - problem.lower))
     scaled = result.R * sizes
     effects = np.linalg.norm(scaled, axis=0)
     weakest = directions(names, scaled[:, inside], effects[inside], sigma) if inside else ()
@@ -164,8 +161,7 @@ def _advice(name: str, partners: tuple[str, ...], *, silent: bool, at_bound: boo
 def unexplained(R: FloatArray, j: int, others: Sequence[int]) -> float:
     """Squared length of what no combination of other columns gives of column `j`, 0 for rounding.
 
-    It is the information on parameter j when the others are estimated too: its inverse, times σ²,
-    is the variance.
+    σ² over it is the variance of parameter j when the others are estimated too.
     """
     column, rest = R[:, j], R[:, list(others)]
     norms = np.linalg.norm(rest, axis=0)

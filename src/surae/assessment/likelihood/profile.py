@@ -16,13 +16,13 @@ import numpy as np
 
 from surae.assessment.identifiability.identified import unexplained
 from surae.assessment.likelihood.conditional import ConditionalMinimum, Surface, surface_of
+from surae.assessment.uncertainty.covariance import half_width
 from surae.errors import ComputationError, InputError
 from surae.estimation import FitResult
 from surae.filed import filed
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
 from surae.records import Listed
-from surae.units import FloatArray
 
 Status = Literal["closed", "open", "lower-minimum"]
 #: Points between the minimum and the threshold, in steps of equal √Δχ², and how far beyond the
@@ -46,8 +46,6 @@ _LOWER = 1.0
 
 @filed(
     "name",
-    "path",
-    "others",
     reasons="open",
     from_covariance="from_covariance",
     lower="lower_minimum",
@@ -69,8 +67,7 @@ class ParameterProfile(Comparable):
     #: Least sum of squares there, weighted and with priors [Nm²], or −2 ln p of a posterior, (k,).
     sse: Listed
     chi2: Listed  #: Δχ²: (sse − lowest)/(σ²·variance_inflation), of −2 ln p without σ², (k,).
-    others: tuple[str, ...]  #: The other free parameters.
-    path: FloatArray  #: Their values along the profile, shape (k, len(others).
+    along: Mapping[str, Listed]  #: The other free parameters along the profile, each of shape (k,).
     variance_inflation: float  #: What the variance of the noise was multiplied by.
     threshold: float  #: Δχ² at the ends of the 95 % interval.
     #: Lower and upper end; None where that side is open.
@@ -81,11 +78,6 @@ class ParameterProfile(Comparable):
     message: str  #: What a reader has to know.
     lower: Mapping[str, float] | None  #: Free parameters of the lower minimum.
     evaluations: int  #: Of the model and its Jacobian.
-
-    @property
-    def along(self) -> dict[str, list[float]]:
-        """The other free parameters along the profile, by name."""
-        return dict(zip(self.others, self.path.T.tolist(), strict=True))
 
     @property
     def from_covariance(self) -> tuple[float, float] | None:
@@ -120,7 +112,7 @@ def profile(
     search = _Search(result, name, over or surface_of(result), stopped, variance_inflation)
     (low, why_low), (high, why_high) = search.end(-1), search.end(+1)
     sse = np.array([point.sse for point in search.points])
-    others = [i for i, free in enumerate(problem.free) if free != name]
+    path = dict(zip(problem.free, np.stack([point.x for point in search.points], 1), strict=True))
     status: Status = "open" if low is None or high is None else "closed"
     lower = None
     if search.lower is not None:
@@ -134,8 +126,7 @@ def profile(
         values=read_only(np.array([point.value for point in search.points])),
         sse=read_only(sse),
         chi2=read_only((sse - sse.min()) / search.unit),
-        others=tuple(problem.free[i] for i in others),
-        path=read_only(np.array([point.x[others] for point in search.points])),
+        along={other: read_only(values) for other, values in path.items() if other != name},
         variance_inflation=float(variance_inflation),
         threshold=search.threshold,
         interval=(low, high),
@@ -196,8 +187,6 @@ class _Search:
         stopped: Callable[[], bool],
         variance_inflation: float,
     ) -> None:
-        from scipy.special import stdtrit
-
         self._name, self.minima = name, over(name, stopped)
         self._low, self._high = self.minima.limits
         self._width = self._high - self._low
@@ -208,7 +197,7 @@ class _Search:
         sigma2 = variance if result.family is None else 1.0
         #: Variance of the noise that makes Δχ² of sums of squares [Nm²]; of −2 ln p, its inflation.
         self.unit = sigma2 * variance_inflation
-        self.threshold = float(stdtrit(dof, 0.975)) ** 2
+        self.threshold = half_width(1.0, dof) ** 2
         self._aim = float(np.sqrt(self.threshold))
         known = 0.0 if name in at_bound else unexplained(result.R, free.index(name), rest)
         #: Those at a bound taken as known.

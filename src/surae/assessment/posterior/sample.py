@@ -223,13 +223,10 @@ def sample(
     begin = time.perf_counter()
     problem = result.problem
     target = Target(result, priors, variance_inflation)
+    densities = [target.density() for _ in range(cores or os.cpu_count() or 1)]
+    size = evaluations // _ROUNDS
     weighted = weighted_draws(
-        [target.density() for _ in range(cores or os.cpu_count() or 1)],
-        len(problem.free),
-        rounds=_ROUNDS,
-        size=evaluations // _ROUNDS,
-        seed=seed,
-        progress=progress,
+        densities, len(problem.free), rounds=_ROUNDS, size=size, seed=seed, progress=progress
     )
     points = weighted.resampled(draws, np.random.default_rng([seed, 1]))
     values = read_only(target.parameters(points))

@@ -198,7 +198,7 @@ def _check(result: FitResult) -> None:
     """Refuse arrays that do not go with each other, and numbers that no fit gives."""
     problem, outliers, family = result.problem, result.outliers, result.family
     p, inputs = len(problem.free), problem.inputs
-    shapes: list[tuple[str, FloatArray | None, tuple[int, ...]]] = [("R", result.R, (p, p))]
+    shapes: list[tuple[str, FloatArray, tuple[int, ...]]] = [("R", result.R, (p, p))]
     for i, (recording, residual) in enumerate(zip(inputs, result.residuals, strict=True)):
         n = recording.n
         arrays = [(f.name, getattr(recording, f.name)) for f in fields(recording)]
@@ -229,7 +229,7 @@ def _check(result: FitResult) -> None:
         pairs = enumerate(zip(outliers.weights, inputs, strict=True))
         shapes += [(f"outliers.weights[{i}]", w, (own.n,)) for i, (w, own) in pairs]
     for where, array, shape in shapes:
-        if array is not None and array.shape != shape:
+        if array.shape != shape:
             raise InputError(f"{where}: an array is {list(array.shape)}, expected {list(shape)}")
     if not (np.isfinite(problem.lower).all() and np.isfinite(problem.upper).all()):
         raise InputError("parameters: a bound is not a number")

@@ -32,10 +32,7 @@ class Budget:
 
 
 def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
-    """The budget of every parameter of the leg that was estimated.
-
-    `free` are the estimated parameters, as its covariance has them.
-    """
+    """The budget of every parameter of the leg that was estimated, `free` being all of them."""
     parts = {source: np.sum(by**2, axis=0) for source, by in family.spread.items()}
     total = sum(parts.values(), np.zeros(len(free)))
     repeat = sum((2.0 * SOURCES[s].anew * part for s, part in parts.items()), np.zeros(len(free)))

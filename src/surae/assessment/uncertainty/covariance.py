@@ -98,11 +98,7 @@ class InverseRoot:
 def inverse_root(
     R: FloatArray, names: Sequence[str], sigma2: float, bounded: Mapping[str, float]
 ) -> InverseRoot:
-    """Root of the inverse of RᵀR, with what is known of parameters at a bound; see `covariance`.
-
-    A parameter at a bound may lie anywhere between its bounds for all that the quadratic can say:
-    that enters as a prior of the width of the interval, and not as knowledge of the value.
-    """
+    """Root of the inverse of RᵀR, with a prior between its bounds for what lies at one of them."""
     # Without noise a prior has no weight beside the data: what lies at its bound is known then.
     kept = tuple(
         j for j, name in enumerate(names) if name not in bounded or (sigma2 > 0 < bounded[name])

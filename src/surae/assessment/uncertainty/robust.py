@@ -52,10 +52,9 @@ def robust_covariance(
     the noise is what the residual is without them. A loss for outliers enters as its ψ in place of
     the residual, with the mean of ψ′ as its curvature (Huber and Ronchetti 2009, 7.6). Left-out
     samples are gaps across which the noise goes on. A prior, and what is known of a parameter at
-    its bound, is an observation of its own, with white noise.
-
-    There is no covariance where no estimate has a variance, or none that is finite, and of a fit
-    that has put the noise's correlation into its estimate.
+    its bound, is an observation of its own, with white noise. There is no covariance where no
+    estimate has a variance, or none that is finite, and of a fit with a family, whose estimate has
+    the noise's correlation in it.
     """
     problem = result.problem
     if not estimated.names or result.family is not None:
