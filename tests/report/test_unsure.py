@@ -8,7 +8,7 @@ import pytest
 
 from surae.assessment import Verdict, assess
 from surae.assessment.adequacy import Adequacy, Grade
-from surae.assessment.uncertainty.budget import budgets
+from surae.assessment.marginal import budgets
 from surae.estimation import fit_problem, make_problem, solve
 from surae.estimation.result import OfRecording
 from surae.model.sources import SOURCES

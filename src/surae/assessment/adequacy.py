@@ -193,14 +193,14 @@ def _films(result: FitResult) -> Iterator[_Reason]:
             )
 
 
-def judge_prediction(result: FitResult, recording: ModelInputs, torque: FloatArray) -> Adequacy:
+def judge_prediction(
+    result: FitResult, recording: ModelInputs, measured: FloatArray, e: FloatArray
+) -> Adequacy:
     """Judge how a fit predicts a recording that it has not seen, against what it promises.
 
     The mean is judged apart from the changes, of which `r2` is: a sensor's zero is another in each
-    recording. `torque` is what is predicted of the recording [Nm].
+    recording. `e` is the measured torque minus what is predicted, where samples count [Nm].
     """
-    predicted = np.zeros(recording.n) if recording.torque is None else recording.torque - torque
-    measured, e = counted(recording, predicted)
     bias = float(e.mean())
     changes = e - bias
     r2 = centred_r2([(measured, changes)])
@@ -209,7 +209,7 @@ def judge_prediction(result: FitResult, recording: ModelInputs, torque: FloatArr
     reasons = list(_goodness(r2))
     if _range([recording]) < _STILL:
         reasons = [(False, "the ankle holds still there: following it says little")]
-    promised = _promised(result, recording)
+    promised = _promised(result, recording, float(np.std(measured)))
     error = float(np.sqrt(np.mean(changes**2)))
     if not error <= _BEYOND * promised:
         text = f"it errs by {error:.2g} Nm where the fit promises {promised:.2g} Nm"
@@ -220,18 +220,16 @@ def judge_prediction(result: FitResult, recording: ModelInputs, torque: FloatArr
     return _graded(reasons, r2)
 
 
-def _promised(result: FitResult, recording: ModelInputs) -> float:
+def _promised(result: FitResult, recording: ModelInputs, changing: float) -> float:
     """Standard deviation [Nm] of the error that a fit promises of another recording's changes.
 
-    It is like the fit's own, in proportion where the torque changes more, and what the covariance
-    makes of the predicted torque.
+    It is like the fit's own, in proportion where the torque is `changing` more, and what the
+    covariance makes of the predicted torque.
     """
     problem = result.problem
-    pairs = list(map(counted, problem.inputs, result.residuals))
-    own = np.concatenate([e - e.mean() for _, e in pairs])
-    changes = np.concatenate([torque - torque.mean() for torque, _ in pairs])
-    measured, _ = counted(recording, np.zeros(recording.n))
-    grown = max(1.0, float(np.std(measured)) / max(float(np.std(changes)), 1e-12))
+    pairs = zip(*map(counted, problem.inputs, result.residuals), strict=True)
+    changes, own = (np.concatenate([part - part.mean() for part in each]) for each in pairs)
+    grown = max(1.0, changing / max(float(np.std(changes)), 1e-12))
     known = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
     columns = [problem.spec.names.index(name) for name in known.names]
     values = problem.spec.vector(result.values, problem.options)

@@ -17,15 +17,7 @@ from surae.assessment.parameter import (
     judge_singular,
     percent,
 )
-from surae.assessment.residual import (
-    LEVEL,
-    Whiteness,
-    centred_r2,
-    counted,
-    rmse,
-    vaf,
-    weighted_vaf,
-)
+from surae.assessment.residual import LEVEL, Whiteness, centred_r2, counted, rmse, vaf, weighted_vaf
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
 from surae.assessment.uncertainty.robust import RobustCovariance, robust_covariance
 from surae.estimation import FitResult

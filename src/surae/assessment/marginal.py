@@ -1,7 +1,16 @@
-"""Intervals and verdicts of a fit that knows its laboratory: everything that is not known is in."""
+"""Intervals and verdicts of a fit that knows its laboratory: everything that is not known is in.
+
+The covariance of a posterior is the sum of what each source makes of the estimates, exactly
+(`surae.estimation.uncertainty`), so that shares of the variance add up to 1.
+
+Another trial of the same leg has noise, drift, zero and errors of the EMG anew. What a leg and its
+mounting share is wrong alike only as far as both trials ask the same: a wrong arm shifts another
+parameter where movement and effort differ. It counts with a part of its variance (`SHARED`) in each
+of them. What is added to a length is wrong alike in both.
+"""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,15 +23,16 @@ from surae.assessment.parameter import (
     Verdict,
     percent,
 )
-from surae.assessment.uncertainty.budget import Budget, budgets
 from surae.estimation import FitProblem
 from surae.estimation.coordinates import is_straight
 from surae.estimation.residuals import stiffness_valleys
 from surae.estimation.result import Family
+from surae.frozen import FrozenDict
 from surae.model.laboratory import group_of
 from surae.model.sources import SOURCES
 from surae.normal import NORMAL
 from surae.signals import steady_emg
+from surae.units import FloatArray
 
 #: Share of the variance from which a source is worth a remedy.
 _WORTH = 0.25
@@ -32,11 +42,43 @@ _NARROWER = 0.5
 _FAR = 2.9
 
 
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """What makes one parameter unsure."""
+
+    sd: float  #: Standard deviation, everything included, in the parameter's unit.
+    repeat: float  #: Standard deviation of the difference between two trials of the leg.
+    shares: Mapping[str, float]  #: Parts of the variance by source; they add up to 1.
+    without: Mapping[str, float]  #: Standard deviation that would be left with the source known.
+
+
+def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
+    """The budget of every parameter of the leg that was estimated, `free` being all of them."""
+    parts = {source: np.sum(by**2, axis=0) for source, by in family.spread.items()}
+    total = sum(parts.values(), np.zeros(len(free)))
+    repeat = sum((2.0 * SOURCES[s].anew * part for s, part in parts.items()), np.zeros(len(free)))
+    made = {}
+    for j, name in enumerate(free):
+        if group_of(name) is None and total[j] > 0.0:
+            shares = FrozenDict({s: float(part[j] / total[j]) for s, part in parts.items()})
+            left = {s: max(total[j] - part[j], 0.0) for s, part in parts.items()}
+            without = {s: float(np.sqrt(left[s])) for s in left if SOURCES[s].knowable}
+            made[name] = Budget(
+                float(np.sqrt(total[j])), float(np.sqrt(repeat[j])), shares, without
+            )
+    return made
+
+
+def drawn_anew(family: Family, *, mounted: bool = False) -> FloatArray:
+    """Covariance of the estimates in another trial, or with electrodes and foot mounted anew."""
+    return sum(
+        (SOURCES[s].anew_when(mounted=mounted) * by.T @ by for s, by in family.spread.items()),
+        np.zeros_like(family.covariance),
+    )
+
+
 def marginal(
-    family: Family,
-    problem: FitProblem,
-    table: Mapping[str, ParameterEstimate],
-    adequacy: Adequacy,
+    family: Family, problem: FitProblem, table: Mapping[str, ParameterEstimate], adequacy: Adequacy
 ) -> dict[str, ParameterEstimate]:
     """The estimated parameters of the leg with everything that makes them unsure."""
     bounds = [p.name for p in table.values() if p.at_bound and group_of(p.name) is None]

@@ -83,9 +83,8 @@ def whiteness(
     within = np.flatnonzero(np.abs(shown_rho) <= band)
     fall = int(within[0]) if len(within) else n - 1
     shown = min(max(3 * fall, 40), n - 1)
-    expected = np.zeros(lags + 1)
-    if absorbed is not None:
-        expected = -absorbed[: lags + 1] / max(samples - absorbed[0], 1.0)
+    taken = np.zeros(lags + 1) if absorbed is None else absorbed[: lags + 1]
+    expected = -taken / max(samples - taken[0], 1.0)
     tested = slice(1, lags + 1)
     weight = samples * (samples + 2) / np.maximum(pairs[tested], 1.0)
     used = pairs[tested] > 0

@@ -108,7 +108,7 @@ def predict_others(
                 recording.time,
                 recording.torque,
                 recording.weight,
-                judge_prediction(result, recording, torque) if judge else None,
+                judge_prediction(result, recording, measured, residual) if judge else None,
                 followed(spec, options, result.values, recording),
             )
         )

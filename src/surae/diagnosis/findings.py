@@ -77,8 +77,6 @@ def examined(recording: Recording, commanded: Commanded | None = None) -> Qualit
 
 def _together(quality: Quality, findings: list[Finding], but: tuple[str, ...] = ()) -> Quality:
     """The findings of the checks, but for those of some codes, and others."""
-    if not findings:
-        return quality
     own = {*but, *(finding.code for finding in findings)}
     kept = [finding for finding in quality.findings if finding.code not in own]
     skipped = tuple(reason for reason in quality.skipped if reason.check not in own)
@@ -120,19 +118,14 @@ def _signs(
     unsure = [name for name, signs in each.items() if min(signs) < 0.0 < max(signs)]
     numbers = f"R² rises from {percent(first.r2)} to {percent(best.r2)}"
     if not turned:
-        text = (
-            f"The angle or the torque is turned: with one sign = −1 {numbers}; which of them, the "
-            "data cannot tell."
-        )
         turned = ["angle", "torque"]
-        advice = (
-            "Find out which: the angle is positive in dorsiflexion, the torque when the triceps "
-            "pulls."
-        )
+        text = f"The angle or the torque is turned: with one sign = −1 {numbers}; "
+        text += "which of them, the data cannot tell."
+        advice = "Find out which: the angle is positive in dorsiflexion, the torque when the "
+        advice += "triceps pulls."
     else:
-        both = " and so is the torque" if len(turned) > 1 else ""
-        sign = "both signs" if both else "sign"
-        text = f"The {turned[0]} is turned{both}: with {sign} = −1 {numbers}"
+        also, sign = (" and so is the torque", "both signs") if len(turned) > 1 else ("", "sign")
+        text = f"The {turned[0]} is turned{also}: with {sign} = −1 {numbers}"
         text += f"; whether the {unsure[0]} is too, the data cannot tell." if unsure else "."
         advice = f"Write sign = -1 for the {' and the '.join(turned)} in the TOML."
         for name in turned:

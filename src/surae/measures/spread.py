@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.assessment import Assessment, Interval
-from surae.assessment.uncertainty.budget import drawn_anew
+from surae.assessment.marginal import drawn_anew
 from surae.assessment.uncertainty.covariance import inverse_root
 from surae.estimation import FitResult
 from surae.estimation.coordinates import straight

@@ -7,8 +7,8 @@ import numpy as np
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.assessment.adequacy import Grade
+from surae.assessment.marginal import budgets
 from surae.assessment.parameter import percent
-from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import FitResult
 from surae.formatting import listed
 from surae.model.sources import SOURCES

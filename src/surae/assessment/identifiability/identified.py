@@ -177,8 +177,7 @@ def directions(
     """Eigenvectors of the scaled information matrix RᵀR/σ², the weakest first.
 
     R, shape (k, k), is the triangular factor of the sensitivities to each parameter in units of its
-    own value [Nm], `length` are those of its columns, `sigma` is the noise's standard deviation
-    [Nm].
+    own value [Nm], `length` are those of its columns, `sigma` is the noise's [Nm].
     """
     _, s, Vt = np.linalg.svd(R)
     rows = []

@@ -123,7 +123,7 @@ def profile(
         unit=table[name].unit,
         value=result.values[name],
         sem=search.sem,
-        values=read_only(np.array([point.value for point in search.points])),
+        values=read_only([point.value for point in search.points]),
         sse=read_only(sse),
         chi2=read_only((sse - sse.min()) / search.unit),
         along={other: read_only(values) for other, values in path.items() if other != name},

@@ -37,8 +37,8 @@ def gaussian_data(result: FitResult, assessment: Assessment, draws: int, seed: i
         k = np.log(up / down) / NORMAL
         away = np.expm1(k * own) / np.expm1(k * NORMAL) if abs(k) > 1e-6 else own / NORMAL
         own[:] = p.value + up * away
-    left = [p.name for p in every.values() if p.free and p.name not in known]
     message = "Gaussian about the estimates, with the fit's intervals; `profile` follows valleys"
-    message += f"; without an interval, left out: {', '.join(left)}" if left else ""
+    if left := [p.name for p in every.values() if p.free and p.name not in known]:
+        message += f"; without an interval, left out: {', '.join(left)}"
     units = {name: p.unit for name, p in known.items()}
     return inference_data(z, units, result.versions["surae"], "approximation", message)

@@ -120,9 +120,8 @@ def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
     table, starts = {**file.parameters, **file.nuisances}, file.starts.all
     spec = with_optional(get_model(file.model), table)
     ModelOptions.of(**data["options"])  # what this surae does not know is another model
-    for name in spec.names:
-        if name not in table:
-            raise InputError(f"parameters.{name}: it is missing")
+    if missing := [name for name in spec.names if name not in table]:
+        raise InputError(f"parameters.{missing[0]}: it is missing")
     for i, (recording, left) in enumerate(zip(file.inputs, file.left, strict=True)):
         if left.n not in (None, recording.n):
             raise InputError(f"traces[{i}].n: {left.n}, but its time has {recording.n} samples")
@@ -132,30 +131,27 @@ def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
         raise InputError("no recording, start or free parameter")
     for parameter in spec.parameters:
         check_value(parameter, values[parameter.name], spec)
-    known = {**values, **starts[0].initial}
+    initial = starts[0].initial
+    if not set(free) <= set(initial):
+        raise InputError("starts.all[0].initial: a free parameter is missing")
     problem = {
         "spec": spec,
         "inputs": file.inputs,
         "free": free,
-        "base": np.array([known[n] if n in free else values[n] for n in spec.names]),
+        "base": np.array([initial[n] if n in free else values[n] for n in spec.names]),
         "lower": np.array([table[name].lower for name in free]),
         "upper": np.array([table[name].upper for name in free]),
         "settings": file.settings or _settings(file, free, data),
     }
-    if not set(free) <= set(starts[0].initial):
-        raise InputError("starts.all[0].initial: a free parameter is missing")
-    result = from_plain(
-        FitResult,
-        {
-            **data,
-            "problem": from_plain(FitProblem, {**data, **problem}),
-            "values": values,
-            "residuals": tuple(left.residual for left in file.left),
-            "starts": starts,
-            "agreeing": file.starts.agreeing,
-            "family": family_of(data.get("family"), free),
-        },
-    )
+    found = {
+        "problem": from_plain(FitProblem, {**data, **problem}),
+        "values": values,
+        "residuals": tuple(left.residual for left in file.left),
+        "starts": starts,
+        "agreeing": file.starts.agreeing,
+        "family": family_of(data.get("family"), free),
+    }
+    result = from_plain(FitResult, {**data, **found})
     _check(result)
     return result
 

@@ -23,6 +23,7 @@ from surae.estimation import FitResult, Outliers
 from surae.estimation.noise import NoiseModel, autoregressive
 from surae.estimation.residuals import Residuals
 from surae.frozen import Comparable
+from surae.signals import ModelInputs
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
 
@@ -68,10 +69,13 @@ def robust_covariance(
         x = np.array([result.values[name] for name in problem.free])
         rows = Residuals(problem).data_rows(x)
         ends = np.cumsum([inputs.n for inputs in problem.inputs])[:-1]
-        parts = zip(problem.inputs, np.split(rows, ends, axis=1), _gains(result), strict=True)
+        losses = result.outliers.weights if result.outliers else [None] * len(problem.inputs)
+        parts = zip(problem.inputs, np.split(rows, ends, axis=1), losses, strict=True)
         seen = [
-            _Seen(-own[-1], inputs.counts, root.matrix.T @ own[list(root.kept)], gain)
-            for inputs, own, gain in parts
+            _Seen(
+                -own[-1], inputs.counts, root.matrix.T @ own[list(root.kept)], _gain(inputs, loss)
+            )
+            for inputs, own, loss in parts
         ]
         white = tuple(
             whiteness(own.residual, inputs.rate_hz, own.counted, own.absorbed)
@@ -83,22 +87,17 @@ def robust_covariance(
         return robust if np.isfinite(robust.matrix).all() else None, white
 
 
-def _gains(result: FitResult) -> list[FloatArray | None]:
+def _gain(inputs: ModelInputs, loss: FloatArray | None) -> FloatArray | None:
     """What turns the weighted residual √W·e into the noise that is stationary, and J along.
 
     The noise is √W·e/gain and acts on the estimates through √W·J·gain, so that their product, the
     gradient, stays. None where the weighted residual itself is that noise.
     """
-    gains: list[FloatArray | None] = []
-    for number, inputs in enumerate(result.problem.inputs):
-        loss = None if result.outliers is None else result.outliers.weights[number]
-        if inputs.weight is None or (loss is None and not inputs.emphasised):
-            gains.append(None)
-            continue
-        of_loss = np.ones(inputs.n) if loss is None else loss
-        own = inputs.weight / of_loss if inputs.emphasised else np.ones(inputs.n)
-        gains.append(np.where(inputs.weight > 0, np.sqrt(own / of_loss), 1.0))
-    return gains
+    if inputs.weight is None or (loss is None and not inputs.emphasised):
+        return None
+    of_loss = np.ones(inputs.n) if loss is None else loss
+    own = inputs.weight / of_loss if inputs.emphasised else np.ones(inputs.n)
+    return np.where(inputs.weight > 0, np.sqrt(own / of_loss), 1.0)
 
 
 class _Seen:
