@@ -104,7 +104,7 @@ class Fit(Tabular):
         InputError
             The package xarray is not installed, or no parameter has an interval.
         """
-        from surae.assessment.posterior.gaussian import gaussian_data
+        from surae.assessment.posterior.sample import gaussian_data
 
         return gaussian_data(self.result, self.assessment, draws, seed)
 

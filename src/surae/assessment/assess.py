@@ -23,15 +23,10 @@ from surae.assessment.uncertainty.robust import RobustCovariance, robust_covaria
 from surae.estimation import FitResult
 from surae.estimation.contradiction import Contradiction, contradiction
 from surae.filed import filed
+from surae.formatting import chance
 from surae.frozen import Comparable
 from surae.model import adapted
 from surae.threads import one_blas_thread
-
-_NOT_FINITE = "no interval: the model gives no finite torque here"
-_AT_BOUND = (
-    "at its {side} bound: no interval; the optimum is outside the bounds, or the data do not "
-    "constrain it"
-)
 
 
 @filed(sparse=("fascicles",), rmse="rmse_Nm", bias="bias_Nm")
@@ -119,7 +114,13 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
         for recording, (torque, residual, weight) in zip(problem.inputs, pairs, strict=True)
     )
     laboratory = {} if result.family is None else result.family.beliefs
-    leg = _only(estimated, [j for j, n in enumerate(estimated.names) if n not in laboratory])
+    of_leg = np.array([name not in laboratory for name in estimated.names], dtype=bool)
+    leg = replace(
+        estimated,
+        names=tuple(name for name in estimated.names if name not in laboratory),
+        matrix=estimated.matrix[np.ix_(of_leg, of_leg)],
+        correlation=estimated.correlation[np.ix_(of_leg, of_leg)],
+    )
     dependency = ipde(leg.correlation) if len(leg.names) > 1 else None
     left_out = [n for n in problem.free if n not in estimated.names and n not in laboratory]
     note = f"without {', '.join(left_out)}" if left_out else ""
@@ -168,23 +169,12 @@ def _believed(
     if any(recording.emphasised for recording in result.problem.inputs):
         return Interval.ROBUST, "some samples count more than others"
     least = min(test.p_value for test in white)
-    text = "p < 0.001" if least < 1e-3 else f"p = {least:.2g}"
+    text = chance(least)
     if len(white) > 1:
         text += f", the least of {len(white)} recordings"
     if least >= LEVEL / len(white):  # the recordings share the level (Bonferroni)
         return Interval.THESIS, f"the residual passes for white noise ({text})"
     return Interval.ROBUST, f"the residual is correlated over time ({text})"
-
-
-def _only(estimated: Covariance, kept: Sequence[int]) -> Covariance:
-    """The covariance of some of the parameters, the others estimated along."""
-    block = np.ix_(kept, kept)
-    return replace(
-        estimated,
-        names=tuple(estimated.names[j] for j in kept),
-        matrix=estimated.matrix[block],
-        correlation=estimated.correlation[block],
-    )
 
 
 def _noise_share(half: float, shift: float) -> float:
@@ -216,7 +206,8 @@ def _parameters(
             verdict, note = Verdict.FIXED, "fixed, not estimated"
         elif name in result.at_bound:
             side = "lower" if value - lower < upper - value else "upper"
-            verdict, note = Verdict.AT_BOUND, _AT_BOUND.format(side=side)
+            verdict, note = Verdict.AT_BOUND, f"at its {side} bound: no interval; the optimum is "
+            note += "outside the bounds, or the data do not constrain it"
         elif name in variances:
             sem = float(np.sqrt(variances[name]))
             half = half_width(sem, estimated.dof)
@@ -240,7 +231,8 @@ def _parameters(
                     "though another trial of this leg would give the same with this model"
                 )
         elif not np.isfinite(estimated.sigma2):
-            verdict, note = Verdict.UNDETERMINED, _NOT_FINITE
+            verdict = Verdict.UNDETERMINED
+            note = "no interval: the model gives no finite torque here"
         else:
             verdict, note = Verdict.UNDETERMINED, judge_singular(name, estimated.directions)
         parameters[name] = ParameterEstimate(

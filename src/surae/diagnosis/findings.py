@@ -104,11 +104,11 @@ def _signs(
     """Findings about the signs, none where they are right, and the recording with them right."""
     if first.r2 >= _GOOD:
         return [], recording
-    tried = {
-        pair: quick_fit(recording, signals, angle=pair[0], torque=pair[1])
-        for pair in ((-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
+    fits = {
+        (a, t): fit
+        for a, t in ((-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
+        if (fit := quick_fit(recording, signals, angle=a, torque=t)) is not None
     }
-    fits = {pair: fit for pair, fit in tried.items() if fit is not None}
     best = max(fits.values(), key=lambda fit: fit.r2, default=first)
     if best.r2 < _EXPLAINS or first.left < _CLEARLY * best.left:
         return [], recording

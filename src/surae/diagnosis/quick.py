@@ -85,11 +85,9 @@ def quick_fit(
         emg_unit="V",
         torque=measured,
     )
-    fixed = dict.fromkeys(silent, 0.0)
-    if "m" in recording.fixed:
-        fixed["m"] = recording.fixed["m"]
+    mass = {name: value for name, value in recording.fixed.items() if name == "m"}
     try:
-        problem = make_problem([inputs], fixed=fixed)
+        problem = make_problem([inputs], fixed=dict.fromkeys(silent, 0.0) | mass)
     except InputError:
         return None
     residuals = Residuals(problem)

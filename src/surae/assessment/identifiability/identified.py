@@ -176,8 +176,8 @@ def directions(
 ) -> tuple[Direction, ...]:
     """Eigenvectors of the scaled information matrix RᵀR/σ², the weakest first.
 
-    R, shape (k, k), is the triangular factor of the sensitivities to each parameter in units of its
-    own value [Nm], `length` are those of its columns, `sigma` is the noise's [Nm].
+    R, shape (k, k), is the triangular factor of the sensitivities to each parameter in its own
+    value [Nm], `length` those of its columns, `sigma` the noise's standard deviation [Nm].
     """
     _, s, Vt = np.linalg.svd(R)
     rows = []

@@ -210,9 +210,8 @@ def _check(result: FitResult) -> None:
         if reference is not None and not all(v is None or v > 0 for v in reference.values):
             raise InputError(f"traces[{i}].emg_reference.values_V: one is not above zero")
     if family is not None:
-        for source in family.spread:
-            if source not in SOURCES:
-                raise InputError(f"family.spread.{source}: no source of uncertainty is called so")
+        if other := [source for source in family.spread if source not in SOURCES]:
+            raise InputError(f"family.spread.{other[0]}: no source of uncertainty is called so")
         shapes += [("family.covariance", family.covariance, (p, p))]
         shapes += [(f"family.spread.{s}", by, (len(by), p)) for s, by in family.spread.items()]
     if outliers is not None:
