@@ -18,7 +18,9 @@ class Laboratory:
         self._child = Child(calls=None)
         self._told = threading.Condition()
         self._hears = False
-        self._wanted: tuple[int, str] | None = None
+        #: Words by number that it has not confirmed: what a lost connection takes is said again.
+        self._said, self._unheard = 0, dict[int, str]()
+        self._wanted: int | None = None
         self._loaded: int | None = None
         self._end: End | None = None
         threading.Thread(target=self._run, args=({"seed": seed},), daemon=True).start()
@@ -26,14 +28,13 @@ class Laboratory:
     @property
     def ready(self) -> bool:
         """Whether it hears, and has what was loaded last."""
-        return self._hears and (self._wanted is None or self._loaded == self._wanted[0])
+        return self._hears and (self._wanted is None or self._loaded == self._wanted)
 
     def load(self, path: str, trial: int) -> None:
         """Have it go to where a target begins, and compute what the leg will do."""
         with self._told:
-            self._wanted, self._loaded = (trial, path), None
-            if self._hears:
-                self._say("load", path=path, trial=trial)
+            self._wanted, self._loaded = trial, None
+            self._say("load", path=path, trial=trial)
 
     def wait(self, patience: float) -> None:
         """Wait until it streams, hears, and has what was loaded last."""
@@ -63,8 +64,13 @@ class Laboratory:
 
     def _say(self, word: str, **more: Any) -> None:
         with self._told:
-            if self._words is not None:
-                self._words.push_sample([json.dumps({"do": word, **more})])
+            self._said += 1
+            self._unheard[self._said] = json.dumps({"do": word, "number": self._said, **more})
+            self._push(self._unheard[self._said])
+
+    def _push(self, word: str) -> None:
+        if self._words is not None:
+            self._words.push_sample([word])
 
     def _run(self, arguments: dict[str, Any]) -> None:
         end = self._child.call("surae_workbench.live.rehearsal:run", arguments, hear=self._hear)
@@ -76,7 +82,8 @@ class Laboratory:
         with self._told:
             if "hears" in message:
                 self._hears = True
-                if self._wanted is not None:
-                    self._say("load", path=self._wanted[1], trial=self._wanted[0])
+                for word in self._unheard.values():
+                    self._push(word)
+            self._unheard.pop(message.get("heard", 0), None)
             self._loaded = message.get("loaded", self._loaded)
             self._told.notify_all()

@@ -119,6 +119,7 @@ class _Laboratory:
             return None
         if sample is not None:
             word = json.loads(sample[0])
+            tell({"heard": word.pop("number")})
             getattr(self, f"_do_{word.pop('do')}")(word)
         return words
 
