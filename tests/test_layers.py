@@ -24,6 +24,7 @@ LAYERS = (
     (
         "_lazy",
         "_version",
+        "cleaning",
         "database",
         "errors",
         "filed",

@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from surae.cleaning import cleaned
 from surae.errors import InputError
 
 if TYPE_CHECKING:
@@ -36,8 +37,7 @@ def natural_order(name: str) -> list[tuple[int, str]]:
 
 def shown(path: PathLike) -> str:
     """A path as it appears in a message: always on one line."""
-    text = os.fspath(path)
-    return text if text.isprintable() else repr(text)
+    return cleaned(os.fspath(path), 4096)
 
 
 def sha256(data: bytes) -> str:

@@ -21,8 +21,9 @@ from typing import Any
 
 import numpy as np
 
+from surae.cleaning import cleaned
 from surae.errors import InputError
-from surae.recording.foreign import Parsed, foreign_table, optional, packed, printable, untrusted
+from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table
 from surae.units import FloatArray
@@ -348,9 +349,5 @@ def _names(labels: Sequence[str], kind: str, count: int) -> list[str]:
 
 
 def _text(text: str) -> str:
-    """A text in one printable line; ezc3d takes for UTF-8 what may be in another encoding."""
-    raw = text.partition("\0")[0].encode(errors="surrogateescape")
-    try:
-        return printable(raw.decode())
-    except UnicodeDecodeError:
-        return printable(raw.decode("latin-1"))
+    """A text in one printable line; ezc3d keeps bytes that are no UTF-8."""
+    return cleaned(text.partition("\0")[0])

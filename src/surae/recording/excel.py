@@ -9,9 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from surae.cleaning import cleaned
 from surae.errors import InputError
 from surae.recording import delimited
-from surae.recording.foreign import in_child, optional, printable, untrusted
+from surae.recording.foreign import in_child, optional, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Column, Table
 
@@ -58,7 +59,7 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
     openpyxl = optional("openpyxl", "Excel", shown)
     with untrusted(shown):
         book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
-        sheets = {printable(str(sheet.title)): _text(sheet, shown) for sheet in book.worksheets}
+        sheets = {cleaned(str(sheet.title)): _text(sheet, shown) for sheet in book.worksheets}
         return {"sheets": sheets}
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from surae.cleaning import cleaned
 from surae.errors import ComputationError, InputError
 from surae.frozen import as_read_only
 from surae.processes import guarded
@@ -117,12 +118,7 @@ def untrusted(shown: str) -> Iterator[None]:
 
 def brief(error: BaseException) -> str:
     """What a library says of a damaged file, short and in one printable line."""
-    return printable(" ".join(str(error).split())[:120]) or type(error).__name__
-
-
-def printable(text: str) -> str:
-    """A text of a file in one printable line."""
-    return "".join(letter if letter.isprintable() else "?" for letter in text.strip())
+    return cleaned(" ".join(str(error).split())[:120]) or type(error).__name__
 
 
 def optional(module: str, format_name: str, shown: str) -> Any:

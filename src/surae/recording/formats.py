@@ -1,10 +1,12 @@
 """The formats of data files. A new one is a module like these and one line here, or a plugin."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
+from surae.cleaning import cleaned
 from surae.errors import InputError
 from surae.files import PathLike, shown
 from surae.plugins import plugins
@@ -21,7 +23,7 @@ from surae.recording import (
     xdf,
 )
 from surae.recording.source import Source
-from surae.recording.table import Table
+from surae.recording.table import Column, Table
 
 
 @runtime_checkable
@@ -85,7 +87,27 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
             f"{source.shown}: {len(table.names)} columns, more than the {_MOST} that are read; "
             "keep those of the recording"
         )
-    return table
+    return _printable(table)
+
+
+def _printable(table: Table) -> Table:
+    """A table whose texts can be shown and written anywhere."""
+    own = {cleaned(name): name for name in reversed(table.names)}
+    if all(name == its for name, its in own.items()):
+        names, load = table.names, table.load
+    else:
+        names = tuple(map(cleaned, table.names))
+
+        def load(wanted: Sequence[str]) -> Mapping[str, Column]:
+            loaded = table.load([own[name] for name in wanted])
+            return {name: replace(loaded[own[name]], name=name) for name in wanted}
+
+    return replace(
+        table, names=names, load=load, time_name=cleaned(table.time_name),
+        units={cleaned(name): cleaned(unit) for name, unit in table.units.items()},
+        remarks={cleaned(name): cleaned(text, 1000) for name, text in table.remarks.items()},
+        notes={key: cleaned(text) for key, text in table.notes.items()},
+    )  # fmt: skip
 
 
 def _plugins() -> Iterable[FormatModule]:

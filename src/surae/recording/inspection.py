@@ -88,7 +88,7 @@ class Inspection(Tabular):
             "channel", "unit", "Hz", "samples", "start [s]", "least", "greatest", "role",
         )  # fmt: skip
         rows: list[tuple[str, ...]] = [
-            (_printable(c.column), _printable(c.unit or "–"), _number(c.rate_hz, 6),
+            (c.column, c.unit or "–", _number(c.rate_hz, 6),
              "–" if c.n is None else str(c.n), _number(c.start_s, 4), _number(c.low, 4),
              _number(c.high, 4), self._role(c))
             for c in self.channels
@@ -101,7 +101,7 @@ class Inspection(Tabular):
             for remark in filter(None, channel.remark.split("; ")):
                 remarks.setdefault(remark, []).append(channel.column)
         below = [
-            f"{role} = {_printable(channel.column)} ({guess.confidence}: {guess.rule})"
+            f"{role} = {channel.column} ({guess.confidence}: {guess.rule})"
             for role, channel in self.roles.items()
             if (guess := channel.guess) is not None
         ]
@@ -125,10 +125,6 @@ class Inspection(Tabular):
     def to_json(self) -> dict[str, Any]:
         """Give all of it as plain data."""
         return dict(to_plain(self))
-
-
-def _printable(text: str) -> str:
-    return text if text.isprintable() else repr(text)
 
 
 def _number(value: float | None, digits: int) -> str:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from surae.cleaning import cleaned
 from surae.errors import InputError
 from surae.recording.foreign import Parsed, foreign_table, packed, untrusted
 from surae.recording.hdf5 import fixed_text, is_plain, member
@@ -261,4 +262,4 @@ def _text(value: Any) -> str:
     shape = _shape(value)
     if len(shape) == 1 and shape[0] <= _LONGEST_UNIT and value.dtype.kind in "iu":
         text = "".join(chr(int(code)) for code in _floats(value) if 0 < code < 0xD800)
-    return "".join(letter for letter in text if letter.isprintable()).strip()
+    return cleaned(text)

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from surae.cleaning import cleaned
 from surae.errors import InputError
 from surae.frozen import freeze
-from surae.recording.foreign import printable
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, instants, sample
 from surae.units import FloatArray
@@ -148,4 +148,4 @@ def _values(samples: _Words, n: int, signal: _Signal) -> FloatArray:
 
 def _latin(text: bytes) -> str:
     """A name or unit, in one printable line."""
-    return printable(text.split(b"\0")[0].decode("latin-1"))
+    return cleaned(text.split(b"\0")[0].decode("latin-1"))

@@ -37,7 +37,7 @@ class Source:
     @property
     def file(self) -> SourceFile:
         """What a recording keeps of it."""
-        return SourceFile(path=self.path, sha256=self.sha256)
+        return SourceFile(path=self.shown, sha256=self.sha256)
 
     def lines(self) -> Iterator[str]:
         r"""The text's lines with their ends, ``\r\n`` and ``\r`` turned into ``\n``."""

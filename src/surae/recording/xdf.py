@@ -19,8 +19,9 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from surae.cleaning import cleaned
 from surae.errors import InputError
-from surae.recording.foreign import Parsed, foreign_table, optional, packed, printable, untrusted
+from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table
 from surae.units import FloatArray
@@ -195,4 +196,4 @@ def _described(info: Mapping[str, Any], count: int) -> Iterator[tuple[str, str]]
 def _text(values: Any) -> str:
     """The first of some texts, in one printable line."""
     first = values[0] if isinstance(values, list) and values else ""
-    return printable(first) if isinstance(first, str) else ""
+    return cleaned(first) if isinstance(first, str) else ""
