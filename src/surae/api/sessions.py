@@ -14,6 +14,7 @@ from surae.errors import InputError
 from surae.files import PathLike, shown
 from surae.model.laboratory import AUTO
 from surae.recording import Recording
+from surae.recording.corrections import Corrections
 from surae.recording.described import TrialDescription
 from surae.recording.mapping import Description
 from surae.recording.reading import open_mapping, read
@@ -109,6 +110,10 @@ def session(
     condition: str | None = None,
     notes: str | None = None,
     efforts: Mapping[str, str] | None = None,
+    sign: Mapping[str, float] | None = None,
+    scale: Mapping[str, float] | None = None,
+    offset: Mapping[str, float] | None = None,
+    swap: Sequence[Sequence[str]] = (),
 ) -> Session:
     """Read the trials of one leg, and decide what each of them is.
 
@@ -123,6 +128,8 @@ def session(
         Of the session, in place of what the mapping says.
     efforts : mapping of str to str, optional
         Of trials: ``"passive"``, ``"active"`` or ``"maximal"``, where the data say otherwise.
+    sign, scale, offset, swap : optional
+        What is to be put right in all trials, as of `surae.read`.
 
     Returns
     -------
@@ -141,10 +148,12 @@ def session(
     description = None if mapping is None else Description.of(open_mapping(mapping))
     alone = isinstance(recordings, str) or hasattr(recordings, "__fspath__")
     sources: list[Any] = [recordings] if alone else list(recordings)  # type: ignore[arg-type]
-    in_memory = [reading_of(each) for each in sources if isinstance(each, Recording)]
+    right = Corrections(sign or {}, scale or {}, offset or {}, swap)
+    in_memory = [reading_of(right(each)) for each in sources if isinstance(each, Recording)]
     paths = [each for each in sources if not isinstance(each, Recording)]
     files = trial_files(paths, description) if paths else {}
-    readings = [*in_memory, *(_reading(trial, path, description) for trial, path in files.items())]
+    read_in = (_reading(trial, path, description, right) for trial, path in files.items())
+    readings = [*in_memory, *read_in]
     names = [reading.name for reading in readings]
     for reading in readings:
         if names.count(reading.name) > 1:
@@ -176,11 +185,11 @@ def session(
     )
 
 
-def _reading(name: str, path: Path, description: Description | None) -> Reading:
+def _reading(name: str, path: Path, description: Description | None, right: Corrections) -> Reading:
     """A trial's file as it was read, or why it could not be."""
     about = TrialDescription() if description is None else description.mapped(name)
     try:
-        recording = read(path) if description is None else description.read(path, name)
+        recording = right(read(path) if description is None else description.read(path, name))
     except InputError as error:
         return Reading(name, str(path), None, str(error), about)
     return Reading(name, str(path), replace(recording, name=name), description=about)

@@ -3,11 +3,12 @@
 import json
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import click
 
 from surae import api
-from surae.cli.options import MAPPING
+from surae.cli.options import MAPPING, corrections
 from surae.cli.paths import check_recordings
 from surae.cli.progress import work
 from surae.cli.screen import show_answer, show_line
@@ -17,6 +18,7 @@ from surae.files import shown
 @click.command("check")
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
 @MAPPING
+@corrections
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
 @click.option("--strict", is_flag=True, help="Exit with 1 if there is a warning or an error.")
 @click.option("--prepared", is_flag=True, help="The signals are used as they are: see `fit`.")
@@ -24,7 +26,7 @@ from surae.files import shown
 @click.option("--joint", metavar="JOINT.toml", help="Another joint than the ankle: see `fit`.")
 def command(
     recordings: tuple[str, ...], mapping: str | None, as_json: bool, strict: bool, prepared: bool,
-    commanded: str | None, joint: str | None,
+    commanded: str | None, joint: str | None, corrections: dict[str, Any],
 ) -> int:  # fmt: skip
     """Look for faults in recordings before they are fitted.
 
@@ -39,7 +41,8 @@ def command(
     with work() as progress:
         for path in recordings:
             progress.describe(f"reading and checking {path}")
-            recording = path if mapping is None else api.read(path, mapping=mapping)
+            as_it_is = mapping is None and not corrections
+            recording = path if as_it_is else api.read(path, mapping=mapping, **corrections)
             quality = api.check(recording, commanded=protocol, prepared=prepared, joint=joint)
             qualities.append(quality)
     if as_json:

@@ -2,11 +2,12 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import click
 
 from surae import api
-from surae.cli.options import MAPPING
+from surae.cli.options import MAPPING, corrections
 from surae.cli.paths import check_outputs
 from surae.cli.progress import work
 from surae.cli.screen import show_line
@@ -20,9 +21,12 @@ _SUFFIXES = (".h5", ".hdf5", ".csv")
 @click.argument("recording", metavar="IN")
 @click.argument("output", metavar="OUT")
 @MAPPING
+@corrections
 @click.option("--prepare", "prepared", is_flag=True,
               help="Filter and resample as a fit does: one time axis for all.")  # fmt: skip
-def command(recording: str, output: str, mapping: str | None, prepared: bool) -> None:
+def command(
+    recording: str, output: str, mapping: str | None, prepared: bool, corrections: dict[str, Any]
+) -> None:
     """Write a recording in another format, in SI units with our signs.
 
     OUT ends in .h5, which keeps everything, or in .csv, which has one time axis.
@@ -36,7 +40,7 @@ def command(recording: str, output: str, mapping: str | None, prepared: bool) ->
 
     with work() as progress:
         progress.describe(f"reading {recording}")
-        measured = api.read(recording, mapping=mapping)
+        measured = api.read(recording, mapping=mapping, **corrections)
         check_outputs({"OUT": output}, [file.path for file in measured.files])
         if prepared:
             progress.describe(f"preparing {recording}")

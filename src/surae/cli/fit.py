@@ -1,13 +1,13 @@
 """`surae fit`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import click
 
 from surae import api
 from surae.cli.check import show_short
-from surae.cli.options import MAPPING, PICTURE, request, settings_options
+from surae.cli.options import MAPPING, PICTURE, corrections, request, settings_options
 from surae.cli.paths import check_outputs, check_recordings
 from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_fit
@@ -18,6 +18,7 @@ from surae.files import shown
 @click.command("fit")
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
 @MAPPING
+@corrections
 @settings_options(api.FitSettings, api.ModelOptions)
 @click.option("--mvc", multiple=True, metavar="FILE",
               help="A maximum voluntary contraction; may be given several times.")  # fmt: skip
@@ -32,6 +33,7 @@ from surae.files import shown
 def command(
     recordings: tuple[str, ...], mapping: str | None, options: dict[str, Any], mvc: tuple[str, ...],
     strict: bool, output: str | None, report: str | None, figure: str | None, width: float,
+    corrections: dict[str, Any],
 ) -> None:  # fmt: skip
     """Estimate a model's parameters from one recording, or jointly from several.
 
@@ -44,7 +46,7 @@ def command(
 
     api.check_report(report)
     with work() as progress:
-        measured = read_all(recordings, progress, mapping)
+        measured = read_all(recordings, progress, mapping, corrections)
 
         quality = []
         for path, recording in zip(recordings, measured, strict=True):
@@ -52,7 +54,7 @@ def command(
             quality.append(api.check_for(settings, recording))
             if strict:
                 refuse_errors(path, quality[-1])
-        contractions = read_all(mvc, progress, mapping)
+        contractions = read_all(mvc, progress, mapping, corrections)
         check_outputs(
             {"--output": output, "--report": report, "--figure": figure},
             [file.path for recording in (*measured, *contractions) for file in recording.files],
@@ -67,13 +69,16 @@ def command(
 
 
 def read_all(
-    paths: Sequence[str], progress: Work, mapping: str | None = None
+    paths: Sequence[str],
+    progress: Work,
+    mapping: str | None = None,
+    corrections: Mapping[str, Any] | None = None,
 ) -> "list[api.Recording]":
     """Recordings, each read once."""
     recordings = []
     for path in paths:
         progress.describe(f"reading {path}")
-        recordings.append(api.read(path, mapping=mapping))
+        recordings.append(api.read(path, mapping=mapping, **(corrections or {})))
     return recordings
 
 

@@ -218,6 +218,38 @@ MAPPING = click.option("--mapping", metavar="MAP.toml",
                        help="Read the files as this mapping says, of all of them.")  # fmt: skip
 
 
+def muscles(where: str, text: str) -> tuple[str, str]:
+    """Two muscles: A:B."""
+    first, colon, second = (part.strip() for part in text.partition(":"))
+    if not (first and colon and second):
+        raise InputError(f"{where}: write two muscles, e.g. --swap ta:sol")
+    return first, second
+
+
+def corrections(function: F) -> F:
+    """Add the options that put signals right; they arrive as keywords of `surae.read`."""
+    parts = {
+        "sign": (-1, "The direction that is positive in our signs."),
+        "scale": (72, "What a signal is multiplied by, as by the body mass [kg] for Nm/kg."),
+        "offset": (-90, "What is added first, in the file's unit."),
+    }
+
+    def command(**values: Any) -> Any:
+        right = {name: values.pop(name) for name in (*parts, "swap")}
+        return function(**values, corrections={n: v for n, v in right.items() if v})
+
+    command.__doc__ = function.__doc__
+    vars(command)["__click_params__"] = vars(function).get("__click_params__", [])
+    for name, (value, help) in parts.items():
+        role = "torque" if name == "scale" else "angle"
+        kind = Typed(entry, "value", f"{role}={value}")
+        click.option(f"--{name}", type=kind, multiple=True, callback=table,
+                     metavar="SIGNAL=VALUE", help=help)(command)  # fmt: skip
+    click.option("--swap", type=Typed(muscles), multiple=True, metavar="A:B",
+                 help="Muscles whose electrodes were exchanged, as ta:sol.")(command)  # fmt: skip
+    return command  # type: ignore[return-value]
+
+
 def workers_option(what: str, *, many: str = "all processors") -> Callable[[F], F]:
     """How many of something are made at a time; by default as `many` says."""
     help = f"{what} at a time.  [default: {many}]"

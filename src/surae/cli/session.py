@@ -9,6 +9,7 @@ from surae import api
 from surae.cli.options import (
     LANGUAGE,
     MAPPING,
+    corrections,
     request,
     settings_options,
     workers_option,
@@ -23,6 +24,7 @@ from surae.files import shown
 @click.command("session")
 @click.argument("recordings", metavar="FILES|DIR", nargs=-1, required=True)
 @MAPPING
+@corrections
 @settings_options(api.FitSettings, api.ModelOptions)
 @click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
 @click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
@@ -32,6 +34,7 @@ from surae.files import shown
 def command(
     recordings: tuple[str, ...], mapping: str | None, options: dict[str, Any], output: str,
     report: str | None, language: str, before: str | None, workers: int | None,
+    corrections: dict[str, Any],
 ) -> None:  # fmt: skip
     """Fit the trials of one leg: each, all together, and each predicted by the others.
 
@@ -52,7 +55,7 @@ def command(
     with work() as progress:
         progress.describe("reading and sorting the trials")
 
-        trials = api.session(list(recordings), mapping=mapping)
+        trials = api.session(list(recordings), mapping=mapping, **corrections)
         with compilation_notice():
             result = trials.run(
                 output, settings, progress=lambda step: _tell(progress, step), workers=workers

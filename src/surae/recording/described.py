@@ -89,6 +89,9 @@ class MappedRecording(TrialDescription):
     )
     device: Mapping[str, Setting] = setting(FrozenDict, "Of the robot.")
     prepare: Mapping[str, Setting] = setting(FrozenDict, "Settings of `surae.Preparation`.")
+    swap: tuple[str, ...] | tuple[tuple[str, str], ...] = setting(
+        (), 'Two muscles whose electrodes were exchanged, as `["ta", "sol"]`, or several pairs.'
+    )
     channels: Mapping[str, MappedChannel] = setting(
         FrozenDict, "A table for each signal: `[channels.angle]`, `[channels.torque]`, …"
     )

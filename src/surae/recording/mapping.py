@@ -21,6 +21,7 @@ from surae.errors import InputError
 from surae.files import PathLike, shown
 from surae.frozen import as_read_only
 from surae.recording.channels import Scaling, channel, settle_unit
+from surae.recording.corrections import Corrections
 from surae.recording.described import MappedChannel, MappedRecording
 from surae.recording.formats import open_table
 from surae.recording.recording import ROLES, Channel, Recording
@@ -191,10 +192,11 @@ class Description:
         channels = reader.channels(mapped.channels)
         read_files = (source.file for source, _ in reader.opened.values())
         files = (*read_files, self.source.file) if data else (self.source.file, *read_files)
-        return Recording(
+        recording = Recording(
             mapped.name or trial or self.source.name, channels, mapped.emg, mapped.fixed,
             mapped.prepare, files, mapped.side, mapped.device,
         )  # fmt: skip
+        return Corrections(swap=mapped.swap)(recording)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,12 @@
 """Any supported file to a recording: by its own format, a mapping, or columns with our names."""
 
+from collections.abc import Mapping, Sequence
+
 from surae.errors import InputError
 from surae.files import PathLike
 from surae.recording import hdf5, opensim
 from surae.recording.channels import Scaling, channel, settle_unit
+from surae.recording.corrections import Corrections
 from surae.recording.described import MappedRecording
 from surae.recording.formats import open_table
 from surae.recording.mapping import Description, recognises
@@ -14,7 +17,15 @@ from surae.recording.table import Table, some
 from surae.units import plain
 
 
-def read(path: PathLike, *, mapping: PathLike | None = None) -> Recording:
+def read(
+    path: PathLike,
+    *,
+    mapping: PathLike | None = None,
+    sign: Mapping[str, float] | None = None,
+    scale: Mapping[str, float] | None = None,
+    offset: Mapping[str, float] | None = None,
+    swap: Sequence[Sequence[str]] = (),
+) -> Recording:
     """Read a recording: our CSV or HDF5, a TOML mapping, or a file whose columns have our names.
 
     What the file is shows in its content; its name doesn't matter.
@@ -25,6 +36,11 @@ def read(path: PathLike, *, mapping: PathLike | None = None) -> Recording:
         A regular file.
     mapping : str or path, optional
         A TOML that describes the columns of many files, of which `path` is one.
+    sign, scale, offset : mapping of str to float, optional
+        What to put right in signals, by role: ``sign * (scale * value + offset)``, the offset in
+        the unit of the file, as ``offset={"angle": -90}`` where 90° is the neutral position.
+    swap : sequence of pairs of str
+        Muscles whose electrodes were exchanged, as ``[("ta", "sol")]``.
 
     Returns
     -------
@@ -40,11 +56,14 @@ def read(path: PathLike, *, mapping: PathLike | None = None) -> Recording:
     --------
     >>> surae.read("trial.csv").channels["torque"].unit
     """
+    corrections = Corrections(sign or {}, scale or {}, offset or {}, swap)
     if mapping is not None:
-        return Description.of(open_mapping(mapping)).read(path)
+        return corrections(Description.of(open_mapping(mapping)).read(path))
     source = open_source(path)
     described = read_described(source)
-    return described or recording_of_table(open_table(source), source.name, (source.file,))
+    return corrections(
+        described or recording_of_table(open_table(source), source.name, (source.file,))
+    )
 
 
 def read_described(source: Source) -> Recording | None:
