@@ -11,7 +11,7 @@ import surae
 from surae.assessment import Grade
 from surae.frozen import FrozenDict
 from surae.measures.change import SCATTER, ChangeVerdict, compare_sessions
-from surae.measures.quantity import quantities
+from surae.measures.quantity import common_end, quantities
 
 pytestmark = pytest.mark.usefixtures("few")
 CHANGED, NONE, NOT = ChangeVerdict
@@ -25,7 +25,8 @@ def pair(fitted):
 
 @pytest.fixture(scope="module")
 def sides(pair):
-    return tuple(quantities(fit.result, fit.assessment, [10.0]) for fit in pair)
+    end = common_end(fit.result for fit in pair)
+    return tuple(quantities(fit.result, fit.assessment, [10.0], end) for fit in pair)
 
 
 def moved(side, name: str, deviations: float):
@@ -41,6 +42,18 @@ def test_another_trial_of_a_leg_shows_no_change(pair) -> None:
     assert told.changed == ()
     assert any(d.verdict is NONE for d in told.measures.values())
     assert told.measures["passive_torque@45deg"].verdict is NOT  # it was not measured there
+
+
+def test_stiffness_is_compared_over_the_range_that_both_moved_through(pair) -> None:
+    told = surae.change(*pair).measures["end_stiffness"]
+    ends = [fit.measures()["end_stiffness"].to_deg for fit in pair]
+    assert told.to_deg == min(ends)
+    assert told.verdict is NONE
+    row = surae.change(*pair).as_dict()["measures"]["end_stiffness"]
+    assert row["to_deg"] - row["from_deg"] == pytest.approx(10.0)
+    # that each session has a range of its own is no change of the leg
+    own = (quantities(fit.result, fit.assessment, [10.0]) for fit in pair)
+    assert compare_sessions(*own).measures["end_stiffness"].verdict is NOT
 
 
 def test_what_changes_by_far_more_than_its_noise_is_found(sides) -> None:

@@ -1,5 +1,7 @@
 """Every measure of a leg against the same computed anew: the printed equations in small steps."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import optimize, signal
@@ -8,7 +10,7 @@ from surae.errors import InputError
 from surae.measures import DEFINITIONS, measures_of_values
 from surae.measures.leg import Leg, NotDefinedError
 from surae.measures.passive import tendon_secant
-from surae.model import ModelOptions, get_model
+from surae.model import ModelOptions, get_model, with_optional
 from surae.studies import virtual_subject
 
 STEP = 1e-3  # degrees
@@ -155,6 +157,36 @@ def test_measures_are_what_small_steps_of_the_printed_equations_give(seed, compl
     assert set(told) - tested_below == set(truth)
     for name, value in truth.items():
         assert told[name] == pytest.approx(value, rel=5e-3), name
+
+
+@pytest.mark.parametrize("compliant", [False, True])
+def test_the_end_of_the_range_is_where_it_was_moved_to(compliant) -> None:
+    p = random_leg(4)
+    if not compliant:
+        p = {n: v for n, v in p.items() if not n.startswith(("dlt", "pt"))}
+    name = "muscle-tendon" if compliant else "muscle"
+    spec, low, high = with_optional(get_model(name), p), -38.0, 13.0
+    whole = dict(zip(spec.names, spec.vector(p, ModelOptions()).tolist(), strict=True))
+    leg = Leg(spec, ModelOptions(), whole, moved=(low, high))
+    alone = replace(leg, moved=None)
+    slack = measures_of_values(p, name)["slack_angle_tri"]
+    rise = both(p, high) - both(p, low)
+    truth = {
+        "end_torque": both(p, high), "end_stiffness": (both(p, high) - both(p, high - 10.0)) / 10.0,
+        "torque_rise": rise, "slack_before_end_tri": high - slack,
+        "optimum_before_end_tri": high - optimal_angle(p, "tri"),
+        "optimum_before_end_tib": optimal_angle(p, "tib") - low,
+    }  # fmt: skip
+    for each in DEFINITIONS:
+        if each.name in truth:
+            assert each.value(leg, np.inf) == pytest.approx(truth[each.name], rel=5e-3), each.name
+            with pytest.raises(NotDefinedError, match="how far"):
+                each.value(alone, np.inf)
+            with pytest.raises(NotDefinedError, match="hardly moved"):
+                each.value(replace(leg, moved=(high - 1.0, high)), np.inf)
+        if each.name == "end_torque":  # at an end that another session has
+            assert each.value(leg, 5.0) == pytest.approx(both(p, 5.0), rel=5e-3)
+            assert each.span(leg, 5.0) == (5.0, 5.0)
 
 
 @pytest.mark.parametrize("compliant", [False, True])

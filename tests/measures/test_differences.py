@@ -13,7 +13,7 @@ from surae.frozen import FrozenDict
 from surae.measures.change import ChangeVerdict, compare_sessions
 from surae.measures.quantity import Quantities, Quantity
 
-LEADING = "passive_torque@10deg"
+LEADING = "end_torque"
 
 
 def side(values: dict[str, float], session: float = 1.0, total: float = 1.0) -> Quantities:
@@ -57,13 +57,18 @@ def test_the_smallest_change_is_found_in_four_of_five() -> None:
     assert 0.74 <= np.mean(found) <= 0.86
 
 
-def test_torque_leads_where_the_angle_is_greatest() -> None:
-    """Of three angles that are as well known one shares the level that is fixed beforehand."""
-    torques = {f"passive_torque@{angle}deg": 10.0 for angle in (-10, 0, 10)}
-    told = compare_sessions(side({**many(), **torques}), side({**many(), **torques})).measures
-    low, neutral, high = (told[name].smallest for name in torques)
-    assert low == neutral == told["m3"].smallest
-    assert high < 0.9 * neutral
+def test_stiffness_over_ranges_that_hardly_overlap_is_not_compared() -> None:
+    def over(low: float):
+        given = side(many())
+        q = replace(given.by_name[LEADING], from_deg=low, to_deg=low + 10.0)
+        return replace(given, by_name=FrozenDict({**given.by_name, LEADING: q}))
+
+    told = compare_sessions(over(5.0), over(5.5)).measures[LEADING]
+    assert told.verdict is ChangeVerdict.NONE_SHOWN
+    assert (told.from_deg, told.to_deg) == (5.0, 15.0)
+    told = compare_sessions(over(5.0), over(12.0)).measures[LEADING]
+    assert told.verdict is ChangeVerdict.NOT_COMPARABLE
+    assert "overlap" in told.note
 
 
 def test_between_two_legs_nothing_cancels() -> None:

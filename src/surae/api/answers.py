@@ -20,7 +20,7 @@ from surae.files import PathLike
 from surae.measures.change import Change, compare_sessions
 from surae.measures.cohort import Cohort, borrowed, pool
 from surae.measures.members import measured, read_table, refitted
-from surae.measures.quantity import quantities
+from surae.measures.quantity import common_end, quantities
 from surae.progress import NamedProgress, Progress
 from surae.requests import ChangeSettings, CohortSettings, PosteriorSettings, ProfileSettings
 from surae.runner import Engine
@@ -73,8 +73,9 @@ def change(
     if places[0] == places[1]:
         raise InputError("before and after are the same fit; give two sessions, or two legs")
     angles = settings.angles or CHANGE_ANGLES
-    fits = map(fit_of, (before, after, *baselines))
-    sides = [quantities(fit.result, fit.assessment, angles) for fit in fits]
+    fits = [*map(fit_of, (before, after, *baselines))]
+    end = common_end(fit.result for fit in fits)
+    sides = [quantities(fit.result, fit.assessment, angles, end) for fit in fits]
     return compare_sessions(sides[0], sides[1], sides[2:], legs=settings.legs)
 
 
@@ -154,10 +155,10 @@ def change_part(before: Fit | PathLike, after: Fit | PathLike) -> str:
     from surae.report import part_of
     from surae.report.cards import change_card
     from surae.report.language import words_in
-    from surae.report.leg import compared, visit_angle  # matplotlib
+    from surae.report.leg import compared  # matplotlib
 
     first, second = ((fit.result, fit.assessment) for fit in map(fit_of, (before, after)))
-    card = change_card(compared(first, second), visit_angle(second), words_in("en"))
+    card = change_card(compared(first, second), words_in("en"))
     return part_of(card, {})
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from surae.measures.leg import Leg, NotDefinedError, elongation
+from surae.measures.passive import before_end
 from surae.model.contraction import MVSHL
 
 #: Most that an active state is raised to for a stated torque [N].
@@ -42,6 +43,14 @@ def optimal_angle(leg: Leg, _: float, group: str) -> float:
         stretch = leg.values[f"k_{group}"] * (length - leg.values[f"x0_{group}"])
         length += elongation(leg.tendon(group), leg.relaxed * float(np.exp(min(stretch, 50.0))))
     return leg.angle_of(group, length)
+
+
+def optimum_before_end(leg: Leg, end: float, group: str) -> float:
+    """How far before the end of the {direction_end} that was moved {their} optimal length lies.
+
+    From optimal_angle_{group} to the {percentile} percentile of the angle; below 0 beyond it.
+    """
+    return before_end(leg, end, group, optimal_angle(leg, 0.0, group))
 
 
 def active_stiffness(leg: Leg, at: float) -> float:

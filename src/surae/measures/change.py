@@ -34,6 +34,7 @@ from surae.filed import filed
 from surae.formatting import NO_NUMBER, of_interval, significant
 from surae.frozen import FrozenDict
 from surae.measures.quantity import Quantities, Quantity
+from surae.measures.table import LEADING
 from surae.normal import Student
 from surae.records import Saved
 from surae.tables import Tabular, TextTable
@@ -41,9 +42,11 @@ from surae.tables import Tabular, TextTable
 #: By how much sessions of one leg differ beyond their covariance: 1.05 on average over all measures
 #: and parameters of 40 pairs of virtual legs, 1.6 of the worst.
 SCATTER = 1.2
-#: What most comparisons are made for, and the part of the level that these share; torque and
-#: stiffness count at the greatest angle that both sessions reach.
-LEADING, _SHARE = ("passive_torque", "passive_stiffness", "k_tri"), 0.8
+#: What most comparisons are made for, and the part of the level that these share; stiffness and
+#: torque are those at the end of the range that both sessions moved through.
+FIXED, _SHARE = (*LEADING, "k_tri"), 0.8
+#: By how much two ranges may differ in which one stiffness is compared [deg].
+_RANGES = 1.0
 #: Level of all claims together, and the power with which the smallest change would be shown.
 LEVEL, POWER = 0.05, 0.80
 #: Columns of the table that hold numbers.
@@ -61,7 +64,7 @@ class ChangeVerdict(StrEnum):
     NOT_COMPARABLE = "not comparable"
 
 
-@filed("name", "kind")
+@filed("name", "kind", sparse=("from_deg", "to_deg"))
 @dataclass(frozen=True, slots=True)
 class Difference:
     """One measure or parameter of two fits."""
@@ -81,6 +84,9 @@ class Difference:
     smallest: float | None
     verdict: ChangeVerdict  #: ``changed``, ``no change shown`` or ``not comparable``.
     note: str  #: The verdict in a plain sentence.
+    #: `from_deg`, `to_deg`: as of `Measure`.
+    from_deg: float | None = None
+    to_deg: float | None = None
 
 
 @filed("before", "after", "legs", "is_withheld")
@@ -229,8 +235,7 @@ def holm(p: Mapping[_Key, float], weights: Mapping[_Key, float]) -> dict[_Key, f
 
 def _weights(names: Sequence[str]) -> dict[str, float]:
     """Part of the level that each of these has; 1 in all."""
-    at = sorted(names, key=lambda name: float(name.partition("@")[2].rstrip("degNms%") or 0.0))
-    leading = {of: name for name in at if (of := name.partition("@")[0]) in LEADING}.values()
+    leading = [name for name in names if name in FIXED]
     rest = [name for name in names if name not in leading]
     share = (_SHARE if rest else 1.0) if leading else 0.0
     parts = ((leading, share), (rest, 1.0 - share))
@@ -247,6 +252,7 @@ def _difference(
     bare = Difference(
         name, known.unit, known.meaning, known.kind, a.value if a else None,
         b.value if b else None, None, None, None, None, ChangeVerdict.NOT_COMPARABLE, "",
+        known.from_deg, known.to_deg,
     )  # fmt: skip
     why = _obstacle(before, after, a, b)
     if why or a is None or b is None or a.value is None or b.value is None:
@@ -277,11 +283,14 @@ def _obstacle(before: Quantities, after: Quantities, a: Quantity | None, b: Quan
              if before.options.get(n) != after.options.get(n)}
         )  # fmt: skip
         return f"the models were read otherwise ({', '.join(differing)})"
-    if a.unit != b.unit:
-        return f"before in {a.unit}, after in {b.unit}"
-    if a.kind == "parameter" and before.model != after.model:
-        return f"another model: before {before.model}, after {after.model}"
-    return ""
+    why = ""
+    if a.from_deg is not None and abs(a.from_deg - (b.from_deg or 0.0)) > _RANGES:
+        why = "the ranges that were moved overlap too little"
+    elif a.unit != b.unit:
+        why = f"before in {a.unit}, after in {b.unit}"
+    elif a.kind == "parameter" and before.model != after.model:
+        why = f"another model: before {before.model}, after {after.model}"
+    return why
 
 
 def _between(before: Quantity, baselines: Sequence[Quantity]) -> tuple[float, int]:

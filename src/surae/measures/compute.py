@@ -12,7 +12,7 @@ from surae.assessment.parameter import IDENTIFIED, percent
 from surae.errors import ComputationError, InputError
 from surae.estimation import FitResult
 from surae.frozen import FrozenDict
-from surae.measures.leg import Leg, NotDefinedError, measured_range
+from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range
 from surae.measures.measure import Measure, Measures
 from surae.measures.spread import Spread, spread_of
 from surae.measures.table import DEFINITIONS, Definition
@@ -74,8 +74,8 @@ class Evaluated:
     missing: str = ""  #: Why it has no value or no interval; empty where it has both.
 
 
-def points(angles: Sequence[float] = ANGLES) -> tuple[MeasurePoint, ...]:
-    """All measures at their points."""
+def points(angles: Sequence[float] = ANGLES, end: float = math.inf) -> tuple[MeasurePoint, ...]:
+    """All measures at their points; `end` [deg] is that of the range, if not each fit's own."""
     for angle in angles:
         number = isinstance(angle, int | float | np.number) and not isinstance(angle, bool)
         if not (number and abs(float(angle)) <= _MOST):
@@ -84,7 +84,7 @@ def points(angles: Sequence[float] = ANGLES) -> tuple[MeasurePoint, ...]:
     return tuple(
         MeasurePoint(each, at)
         for each in DEFINITIONS
-        for at in (distinct if each.at == "deg" else each.points)
+        for at in (distinct if each.at == "deg" else (end,) if each.span else each.points)
     )
 
 
@@ -151,12 +151,6 @@ def judged_measures(
     )
 
 
-def leg_of(result: FitResult) -> Leg:
-    """The leg of a fit."""
-    problem = result.problem
-    return Leg(problem.spec, problem.options, result.values, problem.inputs)
-
-
 def evaluate(
     result: FitResult, spread: Spread, wanted: Sequence[MeasurePoint]
 ) -> tuple[Evaluated, ...]:
@@ -216,6 +210,9 @@ def _measure(
     bare = Measure(name, unit, meaning, value, None, None, Verdict.UNDETERMINED, missing)
     if value is None or evaluated.missing:
         return bare
+    if definition.span:
+        low, high = definition.span(leg_of(result), evaluated.point.at)
+        bare = replace(bare, from_deg=low, to_deg=high)
     touched = [n for n, g in zip(spread.names, evaluated.gradient, strict=True) if g != 0.0]
     if not touched:
         return replace(bare, verdict=Verdict.FIXED, note="it rests on nothing that was estimated")
@@ -272,10 +269,12 @@ def _judge(
 def extrapolated(evaluated: Evaluated, result: FitResult) -> str:
     """What of a measure was not measured, as a sentence; empty where all was."""
     definition, at = evaluated.point.definition, evaluated.point.at
-    if definition.at == "deg" or definition.is_angle:
-        degrees = at if definition.at == "deg" or evaluated.value is None else evaluated.value
+    if definition.at == "deg" or definition.is_angle or definition.span:
+        degrees = evaluated.value if definition.is_angle else at
         low, high = measured_range(result)
-        if low - _BEYOND <= degrees <= high + _BEYOND:
+        if definition.span and definition.is_angle:  # how far before the range's end
+            low, high = 0.0, high - low
+        if degrees is None or degrees == math.inf or low - _BEYOND <= degrees <= high + _BEYOND:
             return ""
         return f"{degrees:.3g}° was not measured ({low:.3g}° to {high:.3g}°)".replace("-", "−")
     if definition.at == "s":

@@ -27,6 +27,8 @@ from surae.units import FloatArray
 GROUPS = ("tri", "tib")
 #: Percentile of active state and force that counts as the largest of a recording.
 _LARGEST = 99.0
+#: Percentiles of the angle between which the ankle was moved, and a range that is none [deg].
+_MOVED, _LITTLE = (1.0, 99.0), 2.0
 #: The slow stretch: from, beyond the end of, and by [deg]; its speed [deg/s].
 _STRETCH, _STRETCHING = (-30.0, 40.1, 0.2), 5.0
 #: 1/h of an implicit step so long that nothing moves [1/s].
@@ -77,6 +79,8 @@ class Leg:
     options: ModelOptions
     values: Mapping[str, float]  #: Every parameter of the model.
     inputs: tuple[ModelInputs, ...] = ()  #: Recordings; empty where only the leg itself is asked.
+    #: Ends of the range that was moved, by the device's angle [deg]; None without recordings.
+    moved: tuple[float, float] | None = None
     _holds: dict[tuple[str, float, float], MuscleHold] = field(default_factory=dict, compare=False)
     _muscles: dict[str, "_Muscle"] = field(default_factory=dict, compare=False)
     # What all legs of these recordings and options share:
@@ -89,8 +93,9 @@ class Leg:
         """The leg with other values of some parameters, in the same recordings."""
         own = {**self.values, **values}
         return Leg(
-            self.spec, self.options, own, self.inputs, _ties=self._ties, _geometry=self._geometry
-        )
+            self.spec, self.options, own, self.inputs, self.moved, _ties=self._ties,
+            _geometry=self._geometry,
+        )  # fmt: skip
 
     @property
     def is_compliant(self) -> bool:
@@ -150,6 +155,15 @@ class Leg:
         """Angle at which a second joint holds still: its mean in the recordings [rad]."""
         means = [float(inputs.second[0].mean()) for inputs in self.inputs if inputs.second]
         return sum(means) / len(means) if means else None
+
+    def range_to(self, end: float) -> tuple[float, float]:
+        """The range that was moved [deg], to a stated end or, of infinity, to its own."""
+        if self.moved is None:
+            raise NotDefinedError("no recording says how far the ankle was moved")
+        low, high = self.moved
+        if min(high, end) - low < _LITTLE:
+            raise NotDefinedError("the ankle was hardly moved")
+        return low, high if end == math.inf else end
 
     def angle_of(self, group: str, length: float) -> float:
         """Angle [deg] at which muscle and tendon, but for its slack length, are so long."""
@@ -377,11 +391,17 @@ def _largest(of: Sequence[FloatArray]) -> dict[str, float]:
     return dict(zip(GROUPS, most.tolist(), strict=True))
 
 
-def measured_range(result: FitResult) -> tuple[float, float]:
+def measured_range(
+    result: FitResult, percentiles: tuple[float, float] = (0.5, 99.5)
+) -> tuple[float, float]:
     """Lowest and highest angle of the samples that count [deg]."""
-    angles = [
-        recording.angle if recording.weight is None else recording.angle[recording.weight > 0]
-        for recording in result.problem.inputs
-    ]
-    low, high = np.degrees(np.percentile(np.concatenate(angles), [0.5, 99.5]))
+    angles = [recording.angle[recording.counts] for recording in result.problem.inputs]
+    low, high = np.degrees(np.percentile(np.concatenate(angles), percentiles))
     return float(low), float(high)
+
+
+def leg_of(result: FitResult) -> Leg:
+    """The leg of a fit."""
+    problem = result.problem
+    moved = measured_range(result, _MOVED)
+    return Leg(problem.spec, problem.options, result.values, problem.inputs, moved)

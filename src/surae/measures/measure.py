@@ -16,7 +16,7 @@ from surae.records import to_plain
 from surae.tables import Tabular, TextTable
 
 
-@filed("name")
+@filed("name", sparse=("from_deg", "to_deg"))
 @dataclass(frozen=True, slots=True)
 class Measure:
     """One measure of a fit."""
@@ -35,6 +35,10 @@ class Measure:
     #: ``"linear"``: the interval is that of the covariance; ``"draws"``: of possible legs, as the
     #: measure bends too much for it; empty without an interval.
     method: str = ""
+    #: `from_deg`, `to_deg`: what one over the range that was moved is taken over, by the device's
+    #: angle [deg]; None for others.
+    from_deg: float | None = None
+    to_deg: float | None = None
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -10,10 +10,63 @@ from surae.units import FloatArray
 
 #: Towards plantarflexion, and towards dorsiflexion.
 SIGNS = {"tri": 1.0, "tib": -1.0}
+#: The last of a range, over which its end is as stiff as its mean [deg].
+_LAST = 10.0
 #: Angles between which the neutral angle is looked for [deg].
 _LOWEST, _HIGHEST = -70.0, 50.0
 #: The slow stretch whose energy counts: from and to [deg], its speed [deg/s], samples a second.
 _FROM, _TO, _SPEED, _RATE = -20.0, 10.0, 10.0, 50.0
+
+
+def at_end(leg: Leg, end: float) -> tuple[float, float]:
+    """Where `end_torque` is taken [deg]."""
+    return (leg.range_to(end)[1],) * 2
+
+
+def last_degrees(leg: Leg, end: float) -> tuple[float, float]:
+    """What `end_stiffness` is taken over [deg]."""
+    low, high = leg.range_to(end)
+    return max(low, high - _LAST), high
+
+
+def end_torque(leg: Leg, end: float) -> float:
+    """Torque of the relaxed ankle at the end of the dorsiflexion that was moved.
+
+    passive_torque at the 99th percentile of the angle.
+    """
+    return passive_torque(leg, leg.range_to(end)[1])
+
+
+def end_stiffness(leg: Leg, end: float) -> float:
+    """Stiffness of the relaxed ankle over the last 10° of the dorsiflexion that was moved.
+
+    Mean of passive_stiffness there: the rise of passive_torque to end_torque, by the angle.
+    """
+    low, high = last_degrees(leg, end)
+    return (passive_torque(leg, high) - passive_torque(leg, low)) / (high - low)
+
+
+def torque_rise(leg: Leg, end: float) -> float:
+    """Rise of the relaxed ankle's torque over the whole range that was moved.
+
+    passive_torque at the 99th less at the 1st percentile of the angle: no constant is in it.
+    """
+    low, high = leg.range_to(end)
+    return passive_torque(leg, high) - passive_torque(leg, low)
+
+
+def slack_before_end(leg: Leg, end: float, group: str) -> float:
+    """How far before the end of the {direction_end} that was moved the {muscles} {begin} to pull.
+
+    From slack_angle_{group} to the {percentile} percentile of the angle; below 0 beyond it.
+    """
+    return before_end(leg, end, group, slack_angle(leg, 0.0, group))
+
+
+def before_end(leg: Leg, end: float, group: str, angle: float) -> float:
+    """How far an angle lies before that end of the range which stretches a group [deg]."""
+    low, high = leg.range_to(end)
+    return high - angle if group == "tri" else angle - low
 
 
 def passive_torque(leg: Leg, at: float) -> float:

@@ -1,6 +1,7 @@
 """What one fit brings to a comparison with others: every measure and parameter, as plain data."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,8 +11,9 @@ from surae.assessment import Adequacy, Assessment, Grade
 from surae.estimation import FitResult
 from surae.frozen import FrozenDict
 from surae.measures.compute import ANGLES, extrapolated, judged_measures, points
+from surae.measures.leg import leg_of
 from surae.measures.spread import spread_of
-from surae.measures.table import ELECTRODES
+from surae.measures.table import ELECTRODES, LEADING
 from surae.model.laboratory import group_of
 from surae.normal import standard_error_of
 from surae.records import OrNaN
@@ -44,6 +46,9 @@ class Quantity:
     missing: str = ""  #: Why it can be compared with nothing; empty where it can.
     at_bound: bool = False  #: Whether it is a parameter at its bound.
     bounds: tuple[float, float] | None = None  #: Of a parameter's search.
+    #: `from_deg`, `to_deg`: as of `Measure`.
+    from_deg: float | None = None
+    to_deg: float | None = None
     #: Whether it can be pooled with other legs although no two sessions are compared by it.
     is_comparable_between_legs: bool = False
 
@@ -59,10 +64,19 @@ class Quantities:
     by_name: FrozenDict[str, Quantity]  #: Measures, then parameters.
 
 
+def common_end(results: Iterable[FitResult]) -> float:
+    """The end of the range [deg] that all of these moved through, as devices told their angles."""
+    return min(end for leg in map(leg_of, results) if leg.moved for end in leg.moved[1:])
+
+
 def quantities(
-    result: FitResult, assessment: Assessment, angles: Sequence[float] = ANGLES
-) -> Quantities:
-    """What a fit brings to a comparison; torque and stiffness are those at `angles` [deg]."""
+    result: FitResult, assessment: Assessment, angles: Sequence[float] = ANGLES,
+    end: float = math.inf,
+) -> Quantities:  # fmt: skip
+    """What a fit brings to a comparison; torque and stiffness are those at `angles` [deg].
+
+    At the `end` [deg] of the range that others moved through too, those at the end are compared.
+    """
     problem, spread = result.problem, spread_of(result, assessment)
     has_reference = all(
         recording.emg_reference is not None and recording.emg_reference.kind == "mvc"
@@ -73,9 +87,10 @@ def quantities(
         inadequate = f"the fit is inadequate: {adequacy.reasons[0]}"
     timing = np.isin(spread.names, _TIMING) & problem.has_unheard
     by_name: dict[str, Quantity] = {}
-    for evaluated, m in judged_measures(result, assessment, spread, points(angles)):
+    for evaluated, m in judged_measures(result, assessment, spread, points(angles, end)):
         alone = evaluated.point.definition.alone
-        if alone == ELECTRODES and has_reference:
+        common = m.name in LEADING and math.isfinite(end)
+        if common or (alone == ELECTRODES and has_reference):
             alone = ""
         if m.value is None or m.ci95 is None:
             deviations, why = _NONE, inadequate or m.note
@@ -90,7 +105,7 @@ def quantities(
         between = bool(alone) and alone != ELECTRODES and why == alone
         by_name[m.name] = Quantity(
             m.name, m.unit, m.meaning, "measure", m.value, *deviations, why,
-            is_comparable_between_legs=between,
+            from_deg=m.from_deg, to_deg=m.to_deg, is_comparable_between_legs=between,
         )  # fmt: skip
     own = np.diag(np.where(spread.log, spread.values, 1.0))
     for name, gradient in zip(spread.names, own, strict=True):

@@ -1,5 +1,6 @@
 """What a measure is, and all of them, once: `surae measures` and their page are made of them."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,13 +13,15 @@ _WORDS = {
     "tri": {
         "muscles": "calf muscles", "short": "calf muscles", "have": "have", "add": "add",
         "begin": "begin", "their": "their", "tendon": "Achilles tendon", "beyond": "above",
-        "direction": "plantarflexion", "sign": "", "in_all": " in all three of them",
+        "direction": "plantarflexion", "sign": "", "direction_end": "dorsiflexion",
+        "percentile": "99th", "in_all": " in all three of them",
         "weights": "g2 + g3 + g4",
     },
     "tib": {
         "muscles": "tibialis anterior", "short": "tibialis", "have": "has", "add": "adds",
         "begin": "begins", "their": "its", "tendon": "tibialis tendon", "beyond": "below",
-        "direction": "dorsiflexion", "sign": "−", "in_all": "", "weights": "g1",
+        "direction": "dorsiflexion", "sign": "−", "direction_end": "plantarflexion",
+        "percentile": "1st", "in_all": "", "weights": "g1",
     },
     "tissue": {"part": "tissue"},
     "neural": {"part": "active contraction"},
@@ -43,6 +46,9 @@ class Definition:
     of: str = ""  #: A muscle group, or a part of the torque; empty where it is of the whole leg.
     is_angle: bool = False  #: Whether its value is an angle, of which 10 % mean nothing.
     of_recordings: bool = False  #: Whether it is made of the recordings and not of the leg alone.
+    #: Of one over the range that was moved, from where to where [deg]; its point is the end of that
+    #: range, infinity for the recordings' own. No zero of the angle matters to it.
+    span: Callable[[Leg, float], tuple[float, float]] | None = field(default=None, compare=False)
     alone: str = ""  #: Why two sessions cannot be compared by it; empty where they can.
 
     def value(self, leg: Leg, at: float) -> float:
@@ -70,9 +76,12 @@ class Definition:
         return [" ".join(part.split()) for part in text.split("\n\n")]
 
 
+_RANGE = "it goes with the range that each session moved through"
 _EFFORT = "it goes with the effort of each session"
 _FILM = "another session films another fascicle"
 _MOVEMENT = "it goes with the movement and effort of each session"
+#: What stands first everywhere, for it needs no zero of the angle.
+LEADING = ("end_stiffness", "end_torque")
 #: Why a measure in units of EMG cannot be compared between sessions.
 ELECTRODES = (
     "the electrodes have no common reference; normalise the EMG of both sessions by maximum "
@@ -94,11 +103,25 @@ def _pair(
     return tri, tib
 
 
+def _moved(name: str, unit: str, compute: Callable[[Leg, float], float], span: Any) -> Definition:
+    return _D(name, unit, compute, points=(math.inf,), span=span, alone=_RANGE)
+
+
+def _before_end(name: str, compute: Callable[[Leg, float, str], float]) -> tuple[Definition, ...]:
+    ends = ((math.inf,), (math.inf,))
+    return _pair(name, "deg", compute, "", ends, is_angle=True, span=Leg.range_to, alone=_RANGE)
+
+
 def _part(name: str, compute: Callable[[Leg, float, str], float], of: str) -> Definition:
     return _D(name, "%", compute, of=of, of_recordings=True, alone=_MOVEMENT)
 
 
 DEFINITIONS: tuple[Definition, ...] = (
+    _moved("end_stiffness", "Nm/deg", passive.end_stiffness, passive.last_degrees),
+    _moved("end_torque", "Nm", passive.end_torque, passive.at_end),
+    _moved("torque_rise", "Nm", passive.torque_rise, Leg.range_to),
+    *_before_end("slack_before_end", passive.slack_before_end),
+    *_before_end("optimum_before_end", active.optimum_before_end),
     _D("passive_torque", "Nm", passive.passive_torque, "deg"),
     *_pair("passive_torque", "Nm", passive.passive_torque_of, "deg"),
     _D("passive_stiffness", "Nm/deg", passive.passive_stiffness, "deg"),

@@ -12,6 +12,7 @@ from surae.measures import Measure, Measures
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.measured import HeldPoint, MeasuredSlope, Stretch
 from surae.measures.norms import Norm, placed
+from surae.measures.table import LEADING
 from surae.model.sources import SOURCES
 from surae.report import block
 from surae.report.language import PARTS, Words
@@ -20,7 +21,7 @@ AssessedFit = tuple[FitResult, Assessment]
 #: What a part of the torque is called, its share and the share's interval [%].
 Part = tuple[str, float, tuple[float, float] | None]
 #: What is compared between visits, chosen before any is seen; the first leads.
-COMPARED = ("passive_stiffness@{:g}deg", "passive_torque@{:g}deg", "k_tri")
+COMPARED = (*LEADING, "k_tri")
 #: A share that is known no better than this cannot be separated from the others [% of the torque].
 _UNSURE = 30.0
 #: Calf muscles among the channels of the EMG.
@@ -40,7 +41,7 @@ def modelled_stiffness(
     """The model's stiffness, which the recordings show; beside it norms and the measured slope."""
     assert m.value is not None
     value, span = _.estimate(m.value, m.ci95)
-    where = _("at {angle}, relaxed · 95 %: {span}", angle=_.point(m.name), span=span)
+    where = _("{range}, relaxed · 95 %: {span}", range=over(m, _), span=span)
     lines = [block.Text(where, "say", f"{value} Nm/°")]
     for p in placed(of_fit, known):
         lines.append(block.Text(_(
@@ -66,8 +67,8 @@ def measured_stiffness(
     why = _("The model cannot yet separate stiffness from the rest.")
     if against is not None and against.value is not None:
         value, span = _.estimate(against.value, against.ci95)
-        why = _("The model’s stiffness at {angle}, {value} Nm/° ({span}), does not agree with the "
-                "held angles.", value=value, angle=_.point(against.name), span=span)  # fmt: skip
+        why = _("The model’s stiffness {range}, {value} Nm/° ({span}), does not agree with the "
+                "held angles.", value=value, range=over(against, _), span=span)  # fmt: skip
     value, origin = _slope(slope, _)
     return (
         block.Text(origin, "say", value),
@@ -99,10 +100,8 @@ def slope_text(slope: MeasuredSlope, _: Words) -> str:
 
 
 def _slope(slope: MeasuredSlope, _: Words) -> tuple[str, str]:
-    low, high, value = (
-        _.number(significant(each, 2)) for each in (slope.low, slope.high, slope.value)
-    )
-    origin = _("from {low}° to {high}°", low=low, high=high)
+    value = _.number(significant(slope.value, 2))
+    origin = _between(slope.low, slope.high, _)
     if slope.holds:
         origin += ", " + _.many("{n} held angle", "{n} held angles", slope.holds)
     if slope.interval is not None:
@@ -112,6 +111,21 @@ def _slope(slope: MeasuredSlope, _: Words) -> tuple[str, str]:
         else:
             origin += " " + _("in a slow stretch · {span} in both directions", span=span)
     return f"{value} Nm/°", origin
+
+
+def _between(low: float, high: float, _: Words) -> str:
+    """From one angle to another."""
+    ends = (_.number(significant(each, 2)) for each in (low, high))
+    return _("from {low}° to {high}°", **dict(zip(("low", "high"), ends, strict=True)))
+
+
+def over(m: Measure | Difference, _: Words) -> str:
+    """What a measure over the range that was moved is taken over; empty for others."""
+    if m.from_deg is None or m.to_deg is None:
+        return ""
+    return (
+        _.angle(round(m.to_deg, 1)) if m.from_deg == m.to_deg else _between(m.from_deg, m.to_deg, _)
+    )
 
 
 def parts_of(of_fit: Measures) -> list[Part]:
@@ -167,16 +181,15 @@ def _tendon(of_fit: Measures, _: Words) -> block.Text:
     return block.Text(text, "note")
 
 
-def change_card(change: Change | None, angle: float, _: Words) -> tuple[block.Block, ...]:
+def change_card(change: Change | None, _: Words) -> tuple[block.Block, ...]:
     """What changed since another visit, or between two legs, in measures that are fixed."""
     if change is None:
         return (
             block.Text("", "say", _("One visit")),
             block.Text(_("Add another visit of this leg to see what changed."), "choose"),
         )
-    names = [name.format(angle) for name in COMPARED]
     every = {**change.measures, **change.parameters}
-    found = [every[name] for name in names if name in every]
+    found = [every[name] for name in COMPARED if name in every]
     changed = [_.measure(d.name) for d in found if d.verdict is ChangeVerdict.CHANGED]
     about = ""
     if changed:
@@ -193,7 +206,7 @@ def change_card(change: Change | None, angle: float, _: Words) -> tuple[block.Bl
                           wide=(0,))  # fmt: skip
     table = block.Grid(_("Three measures, fixed beforehand"), heads, block.rows(rows), "small")
     blocks: list[block.Block] = [block.Text(about, "say", headline), table]
-    lead = change.measures.get(names[0])
+    lead = change.measures.get(COMPARED[0])
     if lead is not None and lead.smallest is not None:
         smallest = _.number(significant(lead.smallest, 2))
         blocks.append(block.Text(_(
@@ -219,9 +232,10 @@ def differing(d: Difference, digits: int, _: Words) -> tuple[str | block.Cell, .
 
 
 def titled(m: Measure | Difference, _: Words) -> str:
-    """What a measure is called, with its unit where it has one."""
-    unit = m.unit.replace("deg", "°").strip("-")
-    return f"{_.measure(m.name)} [{unit}]" if unit else _.measure(m.name)
+    """What a measure is called, over which range, and with its unit where it has one."""
+    unit, where = m.unit.replace("deg", "°").strip("-"), over(m, _)
+    name = _.measure(m.name) + (f", {where}" if where else "")
+    return f"{name} [{unit}]" if unit else name
 
 
 def light(adequacy: Adequacy, reason: str, _: Words) -> block.AdequacyWords:

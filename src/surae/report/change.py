@@ -28,7 +28,7 @@ def change_report(
     """
     _ = words_in(language)
     at = visit_angle(fits[1]) if angle is None else angle
-    lead = compared(*fits, baselines=baselines, legs=change.legs, angle=at)
+    lead = compared(*fits, baselines=baselines, legs=change.legs)
     names = sides(change, _)
     worst = max(fits, key=lambda fit: list(Grade).index(fit[1].adequacy.grade))[1]
     drawn = visits_figure(
@@ -38,7 +38,7 @@ def change_report(
                            100),)  # fmt: skip
     title = _("Do the legs differ?") if change.legs else _("Did it change?")
     cards = (
-        block.Section(title, change_card(lead, at, _), "change", "card"),
+        block.Section(title, change_card(lead, _), "change", "card"),
         block.Section(_("Torque and angle"), curves, "curves", "card"),
         block.Section(_("Can I trust it?"),
                      (light(worst.adequacy, reason_of(worst, (), _), _),), "trust", "card"),

@@ -5,12 +5,13 @@ from datetime import datetime
 from surae.files import natural_order
 from surae.formatting import of_interval
 from surae.measures.cohort import Cohort, CohortMember, sessions_of
+from surae.measures.table import LEADING
 from surae.report import block
 from surae.report.figures.cohort import forest_figure, sessions_figure
 from surae.report.output import Report
 
 #: Measures that are drawn, where the cohort has them.
-_DRAWN = ("passive_torque", "passive_stiffness", "slow_stiffness", "optimal_angle_tri")
+_DRAWN = (*LEADING, "passive_torque", "passive_stiffness", "slow_stiffness", "optimal_angle_tri")
 
 #: What figures show.
 _FOREST = (

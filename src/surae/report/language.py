@@ -16,6 +16,9 @@ from surae.words import N_
 
 #: What measures, and one parameter, are called, in the order in which they are shown.
 MEASURES = {
+    "end_stiffness": N_("Stiffness at the end of the range"),
+    "end_torque": N_("Torque at the end of the range"),
+    "torque_rise": N_("Rise of the torque over the range"),
     "passive_torque": N_("Torque at rest, {at}"),
     "passive_stiffness": N_("Stiffness at rest, {at}"),
     "slow_torque": N_("Torque in a slow stretch, {at}"),

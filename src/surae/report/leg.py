@@ -19,7 +19,8 @@ from surae.measures.measured import (
     torque_curve,
 )
 from surae.measures.norms import Norm, read_norms
-from surae.measures.quantity import Quantities, quantities
+from surae.measures.quantity import Quantities, common_end, quantities
+from surae.measures.table import LEADING
 from surae.model.joint import ANKLE
 from surae.report import block, cards
 from surae.report.cards import AssessedFit
@@ -59,7 +60,7 @@ def leg_answers(
     if joint is not None:
         angles = {at, *ANGLES, *(_point(norm) for norm in known)}
         of_fit = measures(*joint, sorted(angles))
-    m = None if of_fit is None else of_fit[f"passive_stiffness@{at:g}deg"]
+    m = None if of_fit is None else of_fit[LEADING[0]]
     believed = m is not None and cards.is_known(m) and not _PASSIVE & set(contradicted)
     model = torque_curve(*joint) if joint is not None and believed else None
     zero = 0.0 if model is None else _zero(model, holds, stretches)
@@ -87,7 +88,7 @@ def leg_answers(
     sections = (
         (_("How stiff is it?"), (*stiff, picture), "stiff"),
         (_("Tissue, muscle or tendon?"), made, "made"),
-        (_("Did it change?"), cards.change_card(change, visit_angle(joint), _), "change"),
+        (_("Did it change?"), cards.change_card(change, _), "change"),
         (_("Can I trust it?"), (*cards.trust(joint, contradicted, follows=follows, _=_),
                                 *cards.next_trial(joint, holds, stretches, _)), "trust"),
     )  # fmt: skip
@@ -105,21 +106,19 @@ def first_answer(trials: Sequence[Trial]) -> str:
 
 def compared(
     before: AssessedFit, after: AssessedFit, *, baselines: Sequence[AssessedFit] = (),
-    legs: bool = False, angle: float | None = None,
+    legs: bool = False,
 ) -> Change:  # fmt: skip
     """The three measures that two visits, or two legs, are compared in.
 
-    `baselines` are visits from before anything changed; `angle` [deg] is by default where the
-    second visit measured.
+    `baselines` are visits from before anything changed.
     """
-    at = visit_angle(after) if angle is None else angle
-    names = [name.format(at) for name in cards.COMPARED]
+    end = common_end(fit[0] for fit in (before, after, *baselines))
 
     def chosen(fit: AssessedFit) -> Quantities:
         """Fewer looks ask for smaller differences."""
-        of_fit = quantities(*fit, [at])
-        few = type(of_fit.by_name)((n, of_fit.by_name[n]) for n in names if n in of_fit.by_name)
-        return replace(of_fit, by_name=few)
+        every = quantities(*fit, ANGLES[:1], end)
+        few = ((n, every.by_name[n]) for n in cards.COMPARED if n in every.by_name)
+        return replace(every, by_name=type(every.by_name)(few))
 
     return compare_sessions(chosen(before), chosen(after), [chosen(b) for b in baselines],
                             legs=legs)  # fmt: skip

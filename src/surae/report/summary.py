@@ -6,7 +6,10 @@ from dataclasses import replace
 
 from surae.assessment import Assessment
 from surae.estimation import FitResult
-from surae.formatting import estimate, percentage, significant
+from surae.formatting import estimate, of_interval, percentage, significant
+from surae.measures.compute import judged_measures, points
+from surae.measures.spread import spread_of
+from surae.measures.table import LEADING
 from surae.report.budget import what_would_help
 from surae.report.joint import reworded
 from surae.report.laboratory import family_text
@@ -40,12 +43,23 @@ def fit_table(result: FitResult, assessment: Assessment, width: int = 100) -> Te
             result.problem.spec.title,
             f"{words.mark} {words.sentence}",
             *(f"  – {reason}" for reason in words.reasons),
+            *_leading(result, assessment),
         ),
         below=tuple("\n".join(group) for group in groups if group),
         numbers=("value", "95 % interval"),
     )
     table = reworded(result.problem.options.anatomy, table)
     return replace(table, below=tuple(_folded(table.below, width)))
+
+
+def _leading(result: FitResult, assessment: Assessment) -> Iterator[str]:
+    """Stiffness and torque at the end of the range that was moved, a line each."""
+    wanted = tuple(each for each in points() if each.definition.name in LEADING)
+    for _, m in judged_measures(result, assessment, spread_of(result, assessment), wanted):
+        if m.value is not None and m.from_deg is not None and m.to_deg is not None:
+            text, ends = of_interval(m.value, m.ci95), dict.fromkeys((m.from_deg, m.to_deg))
+            span = " to ".join(f"{end:.0f}°".replace("-", "−") for end in ends)
+            yield f"{m.name} {text.value} {m.unit} ({text.interval}), {span}: {m.verdict}"
 
 
 def _folded(groups: tuple[str, ...], width: int) -> Iterator[str]:
