@@ -8,9 +8,9 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 from scipy.signal import bilinear, lfilter, lfiltic
 
-from surae.estimation import FitProblem
+from surae.base.units import FloatArray
+from surae.inference import FitProblem
 from surae.signals import ModelInputs
-from surae.units import FloatArray
 
 
 def torque(p: FloatArray, inputs: ModelInputs) -> FloatArray:

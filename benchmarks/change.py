@@ -19,7 +19,7 @@ import pandas as pd
 from scipy.optimize import brentq
 
 import surae
-from surae.frozen import read_only
+from surae.base.frozen import read_only
 from surae.measures import measures_of_values
 from surae.model.geometry import JointAxis
 from surae.protocol import Protocol, generate

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from surae.estimation import FitProblem, make_problem
+from surae.inference import FitProblem, make_problem
 from surae.protocol import Protocol, generate
 from surae.signals import ModelInputs
 from surae.studies import virtual_subject, virtual_trial

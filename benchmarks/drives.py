@@ -11,14 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from surae.assessment import assess
-from surae.estimation import fit_problem, make_problem
+from surae.base.units import FloatArray
+from surae.inference import assess, fit_problem, make_problem
 from surae.model import ModelOptions, get_model
 from surae.model.geometry import paths
 from surae.protocol import Protocol, generate
 from surae.signals import ModelInputs
 from surae.studies import virtual_subject, virtual_trial
-from surae.units import FloatArray
 
 FINE, COARSE = 1000, 125
 OPTIONS = ModelOptions()

@@ -8,10 +8,10 @@ import time as clock
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.model import ModelOptions, get_model
 from surae.model.muscle_tendon import MuscleTendonSimulator, muscle_tendon_simulator
 from surae.signals import ModelInputs
-from surae.units import FloatArray
 
 SPEC = get_model("muscle-tendon")
 SECONDS = 32.0

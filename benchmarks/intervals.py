@@ -17,11 +17,11 @@ from scipy.signal import lfilter
 
 import surae
 from surae import ModelInputs
-from surae.assessment import Verdict, half_width
-from surae.frozen import read_only
+from surae.base.frozen import read_only
+from surae.base.units import FloatArray
+from surae.inference import Verdict, half_width
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
-from surae.units import FloatArray
 
 #: Makes n samples of torque noise [Nm].
 Noise = Callable[[np.random.Generator, int], FloatArray]

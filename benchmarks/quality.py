@@ -16,8 +16,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from surae.diagnosis import examined
-from surae.frozen import read_only
+from surae.base.frozen import read_only
+from surae.inference.diagnosis import examined
 from surae.protocol import Protocol, Trajectory, generate, named_device
 from surae.protocol.effort import effort, named_task
 from surae.recording import MUSCLES, Recording

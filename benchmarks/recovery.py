@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import surae
-from surae.assessment import Verdict
-from surae.estimation import STARTS
+from surae.inference import STARTS, Verdict
 from surae.protocol import PROFILES, TASKS, Protocol, generate
 from surae.studies import POPULATIONS, virtual_subject, virtual_trial
 

@@ -8,10 +8,9 @@ import numpy as np
 from pytest_benchmark.fixture import BenchmarkFixture
 from threadpoolctl import threadpool_limits
 
-from surae.assessment import assess
-from surae.assessment.uncertainty.covariance import covariance
-from surae.estimation import FitProblem, fit_problem
-from surae.estimation.residuals import simulators
+from surae.inference import FitProblem, assess, fit_problem
+from surae.inference.residuals import simulators
+from surae.inference.uncertainty.covariance import covariance
 
 import baseline
 

@@ -11,8 +11,8 @@ from pytest_benchmark.fixture import BenchmarkFixture
 from scipy.optimize import least_squares
 from threadpoolctl import threadpool_limits
 
-from surae.estimation import FitProblem, fit_problem, make_problem
-from surae.estimation.residuals import simulators
+from surae.inference import FitProblem, fit_problem, make_problem
+from surae.inference.residuals import simulators
 from surae.model import ModelOptions
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial

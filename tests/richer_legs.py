@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from surae.files import PathLike
+from surae.base.files import PathLike
+from surae.base.units import FloatArray
 from surae.model import ModelOptions, get_model
 from surae.model.contraction import CF
 from surae.model.geometry import paths
@@ -26,7 +27,6 @@ from surae.signals import ModelInputs, inputs_as_given
 from surae.studies.imperfections import raw_emg, wandering
 from surae.studies.leg import EMG_FULL, EMG_REST, misaligned
 from surae.studies.populations import VirtualSubject, stream, virtual_subject
-from surae.units import FloatArray
 
 #: Steps of the simulation for each sample of the recording.
 _FINER = 4

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.model.parameters import MUSCLE_PARAMETERS
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.errors import ComputationError, InputError
+from surae.base.errors import ComputationError, InputError
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
 

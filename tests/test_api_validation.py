@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.frozen import read_only
+from surae.base.frozen import read_only
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from surae.cleaning import cleaned
+from surae.base.cleaning import cleaned
 
 
 @pytest.mark.parametrize(

@@ -11,12 +11,13 @@ from pathlib import Path
 import pytest
 
 import surae
-from surae import files
+from surae.base import files
 
 #: Writes half a file, says so, and waits to be ended.
 _HALF = """
 import sys, time
-from surae import cli, files
+from surae import cli
+from surae.base import files
 
 def half(*_, **__):
     with files.atomic_file(sys.argv[1]) as handle:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.frozen import Comparable, FrozenDict
+from surae.base.frozen import Comparable, FrozenDict
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
 

@@ -305,14 +305,14 @@ def test_the_package_itself_imports_next_to_nothing() -> None:
     assert ours <= {
         "surae._lazy",
         "surae._version",
-        "surae.errors",
+        "surae.base.errors",
     }  # the rest when it is first used
 
 
 def test_importing_is_light() -> None:
     code = (
-        "import sys, json, surae, surae.api, surae.errors; light = sorted(sys.modules); "
-        "import surae.model, surae.units, surae.report; print(json.dumps([light, [*sys.modules]]))"
+        "import sys, json, surae, surae.api, surae.base.errors; light = sorted(sys.modules); "
+        "import surae.model, surae.base.units, surae.report; print(json.dumps([light, [*sys.modules]]))"
     )
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
@@ -330,9 +330,9 @@ def small(tmp_path) -> Path:
         "_version.py": "__version__ = '0'\n",
         "errors.py": "",
         "signals/__init__.py": "from surae.signals.inputs import x\n",
-        "signals/inputs.py": "from surae.errors import y\nx = 1\n",
+        "signals/inputs.py": "from surae.base.errors import y\nx = 1\n",
         "model/__init__.py": "",
-        "model/rigid.py": "def f():\n    from ..signals import inputs\n    import surae.errors\n",
+        "model/rigid.py": "def f():\n    from ..signals import inputs\n    import surae.base.errors\n",
     }
     for name, text in files.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
@@ -344,7 +344,7 @@ def test_the_test_follows_every_kind_of_import(small) -> None:
     edges = graph(small)
     assert edges["surae"] == {"surae._version"}
     assert edges["surae.signals"] == {"surae.signals.inputs"}
-    assert edges["surae.model.rigid"] == {"surae.signals.inputs", "surae.errors"}
+    assert edges["surae.model.rigid"] == {"surae.signals.inputs", "surae.base.errors"}
     assert upward(edges) == []
     assert circle(edges) == []
 

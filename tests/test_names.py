@@ -5,8 +5,8 @@ from collections import Counter
 from pathlib import Path
 
 import surae
-from surae import names
-from surae.estimation import LOSSES
+from surae.base import names
+from surae.inference import LOSSES
 from surae.model import MODELS, ModelOptions, laboratory
 from surae.model.parameters import OPTIONAL, OPTIONAL_PARAMETERS
 from surae.model.registry import PARAMETERS

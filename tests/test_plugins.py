@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import surae
-from surae import plugins
-from surae.errors import InputError
+from surae.base import plugins
+from surae.base.errors import InputError
 from surae.model import MODELS, ModelOptions, get_model
 from surae.model.muscle_tendon import muscle_tendon_simulator
 

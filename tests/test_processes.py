@@ -20,7 +20,7 @@ import pytest
 import surae
 import surae_thesis
 from surae import processes
-from surae.errors import ComputationError, InputError
+from surae.base.errors import ComputationError, InputError
 from surae.processes import Child, End, guarded, tell
 from surae.processes.messages import received, send
 

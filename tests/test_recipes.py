@@ -140,7 +140,7 @@ def slack_span(leg: Leg, _: float) -> float:
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording.table import Column, Table
 
 
@@ -237,7 +237,7 @@ from pathlib import Path
 import numpy as np
 import surae
 from surae import api
-from surae.estimation.population import wide_priors
+from surae.inference.population import wide_priors
 from surae.model.laboratory import laboratory
 from surae.model import get_model, ModelOptions
 from surae_workbench.web.form import form

@@ -10,11 +10,11 @@ from typing import Annotated, Literal
 import numpy as np
 import pytest
 
-from surae.errors import InputError
-from surae.filed import filed
-from surae.frozen import Comparable, FrozenDict, read_only
-from surae.records import FileName, Listed, OrInfinite, OrNaN, from_plain, to_plain
-from surae.units import FloatArray
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.frozen import Comparable, FrozenDict, read_only
+from surae.base.records import FileName, Listed, OrInfinite, OrNaN, from_plain, to_plain
+from surae.base.units import FloatArray
 
 
 class Grade(StrEnum):

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from surae.errors import ComputationError, InputError
+from surae.base.errors import ComputationError, InputError
 from surae.runner import Died, Engine, results
 
 #: Seconds that anything may take on a computer that is busy with other things.

@@ -4,11 +4,11 @@ import re
 from importlib.resources import files
 
 import surae
-from surae.assessment import Grade, Verdict
+from surae.base.tables import TextTable
+from surae.base.words import JUDGEMENTS
+from surae.inference import Grade, Verdict
 from surae.measures.change import ChangeVerdict
 from surae.quality import KINDS, SEVERITIES, Finding, Quality, Skipped
-from surae.tables import TextTable
-from surae.words import JUDGEMENTS
 
 
 def test_text_is_aligned_and_numbers_stand_right() -> None:

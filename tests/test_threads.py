@@ -3,8 +3,7 @@
 import numpy as np
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from surae.assessment import assess
-from surae.estimation import fit_problem, make_problem
+from surae.inference import assess, fit_problem, make_problem
 
 
 def threads() -> set[int]:

@@ -7,8 +7,9 @@ from pathlib import Path
 import quality_table
 from sphinx.application import Sphinx
 
-from surae.estimation.population import WIDENED
-from surae.estimation.result import TENDONS
+from surae.base.setting import default_of, settings_of
+from surae.inference.population import WIDENED
+from surae.inference.result import TENDONS
 from surae.measures import DEFINITIONS
 from surae.model.parameters import (
     MUSCLE_PARAMETERS,
@@ -19,7 +20,6 @@ from surae.model.parameters import (
 from surae.model.registry import PARAMETERS as EVERY
 from surae.model.sources import SOURCES, source_of
 from surae.recording.described import MappedChannel, MappedRecording
-from surae.setting import default_of, settings_of
 from surae_thesis.model_2010 import PARAMETERS_2010
 
 PARAMETERS: dict[str, Iterable[Parameter]] = {

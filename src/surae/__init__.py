@@ -6,8 +6,8 @@ Everything public is loaded when it is first used, so that importing surae costs
 
 from surae._lazy import lazy_names
 from surae._version import __version__ as __version__
-from surae.errors import ComputationError as ComputationError
-from surae.errors import InputError as InputError
-from surae.errors import SuraeError as SuraeError
+from surae.base.errors import ComputationError as ComputationError
+from surae.base.errors import InputError as InputError
+from surae.base.errors import SuraeError as SuraeError
 
 __getattr__, __dir__ = lazy_names(__name__, __file__)

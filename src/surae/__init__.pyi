@@ -22,9 +22,9 @@ from surae.api import simulate as simulate
 from surae.api import simulate_parts as simulate_parts
 from surae.api import simulate_tendon as simulate_tendon
 from surae.api import validate as validate
-from surae.errors import ComputationError as ComputationError
-from surae.errors import InputError as InputError
-from surae.errors import SuraeError as SuraeError
+from surae.base.errors import ComputationError as ComputationError
+from surae.base.errors import InputError as InputError
+from surae.base.errors import SuraeError as SuraeError
 from surae.measures import Measures as Measures
 from surae.measures.change import Change as Change
 from surae.measures.cohort import Cohort as Cohort

@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
-from surae import names
-from surae.errors import InputError
-from surae.filed import filed
-from surae.formatting import listed
-from surae.frozen import FrozenDict
+from surae.base import names
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.formatting import listed
+from surae.base.frozen import FrozenDict
+from surae.base.setting import checked, documented, kind_of, setting, settings_of
 from surae.model.options import ModelOptions, with_files
-from surae.setting import checked, documented, kind_of, setting, settings_of
 
 if TYPE_CHECKING:  # what computes comes when it is needed: help reads the fields alone
     from surae.recording import Recording
@@ -93,7 +93,7 @@ class FitSettings:
         type="Weighting, sequence of Weighting, or None",
     )  # fmt: skip
     loss: str | None = setting(
-        None, "Let outliers count less than their square; see `surae.estimation.fit_robust`.",
+        None, "Let outliers count less than their square; see `surae.inference.fit_robust`.",
         choices=names.LOSSES, help="How outliers count.  [default: squares]", label="Outliers",
         words={"": "count fully", "huber": "Huber", "soft-l1": "soft L1", "tukey": "Tukey"},
         first=True,
@@ -278,7 +278,7 @@ class FitSettings:
 
     def as_dict(self) -> dict[str, Any]:
         """The settings as plain data, as FIT.json holds them."""
-        from surae.records import to_plain
+        from surae.base.records import to_plain
 
         return dict(to_plain(self))
 
@@ -301,7 +301,7 @@ class FitSettings:
         InputError
             They are damaged, or ask for something unknown.
         """
-        from surae.records import from_plain
+        from surae.base.records import from_plain
 
         for name in data.keys() - {f.name for f in fields(cls)}:
             raise InputError(f"{name} is no setting that this surae knows")

@@ -11,7 +11,7 @@ import pytest
 
 from surae.cli import main
 from surae.cli.progress import COMPILING
-from surae.estimation import fit_problem, make_problem
+from surae.inference import fit_problem, make_problem
 from surae.model import MODELS
 from surae.protocol import Protocol, generate
 from surae.recording import write_csv

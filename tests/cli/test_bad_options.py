@@ -7,8 +7,8 @@ import pytest
 
 import surae
 from surae import settings
+from surae.base.errors import InputError
 from surae.cli.options import bare_name, entry, number, preparation, span, weighted_span
-from surae.errors import InputError
 from surae.model.registry import MODELS
 
 from .conftest import refused

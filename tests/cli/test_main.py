@@ -2,8 +2,8 @@ import click
 import pytest
 
 from surae import __version__
+from surae.base.errors import ComputationError, InputError
 from surae.cli import COMMANDS, group
-from surae.errors import ComputationError, InputError
 
 from .conftest import refused
 

@@ -10,12 +10,12 @@ import pytest
 from scipy.io import savemat
 
 import surae
+from surae.base.units import FloatArray
 from surae.model import ModelOptions, adapted, get_model
 from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES, write_csv, write_hdf5
 from surae.signals import ModelInputs
 from surae.studies import virtual_subject, virtual_trial
-from surae.units import FloatArray
 
 #: Headings of a laboratory's own, for `surae inspect`.
 _LAB = {

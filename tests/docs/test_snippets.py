@@ -189,7 +189,7 @@ def _read_toml(text: str) -> None:
         mapped = read("printed.toml") if alone else read("leg/trial1.csv", mapping="printed.toml")
         assert len(mapped.channels) > 2
     elif "[project.entry-points" in text:
-        from surae.plugins import plugins
+        from surae.base.plugins import plugins
 
         named = {
             group.partition(".")[2] for group in tomllib.loads(text)["project"]["entry-points"]

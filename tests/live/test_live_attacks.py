@@ -15,7 +15,7 @@ import pytest
 import pyxdf
 from streaming import Quick, described, waited
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import read
 from surae_workbench.live.pages import ServedRoom
 from surae_workbench.live.recorder import Recorder

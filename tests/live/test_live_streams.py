@@ -10,7 +10,7 @@ from streaming import Quick, Sender, waited
 
 from benchmark_files import load
 from surae import fit, read
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import MUSCLES
 from surae_workbench.live.recorder import Recorder
 from surae_workbench.live.showing import Showing

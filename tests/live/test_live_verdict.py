@@ -12,7 +12,7 @@ import pytest
 from streaming import Quick, described, waited
 
 import surae
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.processes import End
 from surae.protocol import Protocol, generate
 from surae.quality import Finding, Quality

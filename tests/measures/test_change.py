@@ -8,8 +8,8 @@ from itertools import combinations
 import pytest
 
 import surae
-from surae.assessment import Grade
-from surae.frozen import FrozenDict
+from surae.base.frozen import FrozenDict
+from surae.inference import Grade
 from surae.measures.change import SCATTER, ChangeVerdict, compare_sessions
 from surae.measures.quantity import common_end, quantities
 

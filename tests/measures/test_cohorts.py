@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import surae
-from surae.assessment import Adequacy, Grade
-from surae.errors import InputError
-from surae.frozen import FrozenDict
+from surae.base.errors import InputError
+from surae.base.frozen import FrozenDict
+from surae.inference import Adequacy, Grade
 from surae.measures.cohort import CohortMember, borrowed, pool, random_effects
 from surae.measures.members import populations, read_table
 from surae.measures.quantity import Quantities, Quantity

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import optimize, signal
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.measures import DEFINITIONS, measures_of_values
 from surae.measures.leg import Leg, NotDefinedError
 from surae.measures.passive import tendon_secant

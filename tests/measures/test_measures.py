@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import surae
-from surae.assessment import Verdict
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.inference import Verdict
 from surae.measures import measures_of_values
 from surae.measures.spread import spread_of
 from surae.protocol import Protocol, generate

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 from scipy import stats
 
-from surae.assessment import Adequacy, Grade, Verdict
-from surae.errors import InputError
-from surae.frozen import FrozenDict
+from surae.base.errors import InputError
+from surae.base.frozen import FrozenDict
+from surae.inference import Adequacy, Grade, Verdict
 from surae.measures import DEFINITIONS, Measure, Measures
 from surae.measures.norms import placed, read_norms
 

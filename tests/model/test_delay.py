@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.model import MODELS, ModelOptions, check_value, get_model, with_optional
 from surae.model.activation import ActivationFilter, Drive
 from surae.model.compliant import GAMMA

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import surae
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.model import (
     GeometryTable,
     ModelOptions,

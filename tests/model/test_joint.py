@@ -13,8 +13,8 @@ from matplotlib.text import Text
 
 import surae
 import surae.cli
+from surae.base.errors import InputError
 from surae.cli.screen import show_fit
-from surae.errors import InputError
 from surae.model import ModelOptions, adapted, get_model, read_geometry
 from surae.model.joint import ANKLE, STATED, read_joint
 from surae.model.laboratory import laboratory

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.model import MODELS, ModelOptions, adapted, with_optional
 from surae.model.geometry import JointAxis
 from surae.model.joint import ANKLE

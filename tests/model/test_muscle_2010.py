@@ -8,7 +8,7 @@ import pytest
 from scipy.signal import StateSpace, butter, lsim, sosfiltfilt
 from test_rigid import rms
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.model import ModelOptions, adapted, check_value, get_model
 from surae.signals import ModelInputs
 from surae_thesis.muscle_2010 import Muscle2010Simulator, integrated

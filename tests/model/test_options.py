@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.model import ModelOptions
 
 

@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.model import MODELS, ModelOptions, adapted, check_names, check_value, get_model
 from surae.model.parameters import MUSCLE_PARAMETERS
-from surae.units import FloatArray
 
 #: In the order of the specification.
 FIFTEEN = [

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.protocol import (
     DEVICES,
     TASKS,

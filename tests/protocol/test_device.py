@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.protocol import (
     DEVICES,
     PROFILES,

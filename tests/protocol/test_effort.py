@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.protocol.effort import TASKS, effort, named_task
 
 T = np.arange(0.0, 35.0, 1 / 256)

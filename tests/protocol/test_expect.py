@@ -8,7 +8,7 @@ import pytest
 
 import surae
 from surae.api.designing import ready_trajectory
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.protocol import Protocol, generate, named_device, read_protocol, write_protocol_csv
 from surae.protocol.planning.legs import population_legs
 from surae.studies import virtual_subject, virtual_trial

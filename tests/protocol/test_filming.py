@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.protocol import Protocol, generate
 from surae.protocol.planning.information import filmed, information
 from surae.protocol.planning.legs import population_legs

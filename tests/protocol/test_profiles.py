@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.protocol.profiles import (
     BLEND,
     MULTI_SINE_START,

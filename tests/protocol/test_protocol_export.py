@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.protocol import Protocol, generate, read_protocol, write_protocol_csv, write_protocol_mat
 
 TRAJECTORY = generate(Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=125.0))

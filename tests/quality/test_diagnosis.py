@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import surae
-from surae.errors import InputError
-from surae.frozen import read_only
+from surae.base.errors import InputError
+from surae.base.frozen import read_only
 from surae.protocol import Protocol, generate
 from surae.quality import recording_of
 from surae.recording import Recording

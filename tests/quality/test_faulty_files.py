@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.protocol import Protocol, generate, write_protocol_csv
 from surae.quality import recording_of
 from surae.recording import csv_columns

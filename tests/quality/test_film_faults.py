@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.frozen import read_only
+from surae.base.frozen import read_only
 from surae.quality.registry import check_recording
 from surae.recording import Channel, Recording
 

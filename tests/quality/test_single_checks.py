@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import surae
-from surae.frozen import read_only
+from surae.base.frozen import read_only
+from surae.base.records import from_plain
 from surae.quality import CODES, SEVERITIES, Commanded, Quality, check_recording, recording_of
 from surae.recording import Channel, Recording
-from surae.records import from_plain
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import Recording, read, write_hdf5
 from surae.recording.channels import Scaling, channel
 from surae.recording.formats import open_table

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.errors import InputError
+from surae.base.errors import InputError
 
 HEADER = "time_s,angle_deg,torque_Nm,emg_ta_V,emg_sol_V"
 

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import Channel, Recording, SourceFile, read, write_hdf5
 from surae.recording.formats import open_table
 from surae.recording.hdf5 import write_text

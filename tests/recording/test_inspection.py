@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import surae
-from surae.errors import InputError
-from surae.files import write_atomic
+from surae.base.errors import InputError
+from surae.base.files import write_atomic
 from surae.recording import inspect, mapping_text, read, write_csv
 from surae.recording.emg_kind import emg_contradictions
 

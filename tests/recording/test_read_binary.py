@@ -19,7 +19,7 @@ from reader_seeds import (
     xdf_file,
 )
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import c3d, edf, foreign, read, xdf
 from surae.recording.table import sampling_of
 from surae.signals import prepare

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import inspect, read
 from surae.recording.formats import open_table
 from surae.recording.rows import Rows

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import read
 
 ROBOT = "Time,crank,load,marker,marker\n0,10,1,a,b\n1,20,2,a,b\n2,30,3,a,b\n"

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import read
 from surae.recording.formats import open_table
 from surae.recording.source import open_source

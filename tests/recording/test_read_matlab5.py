@@ -10,7 +10,7 @@ import pytest
 import scipy.io
 from reader_seeds import ANGLE, EMG, RATE, TIME, mat5_file
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import foreign, matlab
 
 

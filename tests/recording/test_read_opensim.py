@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import read
 from surae.recording.opensim import open_table
 from surae.recording.source import open_source

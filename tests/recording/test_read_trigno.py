@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from reader_seeds import csv_file, trigno_file, tsv_file
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import read
 from surae.recording.table import load_each, sampling_of
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reader_seeds import SEEDS, TEXT, csv_file, exercise, mutated, said, sto_file
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import Recording, read
 
 TOML = b"""name = "x"

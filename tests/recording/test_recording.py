@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import Recording
 
 TIME = [0.0, 0.1, 0.2]

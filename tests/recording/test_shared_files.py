@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import inspect, mapping_text, read
 from surae.recording.formats import open_table
 from surae.recording.source import open_source

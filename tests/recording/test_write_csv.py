@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from surae.errors import InputError
-from surae.files import atomic_file, read_bytes, sha256, write_atomic
+from surae.base.errors import InputError
+from surae.base.files import atomic_file, read_bytes, sha256, write_atomic
 from surae.recording import Channel, Recording, read, write_csv
 from surae.recording.writing import shared_time
 

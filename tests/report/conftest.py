@@ -8,9 +8,8 @@ from functools import cached_property
 import numpy as np
 import pytest
 
-from surae.assessment import Assessment, assess
-from surae.estimation import FitResult, fit_problem, make_problem
-from surae.frozen import read_only
+from surae.base.frozen import read_only
+from surae.inference import Assessment, FitResult, assess, fit_problem, make_problem
 from surae.model import ModelOptions, get_model
 from surae.recording import SourceFile
 from surae.report.fit import fit_report

@@ -3,8 +3,8 @@ from datetime import datetime
 
 import pytest
 
-from surae.assessment.adequacy import Adequacy, Grade
-from surae.formatting import estimate, percentage, significant, standard_error
+from surae.base.formatting import estimate, percentage, significant, standard_error
+from surae.inference.adequacy import Adequacy, Grade
 from surae.report import block
 from surae.report.fit import fit_report
 

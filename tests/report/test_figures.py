@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment import whiteness
+from surae.inference import whiteness
 from surae.report.figures import png, write_figure
 from surae.report.figures.research import correlation_figure, residual_figure
 from surae.report.figures.torque import fit_figure, torque_figure

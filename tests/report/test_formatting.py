@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from surae.formatting import ends, estimate, percentage, short, significant
+from surae.base.formatting import ends, estimate, percentage, short, significant
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,8 @@ from datetime import datetime
 
 import pytest
 
-from surae.assessment import assess
-from surae.assessment.identifiability.identified import identifiability
-from surae.estimation import fit_problem, make_problem
+from surae.inference import assess, fit_problem, make_problem
+from surae.inference.identifiability.identified import identifiability
 from surae.protocol import Protocol, generate
 from surae.report.fit import fit_report
 from surae.report.sections import identifiability_section

@@ -6,8 +6,8 @@ import sys
 import pytest
 
 import surae
-from surae.assessment import Verdict
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.inference import Verdict
 from surae.quality import SEVERITIES
 from surae.report import check_report, output
 from undrawn import blank_figures

@@ -7,10 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from surae.assessment import assess
-from surae.assessment.validation import predict_others
-from surae.estimation import fit_problem, fit_robust, make_problem
-from surae.frozen import read_only
+from surae.base.frozen import read_only
+from surae.inference import assess, fit_problem, fit_robust, make_problem
+from surae.inference.validation import predict_others
 from surae.report.figures.torque import predictions_figure
 from surae.report.fit import fit_report
 from surae.report.sections import predictions_section

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment import whiteness
-from surae.estimation import Prior, fit_problem, make_problem
-from surae.frozen import read_only
+from surae.base.frozen import read_only
+from surae.inference import Prior, fit_problem, make_problem, whiteness
 from surae.report.figures.research import residual_figure
 from surae.report.figures.torque import torque_figure
 from surae.report.provenance import excluded_spans, excluded_text, prior_note, prior_text

@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.estimation import fit_problem, make_problem
-from surae.frozen import read_only
+from surae.base.frozen import read_only
+from surae.inference import fit_problem, make_problem
 from surae.report.figures import png
 from surae.report.figures.tendon import tendon_figure
 from surae.report.recordings import warnings_of

@@ -6,11 +6,10 @@ from importlib.resources import files
 
 import pytest
 
-from surae.assessment import Verdict, assess
-from surae.assessment.adequacy import Adequacy, Grade
-from surae.assessment.marginal import budgets
-from surae.estimation import fit_problem, make_problem, solve
-from surae.estimation.result import OfRecording
+from surae.inference import Verdict, assess, fit_problem, make_problem, solve
+from surae.inference.adequacy import Adequacy, Grade
+from surae.inference.marginal import budgets
+from surae.inference.result import OfRecording
 from surae.model.sources import SOURCES
 from surae.report import block
 from surae.report.budget import budget_of, budget_section, what_to_measure, what_would_help

@@ -7,7 +7,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import Channel, excel, inspect, read
 from surae.signals.timebase import timing
 

@@ -16,11 +16,11 @@ from babel.messages.pofile import read_po
 import surae
 import surae.api
 from ankle_legs.make import make, truth_of
-from surae.assessment import Grade, adequacy
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.names import LANGUAGES
+from surae.inference import Grade, adequacy
 from surae.measures.change import compare_sessions
 from surae.measures.quantity import quantities
-from surae.names import LANGUAGES
 from surae.quality import Finding, Quality
 from surae.report import output
 from surae.report.language import REASONS, catalogue, words_in

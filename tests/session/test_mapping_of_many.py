@@ -5,7 +5,7 @@ import shutil
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording import read
 from surae.recording.mapping import Description
 from surae.recording.reading import open_mapping

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording.dataframe import of_frame
 
 pytestmark = pytest.mark.usefixtures("few")

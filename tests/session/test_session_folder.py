@@ -8,7 +8,7 @@ import pytest
 import surae
 from surae.api import session_run
 from surae.api.answers import fit_of
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.measures.members import quantities_of
 from undrawn import blank_figures, few_legs
 

@@ -10,7 +10,7 @@ import pytest
 
 import surae
 from surae.api import session_run
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.report import block
 from surae.report.trials import crossed_section
 from surae.trials import Crossed

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.signals.filters import antialias, zero_phase
-from surae.units import FloatArray
 
 Filter = Callable[[FloatArray], FloatArray]
 

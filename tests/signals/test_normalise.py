@@ -7,7 +7,7 @@ import pytest
 
 import surae
 from surae.api.recordings import as_in_fit
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.signals import emg_reference, normalise, normalised, quiet_levels, steady_emg
 
 

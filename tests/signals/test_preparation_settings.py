@@ -1,6 +1,6 @@
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.signals import Preparation
 
 

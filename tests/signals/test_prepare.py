@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import SI, FloatArray, kind
 from surae.recording import Channel, Recording, SourceFile
 from surae.signals import Preparation, check_estimable, prepare
 from surae.signals.prepare import sharpened
-from surae.units import SI, FloatArray, kind
 
 W = 2 * np.pi * 0.7
 

@@ -3,11 +3,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.recording import Channel
 from surae.signals.resample import resample, uniform
 from surae.signals.timebase import Axis, common_axis, timing
-from surae.units import FloatArray
 
 
 def channel(time: FloatArray, values: FloatArray | None = None) -> Channel:

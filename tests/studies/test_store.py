@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import pytest
 
-from surae.errors import ComputationError, InputError
-from surae.records import to_plain
+from surae.base.errors import ComputationError, InputError
+from surae.base.records import to_plain
 from surae.studies.store import Store, export_study, study_columns, study_table
 from surae.studies.study import parse_study
 from surae.studies.tasks import TaskEstimate, TaskOutcome

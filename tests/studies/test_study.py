@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.studies.study import FACTORS, parse_study, read_study
 from surae.studies.tasks import FitTask, task_of
 

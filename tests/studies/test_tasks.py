@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 import surae
-from surae.assessment import assess
-from surae.errors import ComputationError
-from surae.estimation import fit_problem, make_problem
+from surae.base.errors import ComputationError
+from surae.base.records import from_plain
+from surae.inference import assess, fit_problem, make_problem
 from surae.protocol import Protocol, generate
-from surae.records import from_plain
 from surae.studies import tasks as study_tasks
 from surae.studies import virtual, virtual_subject, virtual_trial
 from surae.studies.study import parse_study

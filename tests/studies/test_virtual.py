@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.model import get_model
 from surae.model.options import ModelOptions
 from surae.model.parameters import MUSCLE_PARAMETERS

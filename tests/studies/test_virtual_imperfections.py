@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.protocol import Protocol, generate
 from surae.studies import (
     POPULATIONS,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from surae import read
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.protocol import Protocol, generate, named_device
 from surae.recording import csv_columns, write_csv
 from surae.signals import prepare

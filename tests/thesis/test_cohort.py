@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment import vaf
-from surae.errors import ComputationError, InputError
+from surae.base.errors import ComputationError, InputError
+from surae.inference import vaf
 from surae.model import ModelOptions, get_model
 from surae.protocol import generate, named_device
 from surae.studies import Imperfections

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.protocol import Protocol, generate
 from surae_thesis.coverage import L0_TRI, coverage, triceps_path
 

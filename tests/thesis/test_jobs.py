@@ -1,7 +1,7 @@
 import pytest
 
-from surae.database import lock
-from surae.errors import InputError
+from surae.base.database import lock
+from surae.base.errors import InputError
 from surae_thesis.section import Context
 
 CALLS = []

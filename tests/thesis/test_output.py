@@ -4,7 +4,7 @@ import re
 import pytest
 from matplotlib.figure import Figure
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae_thesis.claims import Claim, JudgedClaim, NotThereError, Ruling, judge
 from surae_thesis.section import (
     SECTIONS,

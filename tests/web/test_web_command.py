@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
+from surae.base.errors import InputError
 from surae.cli import group
-from surae.errors import InputError
 
 
 def refused(*arguments: str) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from surae.errors import ComputationError, InputError
+from surae.base.errors import ComputationError, InputError
 from surae.processes import NO_ROOM, Child
 from surae_workbench.web import upkeep
 from surae_workbench.web.database import new_id

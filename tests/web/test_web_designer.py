@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.names import FITTED
+from surae.base.names import FITTED
 from surae.protocol import Protocol, generate, named_device, write_protocol_csv
 
 from .conftest import PATIENCE, least

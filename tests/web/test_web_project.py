@@ -13,7 +13,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae_workbench.web.project import Project
 
 from .conftest import PATIENCE, Browser

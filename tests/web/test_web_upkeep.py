@@ -8,9 +8,9 @@ import sys
 import pytest
 from click.testing import CliRunner
 
+from surae.base.errors import ComputationError, InputError
+from surae.base.files import sha256
 from surae.cli import group
-from surae.errors import ComputationError, InputError
-from surae.files import sha256
 from surae_workbench.web import upkeep
 from surae_workbench.web.database import new_id
 from surae_workbench.web.project import Project

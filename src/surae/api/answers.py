@@ -9,22 +9,22 @@ from typing import Any
 from surae.api.fitted import Fit
 from surae.api.fitting import load
 from surae.api.recordings import AnyRecording, as_in_fit
-from surae.assessment.assess import variance_inflation
-from surae.assessment.likelihood.profile import profiled
-from surae.assessment.likelihood.profiles import Profiles, profiles
-from surae.assessment.posterior.sample import Posterior, sample
-from surae.assessment.validation import Prediction, predict_others
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.files import PathLike
+from surae.base.progress import NamedProgress, Progress
+from surae.base.requests import ChangeSettings, CohortSettings, PosteriorSettings, ProfileSettings
+from surae.base.setting import takes
 from surae.exchange import ExportedModel, exported
-from surae.files import PathLike
+from surae.inference.assessment import variance_inflation
+from surae.inference.likelihood.profile import profiled
+from surae.inference.likelihood.profiles import Profiles, profiles
+from surae.inference.sampling.sample import Posterior, sample
+from surae.inference.validation import Prediction, predict_others
 from surae.measures.change import Change, compare_sessions
 from surae.measures.cohort import Cohort, borrowed, pool
 from surae.measures.members import measured, read_table, refitted
 from surae.measures.quantity import common_end, quantities
-from surae.progress import NamedProgress, Progress
-from surae.requests import ChangeSettings, CohortSettings, PosteriorSettings, ProfileSettings
 from surae.runner import Engine
-from surae.setting import takes
 from surae.signals import ModelInputs, Weighting, weighted
 from surae.trials.folder import fit_in
 

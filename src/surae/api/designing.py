@@ -4,11 +4,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from surae.api.fitted import Fit
-from surae.errors import InputError
-from surae.files import PathLike
+from surae.base.errors import InputError
+from surae.base.files import PathLike
+from surae.base.progress import SearchProgress
+from surae.base.requests import DesignSettings, ExpectSettings, LegSettings
+from surae.base.setting import settings_of, takes
 from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
-from surae.progress import SearchProgress
 from surae.protocol import (
     DEVICES,
     PROFILES,
@@ -27,8 +29,6 @@ from surae.protocol.planning.information import filmed
 from surae.protocol.planning.legs import Legs, fit_legs, population_legs
 from surae.protocol.planning.next import NextTrial, known_from, measure_next_of
 from surae.protocol.planning.ready import ready_protocols, start_for
-from surae.requests import DesignSettings, ExpectSettings, LegSettings
-from surae.setting import settings_of, takes
 
 #: Legs that a design is searched for, of a rigid and of a compliant model, and those that it is
 #: judged by.

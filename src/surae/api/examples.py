@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from surae.files import PathLike
+from surae.base.files import PathLike
 from surae.protocol import Given, Protocol, Trajectory, generate, named_device
 from surae.recording import csv_columns, write_csv
 from surae.studies import realistic_imperfections, virtual_recording, virtual_subject

@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any
 from surae.api.plots import Plots, numbered
 from surae.api.recordings import AnyRecording, as_in_fit
 from surae.api.simulation import parts_of, tendon_of
-from surae.assessment.adequacy import Adequacy
-from surae.assessment.assess import Assessment
-from surae.assessment.parameter import ParameterEstimate
-from surae.assessment.saved.fit_json import save_fit
-from surae.assessment.uncertainty.covariance import Covariance
-from surae.assessment.validation import Prediction, predict_others
-from surae.estimation import FitResult, FitSettings
-from surae.files import PathLike
+from surae.base.files import PathLike
+from surae.base.tables import Tabular, TextTable
+from surae.base.units import FloatArray
+from surae.inference import FitResult, FitSettings
+from surae.inference.adequacy import Adequacy
+from surae.inference.assessment import Assessment
+from surae.inference.parameter import ParameterEstimate
+from surae.inference.saved.fit_json import save_fit
+from surae.inference.uncertainty.covariance import Covariance
+from surae.inference.validation import Prediction, predict_others
 from surae.model import TendonState, TorqueParts
 from surae.quality import Quality
-from surae.tables import Tabular, TextTable
-from surae.units import FloatArray
 
 if TYPE_CHECKING:
     from surae.measures import Measures
@@ -104,7 +104,7 @@ class Fit(Tabular):
         InputError
             The package xarray is not installed, or no parameter has an interval.
         """
-        from surae.assessment.posterior.sample import gaussian_data
+        from surae.inference.sampling.sample import gaussian_data
 
         return gaussian_data(self.result, self.assessment, draws, seed)
 
@@ -240,7 +240,7 @@ class Fit(Tabular):
     @property
     def fascicles(self) -> Any:
         """Filmed fascicles over time, measured and modelled [m], as a pandas DataFrame."""
-        from surae.assessment.fascicles import fascicles_of
+        from surae.inference.fascicles import fascicles_of
         from surae.recording.frames import frame
 
         return frame(

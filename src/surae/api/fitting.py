@@ -5,18 +5,18 @@ from typing import Any
 
 from surae.api.fitted import Fit
 from surae.api.recordings import AnyRecording, check_for, explained, read_in, several
-from surae.assessment.assess import assess
-from surae.assessment.saved.fit_json import load_saved
-from surae.errors import InputError
-from surae.estimation import FitSettings, make_problem, solve
-from surae.estimation.starts import Follow
-from surae.files import PathLike
+from surae.base.errors import InputError
+from surae.base.files import PathLike
+from surae.base.progress import SearchProgress
+from surae.base.setting import takes
+from surae.inference import FitSettings, make_problem, solve
+from surae.inference.assessment import assess
+from surae.inference.saved.fit_json import load_saved
+from surae.inference.starts import Follow
 from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
-from surae.progress import SearchProgress
 from surae.quality import Quality
 from surae.recording import Recording
-from surae.setting import takes
 from surae.signals import ModelInputs
 
 #: Has a function's ``**keywords`` stand for all settings of a fit.

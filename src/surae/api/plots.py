@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
-from surae.assessment.assess import Assessment
-from surae.errors import InputError
-from surae.estimation import FitResult
-from surae.working_folder import ignoring
+from surae.base.errors import InputError
+from surae.base.working_folder import ignoring
+from surae.inference import FitResult
+from surae.inference.assessment import Assessment
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from surae.diagnosis import examined, wrong_units
-from surae.errors import InputError
-from surae.estimation import FitProblem
-from surae.files import PathLike
+from surae.base.errors import InputError
+from surae.base.files import PathLike
+from surae.inference import FitProblem
+from surae.inference.diagnosis import examined, wrong_units
 from surae.model.joint import ANKLE, Joint, read_joint
 from surae.protocol import Protocol, generate, named_device
 from surae.quality import (

@@ -11,13 +11,13 @@ import numpy as np
 from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import load
-from surae.errors import InputError
-from surae.filed import filed
-from surae.files import PathLike, shown, write_json, write_table
-from surae.frozen import FrozenDict
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.files import PathLike, shown, write_json, write_table
+from surae.base.frozen import FrozenDict
+from surae.base.records import SESSION_FORMAT, from_plain, read_json, to_plain
 from surae.quality import Quality
 from surae.recording import SourceFile
-from surae.records import SESSION_FORMAT, from_plain, read_json, to_plain
 from surae.settings import FitSettings
 from surae.trials import Crossed, Trial, TrialSet, common_errors
 from surae.trials.folder import (

@@ -18,14 +18,14 @@ from surae.api.fitted import Fit
 from surae.api.fitting import fit_inputs, load
 from surae.api.recordings import check_for, explained
 from surae.api.session_result import SessionResult, finite, write_index, write_summary
-from surae.assessment.residual import centred_r2
-from surae.assessment.validation import predict_others
-from surae.diagnosis import STILL
-from surae.errors import ComputationError, InputError
-from surae.files import PathLike
+from surae.base.errors import ComputationError, InputError
+from surae.base.files import PathLike
+from surae.base.records import from_plain, to_plain
+from surae.inference.diagnosis import STILL
+from surae.inference.residual import centred_r2
+from surae.inference.validation import predict_others
 from surae.processes import Child, End, Plain
 from surae.quality import Finding, Quality
-from surae.records import from_plain, to_plain
 from surae.runner import cores
 from surae.settings import FitSettings
 from surae.signals import ModelInputs

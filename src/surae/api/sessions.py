@@ -10,8 +10,8 @@ from surae.api.fitting import asks_as_fit, fit_inputs
 from surae.api.recordings import check_for
 from surae.api.session_result import SessionResult
 from surae.api.session_run import StepProgress, run
-from surae.errors import InputError
-from surae.files import PathLike, shown
+from surae.base.errors import InputError
+from surae.base.files import PathLike, shown
 from surae.model.laboratory import AUTO
 from surae.recording import Recording
 from surae.recording.corrections import Corrections

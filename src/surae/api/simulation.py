@@ -6,7 +6,8 @@ from typing import Any, Literal, overload
 import numpy as np
 
 from surae.api.recordings import AnyRecording, as_inputs
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.model import (
     MODELS,
     ModelOptions,
@@ -18,7 +19,6 @@ from surae.model import (
     with_optional,
 )
 from surae.signals import ModelInputs
-from surae.units import FloatArray
 
 
 @overload

@@ -18,8 +18,8 @@ from typing import NoReturn
 import click
 
 from surae._version import __version__
+from surae.base.errors import InputError, SuraeError
 from surae.cli.progress import StoppedError
-from surae.errors import InputError, SuraeError
 
 #: Command → its module, or the distribution that offers it as an entry point of the group
 #: `surae.commands`; and its one-line help.

@@ -5,11 +5,11 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.requests import ChangeSettings
 from surae.cli.options import LANGUAGE, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_answer, show_files
-from surae.requests import ChangeSettings
 
 
 @click.command("change")

@@ -8,11 +8,11 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.files import shown
 from surae.cli.options import MAPPING, corrections
 from surae.cli.paths import check_recordings
 from surae.cli.progress import work
 from surae.cli.screen import show_answer, show_line
-from surae.files import shown
 
 
 @click.command("check")

@@ -7,12 +7,12 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.errors import InputError
+from surae.base.files import shown
 from surae.cli.options import MAPPING, corrections
 from surae.cli.paths import check_outputs
 from surae.cli.progress import work
 from surae.cli.screen import show_line
-from surae.errors import InputError
-from surae.files import shown
 
 _SUFFIXES = (".h5", ".hdf5", ".csv")
 

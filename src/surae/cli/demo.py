@@ -3,11 +3,11 @@
 import click
 
 from surae import api
+from surae.base.files import make_folder, shown, write_json
 from surae.cli.fit import judge_end, show_fitted
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_line
-from surae.files import make_folder, shown, write_json
 
 
 @click.command("demo")

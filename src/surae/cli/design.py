@@ -5,13 +5,13 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.errors import InputError
+from surae.base.requests import DesignSettings
 from surae.cli.options import PICTURE, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.protocol import device_of, device_options, file_kind
 from surae.cli.screen import show_answer, show_files
-from surae.errors import InputError
-from surae.requests import DesignSettings
 
 
 @click.command("design")

@@ -3,8 +3,8 @@
 import click
 
 from surae import api
-from surae.errors import InputError
-from surae.files import make_folder
+from surae.base.errors import InputError
+from surae.base.files import make_folder
 
 
 @click.command("example")

@@ -5,12 +5,12 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.files import write_json
+from surae.base.requests import ExpectSettings
 from surae.cli.options import settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_answer, show_files
-from surae.files import write_json
-from surae.requests import ExpectSettings
 
 
 @click.command("expect")

@@ -6,13 +6,13 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.errors import ComputationError, InputError
+from surae.base.files import shown
 from surae.cli.check import show_short
 from surae.cli.options import MAPPING, PICTURE, corrections, request, settings_options
 from surae.cli.paths import check_outputs, check_recordings
 from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_fit
-from surae.errors import ComputationError, InputError
-from surae.files import shown
 
 
 @click.command("fit")

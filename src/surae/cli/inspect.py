@@ -6,13 +6,13 @@ from pathlib import Path
 import click
 
 from surae import api
+from surae.base.errors import InputError
+from surae.base.files import shown, write_atomic
+from surae.base.records import to_plain
 from surae.cli.options import MAPPING
 from surae.cli.paths import check_outputs, check_recordings
 from surae.cli.progress import work
 from surae.cli.screen import show_answer, show_line
-from surae.errors import InputError
-from surae.files import shown, write_atomic
-from surae.records import to_plain
 
 
 @click.command("inspect")

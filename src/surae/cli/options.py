@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from surae import api, names
-from surae.errors import InputError
-from surae.files import shown
-from surae.setting import Setting, default_of, kind_of, settings_of
+from surae import api
+from surae.base import names
+from surae.base.errors import InputError
+from surae.base.files import shown
+from surae.base.setting import Setting, default_of, kind_of, settings_of
 
 if TYPE_CHECKING:
     from dataclasses import Field

@@ -4,8 +4,8 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from surae.errors import InputError
-from surae.files import read_bytes, require_writable, shown
+from surae.base.errors import InputError
+from surae.base.files import read_bytes, require_writable, shown
 
 #: Beginning of a file in which a FIT.json says what it is [bytes].
 _HEAD = 200

@@ -5,12 +5,12 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.errors import ComputationError
+from surae.base.requests import PosteriorSettings
 from surae.cli.options import settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_answer, show_files
-from surae.errors import ComputationError
-from surae.requests import PosteriorSettings
 
 
 @click.command("posterior")

@@ -5,11 +5,11 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.requests import ProfileSettings
 from surae.cli.options import settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_answer, show_files
-from surae.requests import ProfileSettings
 
 
 @click.command("profile")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from surae import api
-from surae.errors import SuraeError
+from surae.base.errors import SuraeError
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID

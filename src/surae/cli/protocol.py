@@ -7,16 +7,16 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.errors import InputError
+from surae.base.files import shown
+from surae.base.formatting import listed
+from surae.base.names import DESIGNED, DEVICES, PROFILES
+from surae.base.requests import MotionSettings
+from surae.base.setting import settings_of
 from surae.cli.options import NUMBER, PICTURE, flag_of, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line
-from surae.errors import InputError
-from surae.files import shown
-from surae.formatting import listed
-from surae.names import DESIGNED, DEVICES, PROFILES
-from surae.requests import MotionSettings
-from surae.setting import settings_of
 
 Command = Callable[..., Any]
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from surae import api
-from surae.files import shown
-from surae.tables import TextTable
-from surae.words import JUDGEMENTS
+from surae.base.files import shown
+from surae.base.tables import TextTable
+from surae.base.words import JUDGEMENTS
 
 if TYPE_CHECKING:  # rich comes with the first table
     from rich.console import Console

@@ -6,6 +6,8 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.errors import ComputationError
+from surae.base.files import shown
 from surae.cli.options import (
     LANGUAGE,
     MAPPING,
@@ -17,8 +19,6 @@ from surae.cli.options import (
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, Work, compilation_notice, work
 from surae.cli.screen import show_files, show_line, show_table
-from surae.errors import ComputationError
-from surae.files import shown
 
 
 @click.command("session")

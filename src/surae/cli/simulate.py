@@ -4,14 +4,15 @@ from typing import Any
 
 import click
 
-from surae import api, names
+from surae import api
+from surae.base import names
+from surae.base.errors import ComputationError, InputError
+from surae.base.files import shown
+from surae.base.formatting import listed
 from surae.cli.options import OneOf, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_line
-from surae.errors import ComputationError, InputError
-from surae.files import shown
-from surae.formatting import listed
 
 
 @click.command("simulate")

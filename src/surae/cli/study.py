@@ -6,12 +6,12 @@ from functools import partial
 import click
 
 from surae import api
+from surae.base.errors import InputError
+from surae.base.files import shown
 from surae.cli.options import DASK, engine_of, workers_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_line
-from surae.errors import InputError
-from surae.files import shown
 
 #: Reasons of failures that `status` lists.
 _REASONS = 5

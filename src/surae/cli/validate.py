@@ -6,11 +6,11 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.files import shown, write_json
 from surae.cli.options import EXCLUDE
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line, show_predictions
-from surae.files import shown, write_json
 
 
 @click.command("validate")
@@ -50,7 +50,7 @@ def command(
 
 
 def _table(paths: Sequence[str], predictions: Sequence["api.Prediction"]) -> list[dict[str, Any]]:
-    from surae.records import to_plain  # numpy, only when it is used
+    from surae.base.records import to_plain  # numpy, only when it is used
 
     rows = []
     for path, p in zip(paths, predictions, strict=True):

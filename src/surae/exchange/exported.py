@@ -3,13 +3,12 @@
 import math
 from dataclasses import dataclass, replace
 
-from surae.assessment import Assessment
-from surae.errors import InputError
-from surae.estimation import FitResult
+from surae.base.errors import InputError
+from surae.base.files import PathLike, write_atomic
 from surae.exchange.joint import GAINS, JointModel, joint_of
 from surae.exchange.mjcf import mjcf
 from surae.exchange.osim import osim
-from surae.files import PathLike, write_atomic
+from surae.inference import Assessment, FitResult
 from surae.measures.leg import Leg, measured_range
 
 #: Format by name: how it is called, how its files end, and whether tissue is springs there.

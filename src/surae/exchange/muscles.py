@@ -12,8 +12,8 @@ from typing import TypeVar
 import numpy as np
 from scipy.optimize import least_squares
 
+from surae.base.units import FloatArray
 from surae.model.contraction import FECC, MVSH
-from surae.units import FloatArray
 
 #: Length of a path at 0 rad, or of its straight part [m]: long enough for muscle and tendon.
 _LENGTH = 0.5

@@ -27,17 +27,17 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, TypeVar
 
-from surae.assessment.adequacy import Grade
-from surae.assessment.parameter import percent
-from surae.errors import InputError
-from surae.filed import filed
-from surae.formatting import NO_NUMBER, of_interval, significant
-from surae.frozen import FrozenDict
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.formatting import NO_NUMBER, of_interval, significant
+from surae.base.frozen import FrozenDict
+from surae.base.normal import Student
+from surae.base.records import Saved
+from surae.base.tables import Tabular, TextTable
+from surae.inference.adequacy import Grade
+from surae.inference.parameter import percent
 from surae.measures.quantity import Quantities, Quantity
 from surae.measures.table import LEADING
-from surae.normal import Student
-from surae.records import Saved
-from surae.tables import Tabular, TextTable
 
 #: By how much sessions of one leg differ beyond their covariance: 1.05 on average over all measures
 #: and parameters of 40 pairs of virtual legs, 1.6 of the worst.

@@ -16,17 +16,17 @@ from typing import Any
 import numpy as np
 
 from surae._version import __version__
-from surae.errors import InputError
-from surae.filed import filed
-from surae.files import natural_order
-from surae.formatting import estimate, significant
-from surae.frozen import FrozenDict
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.files import natural_order
+from surae.base.formatting import estimate, significant
+from surae.base.frozen import FrozenDict
+from surae.base.normal import NORMAL, Student, standard_error_of
+from surae.base.records import Saved, to_plain
+from surae.base.tables import Tabular, TextTable
+from surae.base.units import FloatArray
 from surae.measures.change import compare_sessions, holm
 from surae.measures.quantity import Quantities, Quantity
-from surae.normal import NORMAL, Student, standard_error_of
-from surae.records import Saved, to_plain
-from surae.tables import Tabular, TextTable
-from surae.units import FloatArray
 
 #: Legs from which a mean and a spread are estimated.
 FEWEST = 3

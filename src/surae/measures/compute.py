@@ -7,19 +7,18 @@ from functools import lru_cache
 
 import numpy as np
 
-from surae.assessment import Assessment, Grade, Verdict
-from surae.assessment.parameter import IDENTIFIED, percent
-from surae.errors import ComputationError, InputError
-from surae.estimation import FitResult
-from surae.frozen import FrozenDict
+from surae.base.errors import ComputationError, InputError
+from surae.base.frozen import FrozenDict
+from surae.base.normal import NORMAL
+from surae.base.units import FloatArray
+from surae.inference import Assessment, FitResult, Grade, Verdict
+from surae.inference.parameter import IDENTIFIED, percent
 from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range
 from surae.measures.measure import Measure, Measures
 from surae.measures.spread import Spread, spread_of
 from surae.measures.table import DEFINITIONS, Definition
 from surae.model import ModelOptions, get_model, with_optional
 from surae.model.laboratory import OUTSIDE, group_of
-from surae.normal import NORMAL
-from surae.units import FloatArray
 
 #: Default angles of measures, and those that are possible [deg].
 ANGLES = (-10.0, 0.0, 10.0)

@@ -12,8 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from surae.errors import ComputationError
-from surae.estimation import FitResult
+from surae.base.errors import ComputationError
+from surae.base.units import FloatArray
+from surae.inference import FitResult
 from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model, with_optional
 from surae.model.contraction import FECC, MVSH, force_length
 from surae.model.equilibrium import solve
@@ -21,7 +22,6 @@ from surae.model.geometry import paths
 from surae.model.movement import OWN_PATH
 from surae.model.tendon import TendonCurve, tendon_curve, tendon_force
 from surae.signals import ModelInputs
-from surae.units import FloatArray
 
 #: Triceps surae and tibialis anterior, in the order of everything that has two groups.
 GROUPS = ("tri", "tib")

@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from surae._version import __version__
-from surae.assessment import Adequacy, Verdict
-from surae.errors import InputError
-from surae.filed import filed
-from surae.files import PathLike, csv_row, shown, write_atomic, write_json
-from surae.formatting import of_interval
-from surae.frozen import FrozenDict
-from surae.records import to_plain
-from surae.tables import Tabular, TextTable
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.files import PathLike, csv_row, shown, write_atomic, write_json
+from surae.base.formatting import of_interval
+from surae.base.frozen import FrozenDict
+from surae.base.records import to_plain
+from surae.base.tables import Tabular, TextTable
+from surae.inference import Adequacy, Verdict
 
 
 @filed("name", sparse=("from_deg", "to_deg"))

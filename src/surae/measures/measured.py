@@ -5,16 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.assessment import Assessment
-from surae.estimation import FitResult
-from surae.frozen import Comparable, read_only
+from surae.base.frozen import Comparable, read_only
+from surae.base.normal import NORMAL, Student
+from surae.base.units import FloatArray
+from surae.inference import Assessment, FitResult
 from surae.measures.compute import MeasurePoint, evaluate
 from surae.measures.leg import measured_range
 from surae.measures.spread import spread_of
 from surae.measures.table import DEFINITIONS
 from surae.model.movement import gravity_torque
-from surae.normal import NORMAL, Student
-from surae.units import FloatArray
 
 #: Holds at angles that lie closer together show no slope [deg].
 _SPAN = 5.0

@@ -17,20 +17,20 @@ from typing import Any
 
 import numpy as np
 
-from surae.assessment.assess import assess
-from surae.assessment.saved.fit_json import load_saved
-from surae.errors import InputError, SuraeError
-from surae.estimation import make_problem, solve
-from surae.files import PathLike, read_bytes, shown
-from surae.frozen import FrozenDict
+from surae.base.errors import InputError, SuraeError
+from surae.base.files import PathLike, read_bytes, shown
+from surae.base.frozen import FrozenDict
+from surae.base.progress import Progress
+from surae.base.records import from_plain, to_plain
+from surae.base.units import FloatArray
+from surae.inference import make_problem, solve
+from surae.inference.assessment import assess
+from surae.inference.saved.fit_json import load_saved
 from surae.measures.cohort import FEWEST, CohortMember, random_effects, sessions_of
 from surae.measures.quantity import Quantities, quantities
-from surae.progress import Progress
-from surae.records import from_plain, to_plain
 from surae.runner import Died, Engine, results
 from surae.settings import FitSettings
 from surae.trials.folder import fit_in
-from surae.units import FloatArray
 
 _LABELS = ("subject", "side", "group", "session")
 #: Rounds of a refit, at most; it ends where no median moves by more than this part of its spread.

@@ -11,14 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import as_file, files
 
-from surae.assessment import Grade, Verdict
-from surae.errors import InputError
-from surae.filed import filed
-from surae.files import PathLike
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.files import PathLike
+from surae.base.normal import standard_error_of
+from surae.base.records import from_file, read_toml
+from surae.inference import Grade, Verdict
 from surae.measures.measure import Measures
 from surae.model.joint import ANKLE, Joint
-from surae.normal import standard_error_of
-from surae.records import from_file, read_toml
 
 
 @filed(strict=True)

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from surae.errors import ComputationError
+from surae.base.errors import ComputationError
+from surae.base.units import FloatArray
 from surae.measures.leg import GROUPS, Leg, NotDefinedError, elongation
 from surae.model.tendon import tendon_force
 from surae.signals import steady_emg
-from surae.units import FloatArray
 
 #: Towards plantarflexion, and towards dorsiflexion.
 SIGNS = {"tri": 1.0, "tib": -1.0}

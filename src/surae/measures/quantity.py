@@ -7,16 +7,15 @@ from typing import Literal
 
 import numpy as np
 
-from surae.assessment import Adequacy, Assessment, Grade
-from surae.estimation import FitResult
-from surae.frozen import FrozenDict
+from surae.base.frozen import FrozenDict
+from surae.base.normal import standard_error_of
+from surae.base.records import OrNaN
+from surae.inference import Adequacy, Assessment, FitResult, Grade
 from surae.measures.compute import ANGLES, extrapolated, judged_measures, points
 from surae.measures.leg import leg_of
 from surae.measures.spread import spread_of
 from surae.measures.table import ELECTRODES, LEADING
 from surae.model.laboratory import group_of
-from surae.normal import standard_error_of
-from surae.records import OrNaN
 
 #: Where there is no interval.
 _NONE = (np.nan, np.nan, np.nan)

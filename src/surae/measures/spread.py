@@ -10,13 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from surae.assessment import Assessment, Interval
-from surae.assessment.marginal import drawn_anew
-from surae.assessment.uncertainty.covariance import inverse_root
-from surae.estimation import FitResult
-from surae.estimation.coordinates import straight
-from surae.frozen import Comparable
-from surae.units import FloatArray
+from surae.base.frozen import Comparable
+from surae.base.units import FloatArray
+from surae.inference import Assessment, FitResult, Interval
+from surae.inference.coordinates import straight
+from surae.inference.marginal import drawn_anew
+from surae.inference.uncertainty.covariance import inverse_root
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from surae.base.units import FloatArray
 from surae.model.jit import jit
-from surae.units import FloatArray
 
 IntArray = npt.NDArray[np.int64]
 

@@ -18,13 +18,13 @@ import math
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.model.activation import IntArray
 from surae.model.contraction import FECC, MVSH, force_length, force_velocity
 from surae.model.equilibrium import solve
 from surae.model.jit import jit
 from surae.model.rigid import K_REL, L0, TAU, X0, K
 from surae.model.tendon import tendon_curve, tendon_partials, tendon_shape
-from surae.units import FloatArray
 
 #: A group's own parameters: those of `surae.model.rigid`, its tendon's, and what shapes its curves:
 #: logarithms over (16) and (17), 0 where they are as printed.

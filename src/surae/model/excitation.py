@@ -40,14 +40,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.model.activation import Drive, shaped
 from surae.model.movement import LegMovement
 from surae.model.options import ModelOptions
 from surae.model.parameters import CROSSTALK, OPTIONAL
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, smooth_effort
-from surae.units import FloatArray
 
 #: EMG channels of triceps and tibialis.
 GROUPS = (slice(1, 4), slice(0, 1))

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.model.geometry_table import GeometryTable
 from surae.model.joint import ANKLE
 from surae.model.options import ModelOptions
-from surae.units import FloatArray
 
 #: Offset [m] and slope [m/rad] of the moment arms of triceps and tibialis, equations (4) and (5)
 #: (Maganaris 1998, 1999).

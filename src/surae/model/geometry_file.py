@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from surae.errors import InputError
-from surae.files import PathLike
+from surae.base.errors import InputError
+from surae.base.files import PathLike
+from surae.base.units import FACTORS, FloatArray
 from surae.model.geometry_table import TOLERANCE, GeometryTable
 from surae.recording import delimited, opensim
 from surae.recording.source import Source, open_source
 from surae.recording.table import some
-from surae.units import FACTORS, FloatArray
 
 #: Muscles of each group, and the part of each in its cross-section: of 51.8, 21.1 and 9.7 cm²
 #: (Ward et al. 2009, Clinical Orthopaedics and Related Research 467:1074-1082).

@@ -6,14 +6,14 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from surae.errors import InputError
-from surae.filed import filed
+from surae.base.errors import InputError
+from surae.base.filed import filed
 
 if TYPE_CHECKING:  # help reads options, which need no NumPy
     from scipy.interpolate import CubicSpline, RectBivariateSpline
 
+    from surae.base.units import FloatArray
     from surae.signals import ModelInputs
-    from surae.units import FloatArray
 
 #: A movement may leave a table by so much [rad]; beyond its ends lengths go on straight.
 _BEYOND = math.radians(1.0)

@@ -21,7 +21,7 @@ from typing import Any, TypeVar, cast
 
 import numpy as np
 
-from surae.working_folder import ignoring
+from surae.base.working_folder import ignoring
 
 with ignoring(".numba_config.yaml"):
     import numba

@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 
-from surae.errors import InputError
-from surae.filed import filed
-from surae.files import PathLike, shown
-from surae.frozen import FrozenDict
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.files import PathLike, shown
+from surae.base.frozen import FrozenDict
 
 #: Parameters that every joint has to state: the ankle's would be wrong for any other.
 STATED = ("m", *(f"{of}_{g}" for of in ("k", "x0", "l0", "dlt", "fmax") for g in ("tri", "tib")))
@@ -164,7 +164,7 @@ def read_joint(path: PathLike) -> Joint:
     InputError
         It cannot be read, or is no joint.
     """
-    from surae.records import from_file, read_toml
+    from surae.base.records import from_file, read_toml
 
     joint = from_file(Joint, path, read_toml(path))
     if missing := [name for name in STATED if name not in joint.parameters]:

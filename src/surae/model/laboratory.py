@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.model.joint import ANKLE, Joint
 from surae.model.sources import NUISANCES, Gaussian, Nuisance
 

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.model.geometry import JointAngle, JointAxis, Path, paths
 from surae.model.joint import ANKLE
 from surae.model.options import ModelOptions
 from surae.model.parameters import OPTIONAL
 from surae.signals import ModelInputs, smooth_effort
-from surae.units import FloatArray
 
 GRAVITY = 9.81
 

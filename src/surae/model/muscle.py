@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.model.activation import ActiveState
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
@@ -11,7 +12,6 @@ from surae.model.parameters import MUSCLE_PARAMETERS
 from surae.model.rigid import exponentials, rigid_forces, rigid_torque
 from surae.model.tied import Simulator, Sums
 from surae.signals import ModelInputs
-from surae.units import FloatArray
 
 _NAMES = tuple(p.name for p in MUSCLE_PARAMETERS)
 #: Columns of each group's own parameters, in the order of `surae.model.rigid`.

@@ -5,8 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.frozen import read_only
+from surae.base.errors import InputError
+from surae.base.frozen import read_only
+from surae.base.names import CHOICES, ELSEWHERE
+from surae.base.plugins import plugins
+from surae.base.units import FloatArray
 from surae.model import compliant
 from surae.model.activation import ActiveState, IntArray
 from surae.model.movement import MusclePath
@@ -17,10 +20,7 @@ from surae.model.rigid import K_REL, TAU
 from surae.model.simulator import TendonLaw, TendonState
 from surae.model.tendon import tendon_curve
 from surae.model.tied import Simulator, Sums
-from surae.names import CHOICES, ELSEWHERE
-from surae.plugins import plugins
 from surae.signals import ModelInputs
-from surae.units import FloatArray
 
 _OWN = MUSCLE_PARAMETERS + TENDON_PARAMETERS
 _NAMES = tuple(p.name for p in _OWN)

@@ -9,12 +9,12 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from surae.errors import InputError
-from surae.filed import filed
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.names import CHOICES
+from surae.base.setting import Request, documented, setting
 from surae.model.geometry_table import GeometryTable
 from surae.model.joint import ANKLE, Joint
-from surae.names import CHOICES
-from surae.setting import Request, documented, setting
 
 
 @filed(sparse=("emg_ref", "joint"))
@@ -128,7 +128,7 @@ class ModelOptions(Request):
 
     def as_dict(self) -> dict[str, Any]:
         """The options as plain data, without those that are not given."""
-        from surae.records import to_plain
+        from surae.base.records import to_plain
 
         return dict(to_plain(self))
 
@@ -139,7 +139,7 @@ def with_files(given: Mapping[str, Any]) -> dict[str, Any]:
     for name, kind in (("geometry", GeometryTable), ("joint", Joint)):
         value = given.get(name)
         if isinstance(value, Mapping):
-            from surae.records import from_plain
+            from surae.base.records import from_plain
 
             read[name] = from_plain(kind, value)
         elif not isinstance(value, str | PathLike) or value in CHOICES[name]:

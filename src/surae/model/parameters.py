@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
-from surae.frozen import FrozenDict
+from surae.base.frozen import FrozenDict
+from surae.base.units import FloatArray
 from surae.model.joint import ANKLE
 from surae.model.options import ModelOptions
 from surae.recording import FILMED, MUSCLE_NAMES, MUSCLES
-from surae.units import FloatArray
 
 if TYPE_CHECKING:
     from surae.signals import ModelInputs

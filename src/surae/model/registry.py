@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.frozen import Comparable
+from surae.base.errors import InputError
+from surae.base.frozen import Comparable
+from surae.base.names import ELSEWHERE
+from surae.base.plugins import Extended, plugins
+from surae.base.units import FloatArray
 from surae.model.geometry_table import GeometryTable
 from surae.model.options import ModelOptions
 from surae.model.parameters import (
@@ -20,10 +23,7 @@ from surae.model.parameters import (
     Parameter,
     adapted,
 )
-from surae.names import ELSEWHERE
-from surae.plugins import Extended, plugins
 from surae.signals import ModelInputs
-from surae.units import FloatArray
 
 if TYPE_CHECKING:
     from surae.model import Simulator

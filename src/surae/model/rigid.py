@@ -7,11 +7,11 @@ model.
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.model.activation import IntArray
 from surae.model.contraction import CF, force_velocity
 from surae.model.jit import jit
 from surae.model.passive import relaxation_step
-from surae.units import FloatArray
 
 #: A group's own parameters: stiffness, slack length, optimal length, relaxation.
 K, X0, L0, TAU, K_REL = 0, 1, 2, 3, 4

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.errors import ComputationError
-from surae.frozen import Comparable
+from surae.base.errors import ComputationError
+from surae.base.frozen import Comparable
+from surae.base.units import FloatArray
 from surae.recording.table import sample
 from surae.signals import ModelInputs
-from surae.units import FloatArray
 
 
 @dataclass(frozen=True, slots=True)

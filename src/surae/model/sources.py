@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
-from surae.frozen import FrozenDict
+from surae.base.frozen import FrozenDict
+from surae.base.words import N_
 from surae.model.parameters import OPTIONAL
 from surae.recording import FILMED
-from surae.words import N_
 
 
 class Fill(NamedTuple):

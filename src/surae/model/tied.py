@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.model.activation import ActivationFilter, ActiveState, IntArray
 from surae.model.excitation import Excitation
 from surae.model.movement import LegMovement, Movement, MusclePath
@@ -19,7 +20,6 @@ from surae.model.options import ModelOptions
 from surae.model.parameters import OPTIONAL_PARAMETERS
 from surae.model.simulator import TendonState, TorqueParts
 from surae.signals import ModelInputs
-from surae.units import FloatArray
 
 _TORQUES = {p.name: p.torque for p in OPTIONAL_PARAMETERS}
 

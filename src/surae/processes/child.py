@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from surae.errors import ComputationError, InputError
+from surae.base.errors import ComputationError, InputError
 from surae.processes.messages import received, send
 
 #: What JSON holds, with bytes and arrays of numbers anywhere in it.

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import IO, Any
 
-from surae.errors import InputError, SuraeError
+from surae.base.errors import InputError, SuraeError
 from surae.processes.messages import FULL, NO_ROOM, one_line, received, send, where
 
 #: To the parent; None in a process that is nobody's child.

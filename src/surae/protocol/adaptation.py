@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from surae.base.units import FloatArray
 from surae.protocol.device import Device
-from surae.units import FloatArray
 
 #: Angle, velocity and acceleration [rad, rad/s, rad/s²].
 Motion = tuple[FloatArray, FloatArray, FloatArray]

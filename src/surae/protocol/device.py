@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from surae.errors import InputError
-from surae.filed import filed
-from surae.files import PathLike, shown
-from surae.plugins import Extended, plugins
-from surae.records import OrInfinite, from_file, read_toml
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.files import PathLike, shown
+from surae.base.plugins import Extended, plugins
+from surae.base.records import OrInfinite, from_file, read_toml
 
 
 @filed(

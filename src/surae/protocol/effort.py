@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.protocol.profiles import smooth_step
 from surae.recording import MUSCLES
-from surae.units import FloatArray
 
 
 @dataclass(frozen=True, slots=True)

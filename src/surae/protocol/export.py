@@ -4,14 +4,14 @@ import io
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.files import PathLike, shown, write_atomic
+from surae.base.errors import InputError
+from surae.base.files import PathLike, shown, write_atomic
+from surae.base.units import FloatArray
 from surae.protocol.protocol import Given, Trajectory
 from surae.recording import MUSCLES
 from surae.recording.formats import open_table
 from surae.recording.source import open_source
 from surae.signals.resample import derivatives
-from surae.units import FloatArray
 
 #: Column names: the position to follow and the effort to show to the subject.
 COLUMNS = ("time_s", "angle_rad", *(f"emg_{muscle}" for muscle in MUSCLES))

@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.units import FloatArray
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 
 #: Time in which a ramp gains or loses its speed [s].
 BLEND = 0.2

@@ -6,15 +6,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.frozen import as_read_only, read_only
+from surae.base.errors import InputError
+from surae.base.frozen import as_read_only, read_only
+from surae.base.requests import MotionSettings
+from surae.base.setting import documented
+from surae.base.units import FloatArray
 from surae.protocol.adaptation import Adaptation, Motion, fit_device, peaks, refusal
 from surae.protocol.device import Device, allowed_range
 from surae.protocol.effort import effort, named_task
 from surae.protocol.profiles import base_range, chirp, named_profile
-from surae.requests import MotionSettings
-from surae.setting import documented
-from surae.units import FloatArray
 
 #: The motion is shaped on a grid at least this fine [Hz], a multiple of the rate asked for, so that
 #: the extremes between two samples are seen and the result hardly depends on that rate.

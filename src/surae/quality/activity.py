@@ -4,13 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.quality.emg import REST_VOLTS
 from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import quantile, quantiles, runs, smooth, span_of
 from surae.quality.reflex import Reflex, reflex
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLE_NAMES, MUSCLES
-from surae.units import FloatArray
 
 #: Activity as a part of the largest in the trial that a relaxed muscle stays below, and as a
 #: multiple of its own level of rest.

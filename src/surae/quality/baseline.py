@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.model.geometry import moment_arm
 from surae.quality.numeric import BoolArray, IndexArray, quantile, smooth
 from surae.quality.torque_model import SHORTEST, activation
 from surae.recording import MUSCLES
-from surae.units import FloatArray
 
 #: Stiffness coefficients k of equation (8) that are tried [1/m]: healthy legs have 170 to 230 and
 #: 90 to 130, patients up to 235 and 160.

@@ -10,12 +10,12 @@ from functools import cache
 
 import numpy as np
 
-from surae.frozen import Comparable, read_only
+from surae.base.frozen import Comparable, read_only
+from surae.base.units import FloatArray
 from surae.protocol import PROFILES
 from surae.protocol.adaptation import low_pass, spectrum_of
 from surae.quality.numeric import BoolArray, quantile
 from surae.recording import Channel
-from surae.units import FloatArray
 
 #: Samples [Hz] on which a profile is recognised.
 _RATE = 85.0

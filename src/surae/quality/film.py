@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.quality.finding import Finding, make_finding
 from surae.quality.numeric import span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import Channel
-from surae.units import FloatArray
 
 #: Fascicles of the ankle's muscles are within these lengths [m].
 _LENGTHS = (0.01, 0.2)

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from surae.base.records import to_plain
+from surae.base.tables import Tabular, TextTable
 from surae.recording import MUSCLES, Channel
-from surae.records import to_plain
-from surae.tables import Tabular, TextTable
 
 Severity = Literal["info", "warning", "error"]
 

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.quality.finding import Finding, Unjudged, make_finding, quantity
 from surae.quality.numeric import runs, span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLE_NAMES, Channel
-from surae.units import FloatArray
 
 #: Frequencies of mains [Hz].
 MAINS = (50.0, 60.0)

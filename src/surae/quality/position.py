@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import runs, smooth, span_of
 from surae.quality.trial import IMPOSSIBLE_ANGLE, CheckedTrial
 from surae.recording import Channel
-from surae.units import FloatArray
 
 #: No ankle goes further than this from neutral [rad]: 63° up, 92° down.
 _HIGHEST, _LOWEST = 1.1, -1.6

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.files import PathLike
-from surae.frozen import read_only
+from surae.base.errors import InputError
+from surae.base.files import PathLike
+from surae.base.frozen import read_only
+from surae.base.units import FACTORS, SI, FloatArray, kind, plain
 from surae.model.joint import Joint
 from surae.protocol import read_protocol
 from surae.quality.commanded import Commanded
@@ -23,7 +24,6 @@ from surae.recording.roles import NAMES
 from surae.recording.source import Source, open_source
 from surae.recording.table import Column, Table, load_each
 from surae.signals import ModelInputs
-from surae.units import FACTORS, SI, FloatArray, kind, plain
 
 #: Columns of a recording that hold the commanded angle, and their factor to radians.
 _COMMANDED = {f"commanded_angle_{unit}": factor for unit, factor in FACTORS["angle"].items()}

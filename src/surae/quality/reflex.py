@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import BoolArray, correlation, quantile, shifted, smooth
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES
-from surae.units import FloatArray
 
 #: Delay of a reflex behind the stretch [s]: short and medium latency responses of the soleus.
 EARLIEST, LATEST = 0.025, 0.12

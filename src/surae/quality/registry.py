@@ -26,7 +26,7 @@ class Check:
 
 
 #: Of the signals; those of the time axis need no signal that can be read, and quick fits make the
-#: rest (`surae.diagnosis`).
+#: rest (`surae.inference.diagnosis`).
 CHECKS: tuple[Check, ...] = (
     Check(("emg-kind",), emg.kind),
     Check(("emg-missing",), emg.missing),

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.quality.finding import Finding, make_finding
 from surae.quality.numeric import quantile
 from surae.recording import Channel, Recording
 from surae.signals.timebase import GAP_STEPS, timing
-from surae.units import FloatArray
 
 #: Jitter above this part of a step is worth a warning: the signals are then interpolated, which
 #: loses the fastest content, and below it the clock is as good as a logger's.

@@ -6,13 +6,13 @@ from contextlib import suppress
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.protocol import DEVICES
 from surae.quality.baseline import baseline
 from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import IndexArray, correlation, equal_runs, quantile, span_of
 from surae.quality.torque_model import passive_columns
 from surae.quality.trial import CheckedTrial
-from surae.units import FloatArray
 
 #: Samples in a row exactly at the largest torque that make a plateau, and how many there are in
 #: all: a measured or simulated torque repeats no number.

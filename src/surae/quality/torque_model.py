@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.model.geometry import moment_arm
 from surae.quality.numeric import IndexArray, quantile, responded, smooth
-from surae.units import FloatArray
 
 #: Of the activation filter [Hz], which virtual subjects have between 1.6 and 2.4.
 _F0 = 2.0

@@ -6,14 +6,14 @@ from typing import Literal
 
 import numpy as np
 
-from surae.frozen import read_only
+from surae.base.frozen import read_only
+from surae.base.units import FloatArray
 from surae.protocol.effort import effort, named_task
 from surae.quality.commanded import Commanded, recognised
 from surae.quality.numeric import BoolArray, correlation, quantiles, smooth, span_of
 from surae.quality.torque_model import TorqueModel, torque_model
 from surae.recording import MUSCLES, Channel, Recording
 from surae.recording.emg_kind import emg_contradictions
-from surae.units import FloatArray
 
 #: Rate at which signals are compared [Hz]: fine enough for a reflex's 25 ms.
 RATE = 100.0

@@ -21,12 +21,12 @@ from typing import Any
 
 import numpy as np
 
-from surae.cleaning import cleaned
-from surae.errors import InputError
+from surae.base.cleaning import cleaned
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table
-from surae.units import FloatArray
 
 _BLOCK = 512
 _INTEL, _DEC, _MIPS = 84, 85, 86

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.frozen import freeze
+from surae.base.errors import InputError
+from surae.base.frozen import freeze
+from surae.base.units import FACTORS, SI, kind, plain, spelled, to_si
 from surae.recording.recording import FILM_ROLES, Channel
 from surae.recording.roles import heading_unit
 from surae.recording.table import Column, Table, check_finite, check_samples
-from surae.units import FACTORS, SI, kind, plain, spelled, to_si
 
 
 @dataclass(frozen=True, slots=True)

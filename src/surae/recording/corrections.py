@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.formatting import listed
-from surae.frozen import FrozenDict, freeze
+from surae.base.errors import InputError
+from surae.base.formatting import listed
+from surae.base.frozen import FrozenDict, freeze
+from surae.base.units import FACTORS, SI, kind
 from surae.recording.recording import MUSCLES, ROLES, Channel, Recording
-from surae.units import FACTORS, SI, kind
 
 _WORDS = {"sign": "1 or -1", "scale": "a factor that is not 0", "offset": "a number"}
 #: A unit in a channel's source, as `Scaling.describe` writes it.

@@ -5,13 +5,13 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.frozen import freeze
+from surae.base.errors import InputError
+from surae.base.frozen import freeze
+from surae.base.units import SI, FloatArray, kind, plain, spelled, to_si
 from surae.recording.reading import recording_of_table
 from surae.recording.recording import ROLES, Recording
 from surae.recording.roles import NAMES, TIMES
 from surae.recording.table import Column, Table, in_row
-from surae.units import SI, FloatArray, kind, plain, spelled, to_si
 
 _WHERE = "DataFrame"
 

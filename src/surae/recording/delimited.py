@@ -11,12 +11,12 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FACTORS, plain, spelled
 from surae.recording.roles import NAMES, TIMES
 from surae.recording.rows import Rows, split
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, some
-from surae.units import FACTORS, plain, spelled
 
 #: Separators, by preference where several could be it.
 DELIMITERS = ("\t", ";", ",")

@@ -9,13 +9,13 @@ from typing import Literal
 
 import tomli_w
 
-from surae.errors import InputError
-from surae.filed import filed
-from surae.files import shown
-from surae.frozen import FrozenDict
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.files import shown
+from surae.base.frozen import FrozenDict
+from surae.base.records import brief
+from surae.base.setting import setting
 from surae.recording.recording import ROLES
-from surae.records import brief
-from surae.setting import setting
 
 EFFORTS = ("passive", "active", "maximal")
 #: A setting that whoever uses it knows by its name.

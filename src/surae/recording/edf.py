@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table, instants
-from surae.units import FloatArray
 
 _EDF, _BDF = b"0       ", b"\xffBIOSEMI"
 _BLOCK = 256

@@ -5,9 +5,9 @@ from typing import Literal
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.recording.recording import Recording
 from surae.recording.table import Column
-from surae.units import FloatArray
 
 #: An envelope, low-passed at 20 Hz or less, crosses its median at most about so often [1/s].
 _SLOW = 40.0

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from surae.cleaning import cleaned
-from surae.errors import InputError
+from surae.base.cleaning import cleaned
+from surae.base.errors import InputError
 from surae.recording import delimited
 from surae.recording.foreign import in_child, optional, untrusted
 from surae.recording.source import Source

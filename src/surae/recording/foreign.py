@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from surae.cleaning import cleaned
-from surae.errors import ComputationError, InputError
-from surae.frozen import as_read_only
+from surae.base.cleaning import cleaned
+from surae.base.errors import ComputationError, InputError
+from surae.base.frozen import as_read_only
+from surae.base.units import FloatArray
 from surae.processes import guarded
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, instants, sample
-from surae.units import FloatArray
 
 #: What a reader may take at most [s, bytes], and the more for every byte of the file: pyxdf reads
 #: about 3 MB/s, SciPy and edfio hold a file several times.

@@ -6,10 +6,10 @@ from itertools import chain
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
-from surae.cleaning import cleaned
-from surae.errors import InputError
-from surae.files import PathLike, shown
-from surae.plugins import plugins
+from surae.base.cleaning import cleaned
+from surae.base.errors import InputError
+from surae.base.files import PathLike, shown
+from surae.base.plugins import plugins
 from surae.recording import (
     c3d,
     delimited,

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.units import kind
+from surae.base.errors import InputError
+from surae.base.units import kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,17 +24,17 @@ from typing import Any, Literal
 import numpy as np
 
 from surae._version import __version__
-from surae.errors import InputError
-from surae.files import PathLike, atomic_file, shown
-from surae.frozen import freeze
+from surae.base.errors import InputError
+from surae.base.files import PathLike, atomic_file, shown
+from surae.base.frozen import freeze
+from surae.base.records import from_plain
+from surae.base.units import SI, FloatArray, kind
 from surae.recording.described import Setting
 from surae.recording.foreign import brief, untrusted
 from surae.recording.recording import ROLES, Channel, Recording, SourceFile
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, check_samples, instants, sample
 from surae.recording.writing import column_name
-from surae.records import from_plain
-from surae.units import SI, FloatArray, kind
 
 #: Compressed, sparse or never written data may claim any size: what is unpacked is at most this
 #: many bytes, and this many times the file's size more.

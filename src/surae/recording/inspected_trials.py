@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from surae.files import PathLike, shown
+from surae.base.files import PathLike, shown
 from surae.recording.described import toml_value
 from surae.recording.inspection import Inspection, inspect
 from surae.recording.mapping import TRIAL

@@ -7,9 +7,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.files import PathLike, paths_of, shown
-from surae.frozen import FrozenDict
+from surae.base.errors import InputError
+from surae.base.files import PathLike, paths_of, shown
+from surae.base.frozen import FrozenDict
+from surae.base.records import to_plain
+from surae.base.tables import Tabular, TextTable
 from surae.recording.channels import stated_unit, written_unit
 from surae.recording.emg_kind import Look, contradiction, look_of, relation
 from surae.recording.formats import open_table
@@ -27,8 +29,6 @@ from surae.recording.roles import (
 )
 from surae.recording.source import open_source
 from surae.recording.table import Column, Sampling, Table, load_each, sampling_of, some
-from surae.records import to_plain
-from surae.tables import Tabular, TextTable
 
 _SIDES = ("left", "right")
 #: What differs between rules of the same kind.

@@ -17,9 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.files import PathLike, shown
-from surae.frozen import as_read_only
+from surae.base.errors import InputError
+from surae.base.files import PathLike, shown
+from surae.base.frozen import as_read_only
+from surae.base.records import brief, from_plain
+from surae.base.units import FACTORS, spelled, to_si
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.corrections import Corrections
 from surae.recording.described import MappedChannel, MappedRecording
@@ -28,8 +30,6 @@ from surae.recording.recording import ROLES, Channel, Recording
 from surae.recording.roles import words_of
 from surae.recording.source import Source, open_source
 from surae.recording.table import Column, Table, instants, some
-from surae.records import brief, from_plain
-from surae.units import FACTORS, spelled, to_si
 
 #: How the first line of a TOML file begins: a table, or a key with its equals sign.
 _FIRST = re.compile(r"\s*(\[|[\w.\"' -]+=)")

@@ -4,12 +4,12 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from surae.files import PathLike, shown
+from surae.base.files import PathLike, shown
+from surae.base.units import FACTORS, kind
 from surae.recording.described import toml_value
 from surae.recording.inspection import InspectedChannel, Inspection
 from surae.recording.recording import FILM_ROLES, MUSCLES, ROLES
 from surae.recording.roles import unit_is_volts
-from surae.units import FACTORS, kind
 
 #: An EMG without a unit whose greatest value is one of these was normalised.
 _NORMALISED = (0.05, 2.0)

@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from surae.cleaning import cleaned
-from surae.errors import InputError
+from surae.base.cleaning import cleaned
+from surae.base.errors import InputError
+from surae.base.units import FACTORS, FloatArray
 from surae.recording.foreign import Parsed, foreign_table, packed, untrusted
 from surae.recording.hdf5 import fixed_text, is_plain, member
 from surae.recording.source import Source
 from surae.recording.table import Table, some
-from surae.units import FACTORS, FloatArray
 
 _MATLAB5 = b"MATLAB 5.0 MAT-file"
 _HDF5 = b"\x89HDF\r\n\x1a\n"

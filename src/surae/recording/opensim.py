@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.recording.rows import Rows
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, some

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from surae.cleaning import cleaned
-from surae.errors import InputError
-from surae.frozen import freeze
+from surae.base.cleaning import cleaned
+from surae.base.errors import InputError
+from surae.base.frozen import freeze
+from surae.base.units import FloatArray
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, instants, sample
-from surae.units import FloatArray
 
 _MAGIC = b"POLY SAMPLE FILE"
 #: After the identification of 31 bytes (version 2.03) or 32 (2.04).

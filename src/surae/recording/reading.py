@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
-from surae.errors import InputError
-from surae.files import PathLike
+from surae.base.errors import InputError
+from surae.base.files import PathLike
+from surae.base.units import plain
 from surae.recording import hdf5, opensim
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.corrections import Corrections
@@ -14,7 +15,6 @@ from surae.recording.recording import Recording, SourceFile
 from surae.recording.roles import NAMES, TIMES, role_and_unit
 from surae.recording.source import Source, open_source
 from surae.recording.table import Table, some
-from surae.units import plain
 
 
 def read(

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy.typing as npt
 
-from surae.errors import InputError
-from surae.files import shown
-from surae.frozen import Comparable, FrozenDict, read_only
+from surae.base.errors import InputError
+from surae.base.files import shown
+from surae.base.frozen import Comparable, FrozenDict, read_only
+from surae.base.records import FileName
+from surae.base.units import SI, FloatArray, kind
 from surae.recording.table import check_samples
-from surae.records import FileName
-from surae.units import SI, FloatArray, kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -67,7 +67,7 @@ class Channel(Comparable):
     #: The signal in `unit`, sign applied, shape (n,): angle dorsiflexion positive, torque positive
     #: when the triceps pulls.
     values: FloatArray
-    unit: str  #: SI unit (`surae.units.SI`), or ``"1"`` for a normalised EMG envelope.
+    unit: str  #: SI unit (`surae.base.units.SI`), or ``"1"`` for a normalised EMG envelope.
     source: str  #: Where it came from and what was applied: ``"ik.sto: ankle_angle_r [deg]"``.
 
     @property

@@ -28,9 +28,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FACTORS, kind, plain, spelled, to_si
 from surae.recording.recording import FILMED, MUSCLE_NAMES, MUSCLES, ROLES
-from surae.units import FACTORS, kind, plain, spelled, to_si
 
 #: Column names of the time, and their factor to seconds.
 TIMES: Mapping[str, float] = {f"time_{unit}": factor for unit, factor in FACTORS["time"].items()}

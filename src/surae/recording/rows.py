@@ -9,11 +9,11 @@ from itertools import chain, islice
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.frozen import read_only
+from surae.base.errors import InputError
+from surae.base.frozen import read_only
+from surae.base.units import FloatArray
 from surae.recording.source import Source
 from surae.recording.table import Column, some
-from surae.units import FloatArray
 
 #: Columns of ours whose tracker may have lost a frame, which leaves its cell blank.
 _MAY_LACK = ("fascicle_", "pennation_")

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from surae import files
-from surae.errors import InputError
+from surae.base import files
+from surae.base.errors import InputError
 from surae.recording.recording import SourceFile
 
 _BOM = b"\xef\xbb\xbf"
@@ -77,7 +77,7 @@ def open_source(path: files.PathLike) -> Source:
     Raises
     ------
     InputError
-        It cannot be read; see `surae.files.read_bytes`.
+        It cannot be read; see `surae.base.files.read_bytes`.
     """
     data = files.read_bytes(path)
     return Source(path=str(path), data=data, sha256=files.sha256(data))

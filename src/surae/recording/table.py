@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from surae.errors import InputError
-from surae.units import FloatArray
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 
 IndexArray = npt.NDArray[np.intp]
 
@@ -115,7 +115,7 @@ class Table:
     load: Callable[[Sequence[str]], Mapping[str, Column]]
     #: Units that the file states, by column, in its own spelling.
     units: Mapping[str, str] = field(default_factory=dict)
-    #: Units that the file states for a kind of signal (`surae.units.FACTORS`), such as angles in
+    #: Units that the file states for a kind of signal (`surae.base.units.FACTORS`), such as angles in
     #: degrees, without saying which of its columns are angles.
     units_of_kind: Mapping[str, str] = field(default_factory=dict)
     #: Settings of the recording that the file states: ``"name"``, ``"emg"``.

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.frozen import freeze
+from surae.base.errors import InputError
+from surae.base.frozen import freeze
 from surae.recording.rows import as_number, split
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, in_row

@@ -5,11 +5,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from surae.errors import InputError
-from surae.files import PathLike, atomic_file, shown
+from surae.base.errors import InputError
+from surae.base.files import PathLike, atomic_file, shown
+from surae.base.units import FloatArray
 from surae.recording.recording import Recording
 from surae.recording.table import check_finite
-from surae.units import FloatArray
 
 #: Rows that are turned into text at a time.
 _CHUNK = 16384

@@ -19,12 +19,12 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from surae.cleaning import cleaned
-from surae.errors import InputError
+from surae.base.cleaning import cleaned
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table
-from surae.units import FloatArray
 
 _MAGIC = b"XDF:"
 #: A stamp further than this from a uniform axis [s] is no jitter.

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
-from surae.files import template
+from surae.base.files import template
 from surae.report.typeset import check_report, has_typst, typeset
 
 __all__ = ["check_report", "has_typst", "part_of", "style", "typeset"]

@@ -5,12 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.assessment import Assessment, ParameterEstimate, Verdict
-from surae.assessment.adequacy import Grade
-from surae.assessment.marginal import budgets
-from surae.assessment.parameter import percent
-from surae.estimation import FitResult
-from surae.formatting import listed
+from surae.base.formatting import listed
+from surae.inference import Assessment, FitResult, ParameterEstimate, Verdict
+from surae.inference.adequacy import Grade
+from surae.inference.marginal import budgets
+from surae.inference.parameter import percent
 from surae.model.sources import SOURCES
 from surae.protocol.planning.information import covariance_if_filmed
 from surae.report import block

@@ -5,9 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from surae.assessment import Adequacy, Assessment, Grade, Verdict
-from surae.estimation import FitResult
-from surae.formatting import NO_NUMBER, significant
+from surae.base.formatting import NO_NUMBER, significant
+from surae.inference import Adequacy, Assessment, FitResult, Grade, Verdict
 from surae.measures import Measure, Measures
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.measured import HeldPoint, MeasuredSlope, Stretch

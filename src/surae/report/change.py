@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from datetime import datetime
 
-from surae.assessment import Grade
-from surae.formatting import NO_NUMBER
+from surae.base.formatting import NO_NUMBER
+from surae.base.words import JUDGEMENTS
+from surae.inference import Grade
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.measured import torque_curve
 from surae.report import block
@@ -14,7 +15,6 @@ from surae.report.joint import relabelled, reworded
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import compared, visit_angle
 from surae.report.output import Report
-from surae.words import JUDGEMENTS
 
 
 def change_report(

@@ -2,8 +2,8 @@
 
 from datetime import datetime
 
-from surae.files import natural_order
-from surae.formatting import of_interval
+from surae.base.files import natural_order
+from surae.base.formatting import of_interval
 from surae.measures.cohort import Cohort, CohortMember, sessions_of
 from surae.measures.table import LEADING
 from surae.report import block

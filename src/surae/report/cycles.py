@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from surae.units import FloatArray
+from surae.base.units import FloatArray
 
 #: Movement of less than this [rad] is rest, whose noise may look like anything.
 _MOVES = 0.02

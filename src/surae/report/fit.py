@@ -6,10 +6,9 @@ from itertools import chain
 
 import numpy as np
 
-from surae.assessment import Assessment, Prediction, Verdict
-from surae.assessment.parameter import IDENTIFIED, percent
-from surae.estimation import FitResult
-from surae.formatting import NO_NUMBER, estimate, percentage, short, significant
+from surae.base.formatting import NO_NUMBER, estimate, percentage, short, significant
+from surae.inference import Assessment, FitResult, Prediction, Verdict
+from surae.inference.parameter import IDENTIFIED, percent
 from surae.model import GeometryTable
 from surae.quality import Quality
 from surae.report import block

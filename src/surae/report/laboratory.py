@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from surae.assessment import Assessment, ParameterEstimate
-from surae.assessment.adequacy import Grade
-from surae.estimation import FitResult
-from surae.estimation.each import trial_spread
-from surae.formatting import NO_NUMBER, estimate, significant
+from surae.base.formatting import NO_NUMBER, estimate, significant
+from surae.inference import Assessment, FitResult, ParameterEstimate
+from surae.inference.adequacy import Grade
+from surae.inference.each import trial_spread
 from surae.model import get_model
 from surae.model.laboratory import group_of
 from surae.model.sources import NUISANCES, Gaussian

@@ -9,10 +9,10 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from io import BytesIO
 
-from surae.errors import InputError
-from surae.formatting import ends, of_interval
-from surae.names import LANGUAGES
-from surae.words import N_
+from surae.base.errors import InputError
+from surae.base.formatting import ends, of_interval
+from surae.base.names import LANGUAGES
+from surae.base.words import N_
 
 #: What measures, and one parameter, are called, in the order in which they are shown.
 MEASURES = {

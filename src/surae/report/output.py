@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from surae.files import PathLike, template, write_atomic
+from surae.base.files import PathLike, template, write_atomic
 from surae.report import block
 from surae.report.figures import Figure, data_url, png, svg
 from surae.report.traces import Traces, plots, signals_of

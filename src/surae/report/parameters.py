@@ -2,9 +2,8 @@
 
 import math
 
-from surae.assessment import Assessment, Interval, ParameterEstimate, Verdict
-from surae.estimation import FitResult, Prior
-from surae.formatting import NO_NUMBER, estimate, short, standard_error
+from surae.base.formatting import NO_NUMBER, estimate, short, standard_error
+from surae.inference import Assessment, FitResult, Interval, ParameterEstimate, Prior, Verdict
 from surae.model.laboratory import group_of
 from surae.report import block
 from surae.report.provenance import prior_note, prior_span

@@ -4,14 +4,13 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from surae.assessment import Assessment
-from surae.estimation import FitResult, Prior
-from surae.formatting import percentage, short, significant
+from surae.base.formatting import percentage, short, significant
+from surae.base.setting import default_of, settings_of
+from surae.base.units import FloatArray
+from surae.inference import Assessment, FitResult, Prior
 from surae.quality.numeric import runs
 from surae.report import block
-from surae.setting import default_of, settings_of
 from surae.signals import ModelInputs
-from surae.units import FloatArray
 
 #: Share of samples that count less than half from which they are no stray artefacts; Gaussian noise
 #: has 0.7 % of them under Huber's loss.

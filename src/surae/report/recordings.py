@@ -4,15 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from surae.assessment import RecordingQuality, Whiteness
-from surae.assessment.fascicles import FascicleQuality, Fascicles
-from surae.formatting import NO_NUMBER, chance, percentage, short, signed, significant
+from surae.base.formatting import NO_NUMBER, chance, percentage, short, signed, significant
+from surae.base.units import FloatArray
+from surae.inference import RecordingQuality, Whiteness
+from surae.inference.fascicles import FascicleQuality, Fascicles
 from surae.recording.table import sample
 from surae.report import block
 from surae.report.cycles import find_cycles
 from surae.report.provenance import excluded_text
 from surae.report.traces import Traces
-from surae.units import FloatArray
 
 #: Names of the two muscle groups, in the order of their rows.
 GROUPS = ("Triceps surae", "Tibialis anterior")

@@ -2,14 +2,13 @@
 
 from collections.abc import Sequence
 
-from surae.assessment import Assessment, Prediction, Verdict, pooled
-from surae.assessment.assess import described, variance_inflation
-from surae.assessment.identifiability.identified import Direction, Identified, identifiability
-from surae.assessment.parameter import IDENTIFIED
-from surae.estimation import FitResult
-from surae.formatting import NO_NUMBER, percentage, significant
+from surae.base.formatting import NO_NUMBER, percentage, significant
+from surae.base.normal import NORMAL
+from surae.inference import Assessment, FitResult, Prediction, Verdict, pooled
+from surae.inference.assessment import described, variance_inflation
+from surae.inference.identifiability.identified import Direction, Identified, identifiability
+from surae.inference.parameter import IDENTIFIED
 from surae.model.joint import ANKLE
-from surae.normal import NORMAL
 from surae.report import block
 
 

@@ -4,8 +4,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
-from surae.assessment import Assessment
-from surae.formatting import percentage
+from surae.base.formatting import percentage
+from surae.base.words import JUDGEMENTS
+from surae.inference import Assessment
 from surae.measures import Measure, Measures
 from surae.model.joint import ANKLE
 from surae.quality import Quality
@@ -26,7 +27,6 @@ from surae.report.recordings import film_block
 from surae.report.traces import traces_of
 from surae.report.wording import adequacy_words
 from surae.trials import Crossed, TrialSet, common_errors
-from surae.words import JUDGEMENTS
 
 
 @dataclass(frozen=True, slots=True)

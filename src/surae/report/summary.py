@@ -4,9 +4,9 @@ import textwrap
 from collections.abc import Iterator
 from dataclasses import replace
 
-from surae.assessment import Assessment
-from surae.estimation import FitResult
-from surae.formatting import estimate, of_interval, percentage, significant
+from surae.base.formatting import estimate, of_interval, percentage, significant
+from surae.base.tables import TextTable
+from surae.inference import Assessment, FitResult
 from surae.measures.compute import judged_measures, points
 from surae.measures.spread import spread_of
 from surae.measures.table import LEADING
@@ -17,7 +17,6 @@ from surae.report.parameters import repeatable, shown_parameters
 from surae.report.provenance import emphasis_text
 from surae.report.recordings import film_lines
 from surae.report.wording import adequacy_words
-from surae.tables import TextTable
 
 _HEADS = ("parameter", "value", "95 % interval", "unit", "repeats", "verdict", "meaning")
 #: How steps begin that are shown: what the user asked for, not what every fit does.

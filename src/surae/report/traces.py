@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from surae.assessment.fascicles import Fascicles, followed
-from surae.estimation import FitResult
-from surae.frozen import read_only
+from surae.base.frozen import read_only
+from surae.base.units import FloatArray
+from surae.inference import FitResult
+from surae.inference.fascicles import Fascicles, followed
 from surae.model import TendonState
 from surae.model.simulator import TorqueParts
 from surae.recording import MUSCLES
 from surae.report.provenance import excluded_spans
-from surae.units import FloatArray
 
 __all__ = ["Traces", "extremes", "min_max", "traces_of"]
 

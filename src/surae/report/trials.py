@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from surae.assessment import Assessment
-from surae.formatting import NO_NUMBER, percentage, signed
+from surae.base.formatting import NO_NUMBER, percentage, signed
+from surae.inference import Assessment
 from surae.quality import SEVERITIES, Finding, Quality
 from surae.report import block
 from surae.trials import Crossed, Trial

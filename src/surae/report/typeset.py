@@ -7,8 +7,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from surae.errors import ComputationError, InputError
-from surae.files import PathLike, shown
+from surae.base.errors import ComputationError, InputError
+from surae.base.files import PathLike, shown
 
 
 def has_typst() -> bool:

@@ -1,9 +1,8 @@
 """The plain-language summary and the adequacy: what may be taken from a fit, and what not."""
 
-from surae.assessment import Assessment, Interval
-from surae.assessment.adequacy import Adequacy, Grade
-from surae.estimation import FitResult
-from surae.formatting import percentage
+from surae.base.formatting import percentage
+from surae.inference import Assessment, FitResult, Interval
+from surae.inference.adequacy import Adequacy, Grade
 from surae.report import block
 from surae.report.provenance import emphasis_text
 

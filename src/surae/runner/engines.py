@@ -18,7 +18,7 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
-from surae.errors import ComputationError, InputError, SuraeError
+from surae.base.errors import ComputationError, InputError, SuraeError
 from surae.processes import Child, Plain, function, one_line, without_interrupt
 
 #: What there is.

@@ -17,10 +17,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from surae import database
-from surae.database import Format, sqlite_errors, transaction
-from surae.errors import ComputationError, InputError, SuraeError
-from surae.files import PathLike, require_writable, shown
+from surae.base import database
+from surae.base.database import Format, sqlite_errors, transaction
+from surae.base.errors import ComputationError, InputError, SuraeError
+from surae.base.files import PathLike, require_writable, shown
 from surae.processes import Plain
 from surae.runner.engines import Batch, Died
 

@@ -16,8 +16,8 @@ from typing import Literal
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.units import FloatArray
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 
 Ends = Literal["odd", "even"]
 Kind = Literal["lowpass", "highpass", "bessel"]

@@ -7,12 +7,12 @@ from typing import Annotated, Literal
 import numpy as np
 import numpy.typing as npt
 
-from surae.errors import InputError
-from surae.filed import filed
-from surae.files import shown
-from surae.frozen import Comparable, FrozenDict, as_read_only
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.files import shown
+from surae.base.frozen import Comparable, FrozenDict, as_read_only
+from surae.base.units import FloatArray
 from surae.recording import MUSCLES, SourceFile
-from surae.units import FloatArray
 
 
 @filed(values="values_V", count="recordings")

@@ -11,11 +11,11 @@ from typing import Literal
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.frozen import read_only
+from surae.base.errors import InputError
+from surae.base.frozen import read_only
+from surae.base.units import FloatArray
 from surae.recording import MUSCLES, SourceFile
 from surae.signals.inputs import EmgReference, ModelInputs
-from surae.units import FloatArray
 
 #: An envelope's peak is that of its average over this time [s], so that no single spike sets it.
 AVERAGED_S = 0.25

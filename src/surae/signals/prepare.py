@@ -7,8 +7,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.frozen import as_read_only, read_only
+from surae.base.errors import InputError
+from surae.base.frozen import as_read_only, read_only
+from surae.base.units import FloatArray
 from surae.recording import MUSCLES, Channel, Recording
 from surae.recording.emg_kind import contradiction, look_of
 from surae.signals.filters import HIGHEST_CUTOFF, zero_phase
@@ -24,7 +25,6 @@ from surae.signals.resample import (
 )
 from surae.signals.settings import Preparation
 from surae.signals.timebase import SAME_STEPS, UNIFORM_STEPS, Axis, common_axis, timing
-from surae.units import FloatArray
 
 _DEFAULTS = Preparation()
 #: The angle's derivatives and the channels that have them where they were measured.

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.frozen import read_only
+from surae.base.errors import InputError
+from surae.base.frozen import read_only
+from surae.base.units import FloatArray
 from surae.recording import Channel
 from surae.signals.filters import ANTIALIAS_PASS, ANTIALIAS_STOP, Ends, antialias
 from surae.signals.inputs import ModelInputs
 from surae.signals.timebase import SAME_STEPS, Axis, Timing, timing
-from surae.units import FloatArray
 
 #: Only content above `ANTIALIAS_STOP` × target rate folds back below `ANTIALIAS_PASS` × target
 #: rate; a source with a Nyquist frequency below it has none.

@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields, replace
 from types import NoneType
 from typing import Any
 
-from surae.errors import InputError
-from surae.setting import Request, documented, parts_of, setting
+from surae.base.errors import InputError
+from surae.base.setting import Request, documented, parts_of, setting
 
 #: Highest order a filter can have; it runs forward and backward, so this is 20th order in effect.
 MAXIMUM_ORDER = 10

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.recording import Channel
 from surae.recording.table import check_samples, rounding
-from surae.units import FloatArray
 
 #: A step longer than this many median steps is a gap: at least one sample is missing.
 GAP_STEPS = 1.5

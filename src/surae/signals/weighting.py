@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from surae.errors import InputError
-from surae.frozen import read_only
-from surae.names import ACTIVITIES
+from surae.base.errors import InputError
+from surae.base.frozen import read_only
+from surae.base.names import ACTIVITIES
+from surae.base.records import OrInfinite, OrMinusInfinite
+from surae.base.setting import Request, documented, setting
+from surae.base.units import FloatArray
 from surae.recording import MUSCLES
-from surae.records import OrInfinite, OrMinusInfinite
-from surae.setting import Request, documented, setting
 from surae.signals.inputs import ModelInputs
-from surae.units import FloatArray
 
 #: Activity is averaged over this time [s], so that a weight does not follow the torque's noise: it
 #: would pull the estimates to one side.

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.base.setting import Request, documented, setting, settings_of
+from surae.base.units import FloatArray
 from surae.protocol.profiles import smooth_step
 from surae.recording import MUSCLES
-from surae.setting import Request, documented, setting, settings_of
 from surae.signals import Preparation
 from surae.studies.populations import VirtualSubject, stream
-from surae.units import FloatArray
 
 #: Log-normal factors of mean 1 of a trial: of which disturbance, their coefficient of variation and
 #: how many columns.

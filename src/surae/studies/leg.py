@@ -4,7 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.frozen import read_only
+from surae.base.frozen import read_only
+from surae.base.units import FloatArray
 from surae.model import ModelOptions, get_model
 from surae.model.geometry import JointAxis, moment_arm, paths
 from surae.protocol import Trajectory
@@ -13,7 +14,6 @@ from surae.recording import MUSCLES
 from surae.signals import ModelInputs, inputs_as_given
 from surae.studies.imperfections import Imperfections, coloured_noise, wandering
 from surae.studies.populations import VirtualSubject, stream
-from surae.units import FloatArray
 
 #: EMG envelope at full effort and at rest [V]; the thesis's figures reach 6e-4 V.
 EMG_FULL = 6e-4

@@ -24,8 +24,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from surae import names
-from surae.errors import InputError
+from surae.base import names
+from surae.base.errors import InputError
 from surae.model import ModelOptions, get_model
 from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
 from surae.model.registry import PARAMETERS

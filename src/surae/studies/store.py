@@ -6,12 +6,12 @@ from dataclasses import asdict, dataclass
 from time import perf_counter
 from typing import Any
 
-from surae.errors import InputError
-from surae.files import PathLike, csv_row, write_table
+from surae.base.errors import InputError
+from surae.base.files import PathLike, csv_row, write_table
+from surae.base.progress import Progress
+from surae.base.records import from_plain, to_plain
 from surae.model import MODELS
 from surae.processes import Plain
-from surae.progress import Progress
-from surae.records import from_plain, to_plain
 from surae.runner import Batch, Died, Engine, Ledger, results
 from surae.studies.study import Study, Value, parse_study
 from surae.studies.tasks import FitTask, TaskOutcome, run_task, task_of
@@ -103,7 +103,7 @@ def study_table(store: Store) -> Iterator[dict[str, StudyValue]]:
 
 
 def export_study(store: Store, path: PathLike) -> tuple[int, str]:
-    """Write the table; see `surae.files.write_table`.
+    """Write the table; see `surae.base.files.write_table`.
 
     Returns
     -------

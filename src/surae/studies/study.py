@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from surae.errors import InputError
-from surae.files import PathLike, read_bytes, shown
+from surae.base.errors import InputError
+from surae.base.files import PathLike, read_bytes, shown
+from surae.base.names import CHIRP_RATE
+from surae.base.setting import Setting, checked
 from surae.model import ModelOptions
 from surae.model.registry import OWN
-from surae.names import CHIRP_RATE
 from surae.protocol import PROFILES, TASKS, Protocol, chirp_rate
-from surae.setting import Setting, checked
 from surae.studies.populations import POPULATIONS
 
 #: More than this is a slip of the keyboard: it would take months.

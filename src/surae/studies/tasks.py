@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from surae._version import __version__
-from surae.errors import ComputationError
+from surae.base.errors import ComputationError
+from surae.base.records import from_plain, to_plain
 from surae.protocol import TASKS, Trajectory, generate
 from surae.protocol.effort import effort
-from surae.records import from_plain, to_plain
 from surae.studies.study import OPTIONS, Value, motion, rise
 
 _PACKAGE = Path(__file__).resolve().parents[1]
@@ -139,8 +139,7 @@ def run_task(task: FitTask) -> TaskOutcome:
 
 
 def _fit(task: FitTask) -> TaskOutcome:
-    from surae.assessment import assess
-    from surae.estimation import FitSettings, make_problem, solve
+    from surae.inference import FitSettings, assess, make_problem, solve
     from surae.model import ModelOptions, get_model
     from surae.studies.populations import virtual_subject
     from surae.studies.virtual import virtual_trial

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.model import ModelOptions
 from surae.protocol import Trajectory
 from surae.recording import Recording
@@ -16,7 +17,6 @@ from surae.studies.imperfections import (
 )
 from surae.studies.leg import VirtualTrial
 from surae.studies.populations import VirtualSubject, stream
-from surae.units import FloatArray
 
 _IDEAL = Imperfections()
 

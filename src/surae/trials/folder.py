@@ -12,8 +12,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from surae.errors import InputError
-from surae.files import PathLike, make_folder, natural_order, paths_of, read_bytes, shown
+from surae.base.errors import InputError
+from surae.base.files import PathLike, make_folder, natural_order, paths_of, read_bytes, shown
 from surae.recording.formats import data_files
 from surae.recording.mapping import TRIAL, Description
 from surae.recording.reading import is_mapping

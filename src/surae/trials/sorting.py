@@ -12,16 +12,16 @@ from string import digits
 
 import numpy as np
 
-from surae.diagnosis import STILL
-from surae.errors import InputError
-from surae.filed import filed
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.records import FileName
+from surae.inference.diagnosis import STILL
 from surae.quality.numeric import quantile, smooth
 from surae.quality.registry import unfit
 from surae.quality.trial import Signals, signals_of
 from surae.recording import MUSCLE_NAMES, MUSCLES, Recording
 from surae.recording.described import EFFORTS, TrialDescription
 from surae.recording.roles import words_of
-from surae.records import FileName
 
 __all__ = ["EFFORTS", "Hold", "Reading", "Trial", "sorted_trials"]
 

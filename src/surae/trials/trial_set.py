@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
-from surae.errors import InputError
-from surae.filed import filed
-from surae.frozen import FrozenDict
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.frozen import FrozenDict
 from surae.quality import Quality
 from surae.recording import Recording, SourceFile
 from surae.settings import FitSettings

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.assessment import Covariance, covariance
-from surae.estimation import minimise
+from surae.base.units import FloatArray
+from surae.inference import Covariance, covariance, minimise
 from surae.protocol import generate
 from surae.report.figures.research import correlation_figure
-from surae.units import FloatArray
 from surae_thesis.claims import Ruling, judge_all
 from surae_thesis.legs import NOISE, protocol
 from surae_thesis.section import Context, Drawing, Result

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import click
 
+from surae.base.errors import InputError
+from surae.base.files import shown, write_atomic
 from surae.cli.options import workers_option
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_line, show_table
-from surae.errors import InputError
-from surae.files import shown, write_atomic
 
 if TYPE_CHECKING:
     from surae_thesis.section import Chapters

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.frozen import read_only
+from surae.base.errors import InputError
+from surae.base.frozen import read_only
+from surae.base.units import FloatArray
 from surae.protocol import Trajectory
-from surae.units import FloatArray
 
 #: The axes of the thesis's figures, in cells of 0.05 l0 by 0.1 l0/s.
 LENGTH_EDGES = np.linspace(0.3, 1.2, 19)

@@ -6,6 +6,7 @@ speed of it, clamped at ±vmax (27), and the speed the next length (28). It divi
 state, is stiff, and where the muscle is hardly active it chatters between the clamps (Figure 45).
 """
 
+from surae.base.units import FloatArray
 from surae.model.compliant import (
     ELONGATION,
     EPS0,
@@ -23,7 +24,6 @@ from surae.model.jit import jit
 from surae.model.passive import elastic_force, relaxation_step
 from surae.model.rigid import K_REL, L0, TAU, X0, K
 from surae.model.tendon import tendon_curve, tendon_force
-from surae.units import FloatArray
 
 
 @jit

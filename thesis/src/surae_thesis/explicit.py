@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.model import ModelOptions
 from surae.model.activation import ActiveState
 from surae.model.movement import LegMovement, MusclePath
@@ -18,7 +19,6 @@ from surae.model.parameters import (
 )
 from surae.model.tied import Sums
 from surae.signals import ModelInputs
-from surae.units import FloatArray
 from surae_thesis.euler import explicit_states
 
 #: Relative step of the central differences that its derivatives are made of.

@@ -4,8 +4,8 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 
-from surae.errors import ComputationError
-from surae.files import PathLike
+from surae.base.errors import ComputationError
+from surae.base.files import PathLike
 from surae.processes import Plain
 from surae.runner import Died, Engine, Ledger, results
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from surae import ComputationError, ModelInputs
-from surae.assessment import assess, covariance, ipde, vaf
-from surae.estimation import FitSettings, make_problem, solve
+from surae.base.units import FloatArray
+from surae.inference import FitSettings, assess, covariance, ipde, make_problem, solve, vaf
 from surae.model import ModelOptions, get_model
 from surae.protocol import (
     DIRECTIONS,
@@ -23,7 +23,6 @@ from surae.protocol import (
 )
 from surae.recording import MUSCLES
 from surae.studies import VirtualSubject, stream, virtual_subject, virtual_trial
-from surae.units import FloatArray
 
 #: Noise, a part of each signal's mean (2.5.3).
 NOISE = 0.05

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from surae.frozen import FrozenDict
+from surae.base.frozen import FrozenDict
 from surae.model import ModelSpec
 from surae.model.parameters import MUSCLE_PARAMETERS, Known, Parameter
 

@@ -26,7 +26,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.model.activation import ActiveState
 from surae.model.contraction import force_length, force_velocity
 from surae.model.geometry import paths
@@ -36,7 +37,6 @@ from surae.model.options import ModelOptions
 from surae.model.tied import Simulator, Sums
 from surae.signals import ModelInputs
 from surae.signals.filters import HIGHEST_CUTOFF, zero_phase
-from surae.units import FloatArray
 from surae_thesis.model_2010 import PARAMETERS_2010
 
 _NAMES = tuple(p.name for p in PARAMETERS_2010)

@@ -11,9 +11,9 @@ from types import ModuleType
 from typing import Any
 
 from surae import InputError, __version__
-from surae.filed import filed
-from surae.files import csv_row, read_bytes, require_writable, shown, write_atomic, write_json
-from surae.records import from_plain, to_plain
+from surae.base.filed import filed
+from surae.base.files import csv_row, read_bytes, require_writable, shown, write_atomic, write_json
+from surae.base.records import from_plain, to_plain
 from surae_thesis.claims import CAUSES, VERDICTS, JudgedClaim
 
 #: Told what is being computed, how many parts of it are there, and how many there are.

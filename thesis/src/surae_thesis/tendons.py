@@ -9,11 +9,11 @@ import numpy as np
 
 import surae
 from surae import ModelInputs
+from surae.base.units import FloatArray
 from surae.model import TendonState
 from surae.protocol import generate
 from surae.report.figures import GREY, INK, OCHRE, RED
 from surae.studies import VirtualSubject, virtual_subject, virtual_trial
-from surae.units import FloatArray
 from surae_thesis.claims import Ruling, judge_all
 from surae_thesis.cohort.members import make_cohort
 from surae_thesis.cohort.work import inputs_of

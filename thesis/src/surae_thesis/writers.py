@@ -6,7 +6,7 @@ from itertools import starmap
 from pathlib import Path
 
 from surae import __version__
-from surae.files import read_bytes, write_atomic
+from surae.base.files import read_bytes, write_atomic
 from surae.report import has_typst
 from surae.report.block import (
     Block,

@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from surae.filed import filed
-from surae.files import PathLike
-from surae.formatting import part
-from surae.frozen import Comparable, FrozenDict
-from surae.progress import SearchProgress
+from surae.base.filed import filed
+from surae.base.files import PathLike
+from surae.base.formatting import part
+from surae.base.frozen import Comparable, FrozenDict
+from surae.base.progress import SearchProgress
+from surae.base.records import to_plain
+from surae.base.tables import Tabular, TextTable
+from surae.base.units import FloatArray
 from surae.protocol import Device, Trajectory, write_protocol
 from surae.protocol.planning.expectation import Expectation, expected
 from surae.protocol.planning.genes import Genes
@@ -22,9 +25,6 @@ from surae.protocol.planning.plan import Limits, Plan, eased, highest_hz, limits
 from surae.protocol.planning.ready import Ready
 from surae.protocol.planning.search import MEAN, SEARCH_RATE, WORST, make_aim, search
 from surae.protocol.planning.torque import within_torque
-from surae.records import to_plain
-from surae.tables import Tabular, TextTable
-from surae.units import FloatArray
 
 #: Part of the device's torque that the search keeps to, for legs stronger than those it sees.
 _RESERVE = 0.93

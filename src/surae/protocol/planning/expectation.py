@@ -6,20 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from surae.assessment.parameter import IDENTIFIED, Verdict, judge_interval, judge_singular
-from surae.assessment.uncertainty.covariance import Covariance, half_width
-from surae.filed import filed
-from surae.formatting import part
-from surae.frozen import Comparable, FrozenDict, read_only
+from surae.base.filed import filed
+from surae.base.formatting import part
+from surae.base.frozen import Comparable, FrozenDict, read_only
+from surae.base.records import to_plain
+from surae.base.tables import Tabular, TextTable
+from surae.base.threads import one_blas_thread
+from surae.base.units import FloatArray
+from surae.inference.parameter import IDENTIFIED, Verdict, judge_interval, judge_singular
+from surae.inference.uncertainty.covariance import Covariance, half_width
 from surae.model import adapted
 from surae.model.sources import SOURCES, source_of
 from surae.protocol import Trajectory
 from surae.protocol.planning.information import estimated, information, prior_precision
 from surae.protocol.planning.legs import Legs
-from surae.records import to_plain
-from surae.tables import Tabular, TextTable
-from surae.threads import one_blas_thread
-from surae.units import FloatArray
 
 #: Standard deviation of the torque's noise [Nm], white, sample by sample: that of a good sensor.
 NOISE = 0.5

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.protocol import DIRECTIONS, TASKS
 from surae.protocol.effort import GAP, Burst, head_share, task_bursts
 from surae.protocol.planning.plan import Limits, Plan, Shake
 from surae.protocol.profiles import BLEND, Ramp
-from surae.units import FloatArray
 
 #: Still and relaxed at both ends of a trial [s].
 REST = 0.5

@@ -9,18 +9,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.assessment.uncertainty.covariance import Covariance, covariance
-from surae.errors import InputError
-from surae.estimation import FitResult
-from surae.estimation.film import DRIFT, DRIFT_S, group_of_film, names_of_film
-from surae.frozen import Comparable, FrozenDict, read_only
+from surae.base.errors import InputError
+from surae.base.frozen import Comparable, FrozenDict, read_only
+from surae.base.units import FloatArray
+from surae.inference import FitResult
+from surae.inference.film import DRIFT, DRIFT_S, group_of_film, names_of_film
+from surae.inference.uncertainty.covariance import Covariance, covariance
 from surae.model import ModelSpec, with_optional
 from surae.model.laboratory import laboratory
 from surae.protocol import Trajectory
 from surae.protocol.planning.legs import Legs
 from surae.recording.recording import FILMED
 from surae.signals import ModelInputs, inputs_as_given, thinned
-from surae.units import FloatArray
 
 #: A trial is judged at this rate at least [Hz]: it moves below 10 Hz.
 RATE = 100.0

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.model.jit import jit
-from surae.units import FloatArray
 
 #: Longest time in which a perturbation comes and goes [s].
 EDGE = 0.5

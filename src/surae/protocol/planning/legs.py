@@ -5,19 +5,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.assessment import Assessment
-from surae.errors import InputError
-from surae.estimation import FitResult
-from surae.frozen import Comparable, read_only
+from surae.base.errors import InputError
+from surae.base.frozen import Comparable, read_only
+from surae.base.normal import standard_error_of
+from surae.base.units import FloatArray
+from surae.inference import Assessment, FitResult
 from surae.model import ModelOptions, ModelSpec, get_model, with_optional
 from surae.model.joint import ANKLE
 from surae.model.laboratory import AUTO, COMPLIANT, EACH_TRIAL, NONE, group_of, laboratory, richest
 from surae.model.sources import Gaussian
-from surae.normal import standard_error_of
 from surae.signals import emg_levels
 from surae.studies.leg import EMG_FULL, EMG_REST
 from surae.studies.populations import POPULATIONS, TENDONS, check_population, virtual_subject
-from surae.units import FloatArray
 
 #: Largest deviation of a draw from a fit, as a factor's logarithm; and that of a parameter of
 #: which neither fit nor population says how far it may be off.

@@ -6,22 +6,21 @@ from typing import Any
 
 import numpy as np
 
-from surae.assessment import Assessment
-from surae.assessment.adequacy import Grade
-from surae.assessment.parameter import IDENTIFIED, Verdict, percent
-from surae.assessment.uncertainty.covariance import half_width
-from surae.errors import InputError
-from surae.estimation import FitResult
-from surae.filed import filed
-from surae.files import PathLike
-from surae.frozen import Comparable, FrozenDict
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.files import PathLike
+from surae.base.frozen import Comparable, FrozenDict
+from surae.base.records import finite, to_plain
+from surae.base.threads import one_blas_thread
+from surae.base.units import FloatArray
+from surae.inference import Assessment, FitResult
+from surae.inference.adequacy import Grade
+from surae.inference.parameter import IDENTIFIED, Verdict, percent
+from surae.inference.uncertainty.covariance import half_width
 from surae.protocol import Device, Trajectory, write_protocol
 from surae.protocol.planning.information import estimated, information, shared
 from surae.protocol.planning.legs import Legs
 from surae.protocol.planning.ready import Ready, ready_protocols
-from surae.records import finite, to_plain
-from surae.threads import one_blas_thread
-from surae.units import FloatArray
 
 #: More repetitions than these are not asked of anybody.
 MOST = 20

@@ -14,13 +14,13 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.protocol import Device, Given, Trajectory, allowed_range
 from surae.protocol.adaptation import Motion
 from surae.protocol.effort import Burst, burst_effort
 from surae.protocol.planning.kernels import plan_motion
 from surae.protocol.profiles import Ramp
-from surae.units import FloatArray
 
 #: What has bursts, and can be asked for with less effort.
 _Plan = TypeVar("_Plan", bound=Any)

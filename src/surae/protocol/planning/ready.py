@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from surae.frozen import Comparable
+from surae.base.frozen import Comparable
+from surae.base.records import from_plain, read_json
+from surae.base.units import FloatArray
 from surae.protocol import Device, Trajectory
 from surae.protocol.planning.genes import Genes
 from surae.protocol.planning.legs import Legs
 from surae.protocol.planning.plan import highest_hz, limits_of
 from surae.protocol.planning.torque import within_torque
-from surae.records import from_plain, read_json
-from surae.units import FloatArray
 
 _FILES = Path(__file__).parent / "ready"
 #: A ready protocol that is this much longer than what is searched is no start: cut off, it is worse

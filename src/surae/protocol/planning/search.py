@@ -12,16 +12,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.estimation.interrupt import checkpoint, postponed_interrupt
-from surae.frozen import Comparable, read_only
+from surae.base.errors import InputError
+from surae.base.frozen import Comparable, read_only
+from surae.base.progress import SearchProgress
+from surae.base.threads import one_blas_thread
+from surae.base.units import FloatArray
+from surae.inference.interrupt import checkpoint, postponed_interrupt
 from surae.measures import measures_of_values
-from surae.progress import SearchProgress
 from surae.protocol.planning.genes import Genes
 from surae.protocol.planning.information import information
 from surae.protocol.planning.legs import Legs
-from surae.threads import one_blas_thread
-from surae.units import FloatArray
 
 #: Aims that are about all parameters: the largest error, or the mean of the errors' logarithms.
 WORST, MEAN = "worst", "mean"

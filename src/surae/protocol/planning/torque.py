@@ -12,13 +12,13 @@ from typing import TypeVar
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.protocol import Device, Protocol, Trajectory, generate
 from surae.protocol.effort import GAP, Burst, burst_effort, named_task, task_bursts
 from surae.protocol.planning.information import model_inputs
 from surae.protocol.planning.legs import Legs, population_legs
 from surae.protocol.planning.plan import EXACT, Limits, Plan, eased
-from surae.units import FloatArray
 
 #: Part of the range that is given up without asking, and the steps in which it is looked for.
 _GIVEN_UP, _STEP = 0.12, 0.01

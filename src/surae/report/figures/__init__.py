@@ -13,10 +13,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from surae.files import PathLike, write_atomic
+from surae.base.files import PathLike, write_atomic
+from surae.base.units import FloatArray
+from surae.base.working_folder import ignoring
 from surae.report.traces import min_max
-from surae.units import FloatArray
-from surae.working_folder import ignoring
 
 with ignoring("matplotlibrc"):
     from matplotlib.artist import Artist

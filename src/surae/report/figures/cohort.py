@@ -5,9 +5,9 @@ from collections.abc import Collection, Mapping, Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from surae.assessment import Assessment, ParameterEstimate, Verdict
+from surae.base.normal import NORMAL
+from surae.inference import Assessment, ParameterEstimate, Verdict
 from surae.measures.cohort import Pooled
-from surae.normal import NORMAL
 from surae.report import figures
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, WIDTH
 from surae.report.parameters import shown_parameters

@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from surae.base.units import FloatArray
 from surae.measures.measured import HeldPoint, Stretch, TorqueCurve
 from surae.measures.norms import Norm
 from surae.report.figures import BLUE, GREY, INK, MUTED, dress, new_figure
 from surae.report.language import Words
-from surae.units import FloatArray
 
 #: Width of a card's figure, so that its letters are read on a telephone too [inch].
 _WIDTH = 4.6

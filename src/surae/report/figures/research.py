@@ -10,7 +10,8 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from surae.assessment import Whiteness
+from surae.base.units import FloatArray
+from surae.inference import Whiteness
 from surae.model import GeometryTable, ModelOptions
 from surae.model.geometry import paths
 from surae.model.joint import ANKLE
@@ -18,7 +19,6 @@ from surae.model.sources import SOURCES
 from surae.report import figures
 from surae.report.budget import BudgetTable
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, WIDTH
-from surae.units import FloatArray
 
 __all__ = ["budget_figure", "correlation_figure", "geometry_figure", "residual_figure"]
 

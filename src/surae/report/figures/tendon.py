@@ -6,13 +6,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from surae.assessment.fascicles import Fascicles
+from surae.base.units import FloatArray
+from surae.inference.fascicles import Fascicles
 from surae.model import TendonLaw, TendonState
 from surae.report import figures
 from surae.report.figures import BLUE, GREY, INK, OCHRE, RED, WIDTH
 from surae.report.recordings import GROUPS
 from surae.report.traces import Traces
-from surae.units import FloatArray
 
 _MILLI = 1e3
 #: How many times the largest force an axis may go up to show where the toe ends.

@@ -7,16 +7,15 @@ from typing import Any, TypeAlias
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from surae.assessment import Prediction
-from surae.estimation import FitResult
-from surae.formatting import percentage
+from surae.base.formatting import percentage
+from surae.base.units import FloatArray
+from surae.inference import FitResult, Prediction
 from surae.recording import MUSCLES
 from surae.report import figures
 from surae.report.cycles import Cycles, find_cycles
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, WIDTH
 from surae.report.provenance import excluded_spans
 from surae.report.traces import Traces, traces_of
-from surae.units import FloatArray
 
 __all__ = ["draw_parts", "draw_torque", "fit_figure", "predictions_figure", "torque_figure"]
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from surae.assessment import half_width
-from surae.units import FloatArray
+from surae.base.units import FloatArray
+from surae.inference import half_width
 from surae_thesis.claims import NotThereError, Ruling, judge_all
 from surae_thesis.cohort import work
 from surae_thesis.cohort.members import ACTIVE_PROTOCOL, FAST_PROTOCOL

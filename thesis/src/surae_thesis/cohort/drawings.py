@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import surae
+from surae.base.units import FloatArray
 from surae.report.figures import (
     BLUE,
     GREY,
@@ -15,7 +16,6 @@ from surae.report.figures import (
 from surae.report.figures.research import correlation_figure
 from surae.report.figures.torque import torque_figure
 from surae.report.traces import traces_of
-from surae.units import FloatArray
 from surae_thesis.claims import rows
 from surae_thesis.cohort.boxes import Box, snsem_figure, vaf_figure
 from surae_thesis.cohort.members import (

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.recording import MUSCLES
 from surae.studies import Imperfections
-from surae.units import FloatArray
 
 #: Coefficient of variation of the activity of muscles without electrodes over that of the muscles
 #: that they help; no source.

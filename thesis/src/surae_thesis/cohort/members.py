@@ -33,7 +33,7 @@ from typing import Literal
 
 import numpy as np
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae.protocol import Protocol
 from surae.studies import (
     VirtualSubject,

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.units import FloatArray
+from surae.base.units import FloatArray
 from surae_thesis import legs
 from surae_thesis.cohort import members, trials, work
 from surae_thesis.cohort.members import (

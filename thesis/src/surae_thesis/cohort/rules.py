@@ -10,7 +10,7 @@ from statistics import fmean, median
 
 import numpy as np
 
-from surae.units import FloatArray
+from surae.base.units import FloatArray
 from surae_thesis.claims import NotThereError, Ruling, rows
 from surae_thesis.cohort.members import (
     ACTIVE_PROTOCOL,

@@ -5,13 +5,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from surae.errors import ComputationError, InputError
-from surae.frozen import read_only
+from surae.base.errors import ComputationError, InputError
+from surae.base.frozen import read_only
+from surae.base.units import FloatArray
 from surae.model import ModelOptions
 from surae.protocol import DIRECTIONS, Protocol, Trajectory, generate
 from surae.recording import MUSCLES, Recording
 from surae.studies import stream, virtual_recording
-from surae.units import FloatArray
 from surae_thesis.cohort.members import COMPLETED, CohortSubject, cohort_protocol
 
 #: Sampling rate of the recordings [Hz] (2.1).

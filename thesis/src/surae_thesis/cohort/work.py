@@ -10,10 +10,10 @@ import numpy as np
 
 import surae
 from surae import ComputationError, ModelInputs
-from surae.assessment import vaf
+from surae.base.units import FloatArray
+from surae.inference import vaf
 from surae.model import get_model
 from surae.signals import Preparation, prepare
-from surae.units import FloatArray
 from surae_thesis.cohort.members import (
     ACTIVE_PROTOCOL,
     PASSIVE_PROTOCOL,

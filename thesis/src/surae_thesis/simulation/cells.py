@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.units import FloatArray
+from surae.base.units import FloatArray
 from surae_thesis.claims import NotThereError
 from surae_thesis.legs import NOISE
 

@@ -10,7 +10,7 @@ from operator import attrgetter
 
 import numpy as np
 
-from surae.units import FloatArray
+from surae.base.units import FloatArray
 from surae_thesis.claims import Claim, NotThereError, Ruling
 from surae_thesis.simulation import cells as grid
 from surae_thesis.simulation.cells import Cells, GridCell, Study, ranked, scores, select, there

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import click
 
+from surae.base.errors import InputError
 from surae.cli.options import RANGE
-from surae.errors import InputError
 from surae_workbench.options import server_options
 
 

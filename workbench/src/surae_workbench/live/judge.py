@@ -21,9 +21,9 @@ from surae.api import (
     solve,
     write_hdf5,
 )
-from surae.errors import SuraeError
-from surae.files import write_atomic
-from surae.frozen import read_only
+from surae.base.errors import SuraeError
+from surae.base.files import write_atomic
+from surae.base.frozen import read_only
 
 if TYPE_CHECKING:
     from surae.api import Measure, ParameterEstimate

@@ -4,7 +4,7 @@ import json
 import threading
 from typing import Any
 
-from surae.errors import ComputationError
+from surae.base.errors import ComputationError
 from surae.processes import Child, End
 from surae_workbench.live.lsl import outlet
 from surae_workbench.live.rehearsal import CONTROL

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from typing import Any
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 
 #: Everything stays on the loopback: streams are looked for there, and only there.
 _LOCAL = """\

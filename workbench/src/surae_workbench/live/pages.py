@@ -17,8 +17,8 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from surae._version import __version__
 from surae.api import PROFILES, TASKS, Trajectory
-from surae.errors import InputError
-from surae.files import PathLike, template
+from surae.base.errors import InputError
+from surae.base.files import PathLike, template
 from surae_workbench.live.room import MAXIMUM, Room, RoomOptions
 from surae_workbench.live.showing import Showing, roles_of
 from surae_workbench.live.target import KIND

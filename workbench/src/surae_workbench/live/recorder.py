@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from surae.base.units import FloatArray
 from surae.processes import where
-from surae.units import FloatArray
 from surae_workbench.live.lsl import lsl
 from surae_workbench.live.stream import Stream
 from surae_workbench.live.xdf import XdfLog

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from surae.api import smooth_step
-from surae.frozen import read_only
+from surae.base.frozen import read_only
+from surae.base.units import FloatArray
 from surae.processes import tell
-from surae.units import FloatArray
 from surae_workbench.live.lsl import lsl, outlet
 
 if TYPE_CHECKING:

@@ -21,9 +21,9 @@ from surae.api import (
     smooth_step,
     write_protocol_csv,
 )
-from surae.errors import InputError, SuraeError
-from surae.files import PathLike, shown
-from surae.frozen import read_only
+from surae.base.errors import InputError, SuraeError
+from surae.base.files import PathLike, shown
+from surae.base.frozen import read_only
 from surae_workbench.live import rehearsal
 from surae_workbench.live.laboratory import Laboratory
 from surae_workbench.live.recorder import Show, Tell

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.api import MUSCLES
-from surae.units import FACTORS, SI, FloatArray, kind, plain
+from surae.base.units import FACTORS, SI, FloatArray, kind, plain
 from surae_workbench.live.stream import Stream
 
 #: Frames per second, and how the envelope of an EMG is smoothed [s].

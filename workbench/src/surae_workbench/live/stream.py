@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.units import FloatArray
+from surae.base.units import FloatArray
 
 #: LSL's names of the formats of numbers, by the number that LSL gives them; 3 are words.
 _FORMATS = {1: "float32", 2: "float64", 3: "text", 4: "int32", 5: "int16", 6: "int8", 7: "int64"}

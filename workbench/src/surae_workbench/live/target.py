@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from surae.api import MUSCLES, Trajectory
-from surae.units import FloatArray
+from surae.base.units import FloatArray
 from surae_workbench.live.lsl import lsl, outlet
 
 SOURCE, KIND = "surae-live-target", "Target"

@@ -21,12 +21,12 @@ from typing import Any, Literal, TypedDict
 from pydantic import BaseModel, ConfigDict, Field
 
 from surae.api import ROLES
-from surae.database import lock
-from surae.errors import InputError, SuraeError
-from surae.files import PathLike, is_link, read_bytes, shown, write_atomic, write_json
+from surae.base.database import lock
+from surae.base.errors import InputError, SuraeError
+from surae.base.files import PathLike, is_link, read_bytes, shown, write_atomic, write_json
+from surae.base.units import FACTORS, kind
+from surae.base.units import plain as plain_unit
 from surae.processes import Child, End
-from surae.units import FACTORS, kind
-from surae.units import plain as plain_unit
 from surae_workbench.live.recorder import Recorder, Show, Tell
 from surae_workbench.live.stream import Stream
 from surae_workbench.live.target import KIND

@@ -6,8 +6,8 @@ from typing import Unpack
 
 import click
 
-from surae.errors import ComputationError, InputError
-from surae.files import PathLike
+from surae.base.errors import ComputationError, InputError
+from surae.base.files import PathLike
 from surae_workbench.live.rehearsal import FAULTS
 from surae_workbench.live.room import Room, RoomOptions
 

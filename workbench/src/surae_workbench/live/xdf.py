@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.api import xdf_end
-from surae.units import FloatArray
+from surae.base.units import FloatArray
 
 _MAGIC = b"XDF:"
 _HEADER = b'<?xml version="1.0"?><info><version>1.0</version></info>'

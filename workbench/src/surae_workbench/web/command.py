@@ -4,8 +4,8 @@ import os
 
 import click
 
-from surae.errors import InputError
-from surae.files import read_bytes
+from surae.base.errors import InputError
+from surae.base.files import read_bytes
 from surae_workbench.options import server_options
 
 _MIB = 2**20

@@ -3,7 +3,7 @@
 import numpy as np
 
 from surae import api
-from surae.units import FloatArray
+from surae.base.units import FloatArray
 
 
 def window(

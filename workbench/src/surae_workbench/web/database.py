@@ -17,9 +17,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from surae.database import Format, damage, open_to_read, open_to_write, sqlite_errors, transaction
-from surae.errors import ComputationError
-from surae.files import shown
+from surae.base.database import (
+    Format,
+    damage,
+    open_to_read,
+    open_to_write,
+    sqlite_errors,
+    transaction,
+)
+from surae.base.errors import ComputationError
+from surae.base.files import shown
 from surae.processes import NO_ROOM
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.rows import KINDS, Entry, entry

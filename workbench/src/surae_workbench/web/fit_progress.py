@@ -4,8 +4,8 @@ import time
 from typing import Any
 
 from surae import api
+from surae.base.units import FloatArray
 from surae.processes import tell
-from surae.units import FloatArray
 from surae_workbench.web.curves import plain
 
 #: News of a fit come at most this often [s].

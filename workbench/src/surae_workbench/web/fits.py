@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from surae import api
-from surae.names import AUTO
+from surae.base.names import AUTO
 from surae_workbench.web.answers import Fit
 from surae_workbench.web.draft import settings_of
 from surae_workbench.web.project import dated, unique_name

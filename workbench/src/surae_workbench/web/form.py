@@ -3,8 +3,9 @@
 from types import NoneType
 from typing import Any
 
-from surae import api, names
-from surae.setting import default_of, kind_of, parts_of, settings_of
+from surae import api
+from surae.base import names
+from surae.base.setting import default_of, kind_of, parts_of, settings_of
 
 #: Settings that are records of their own, each of whose settings is a field of the form.
 _RECORDS = {"options": api.ModelOptions, "weights": api.Weighting, "preparation": api.Preparation}

@@ -1,6 +1,6 @@
 """What the workbench refuses, each with its HTTP status and one line that says what to do."""
 
-from surae.errors import InputError
+from surae.base.errors import InputError
 
 
 class RefusedError(InputError):

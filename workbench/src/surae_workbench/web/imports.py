@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from surae import api
-from surae.errors import InputError
-from surae.units import FloatArray
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 
 #: The description that we write beside the files.
 _MAPPING = "mapping.toml"

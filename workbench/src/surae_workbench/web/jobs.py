@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
-from surae.errors import SuraeError
+from surae.base.errors import SuraeError
 from surae.processes import Child, where
 from surae_workbench.web import answers
 from surae_workbench.web.database import ACTIVE, new_id

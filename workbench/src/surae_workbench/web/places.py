@@ -6,8 +6,8 @@ import stat
 from contextlib import suppress
 from pathlib import Path
 
-from surae.errors import InputError
-from surae.files import is_link, shown
+from surae.base.errors import InputError
+from surae.base.files import is_link, shown
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.rows import ID
 

@@ -4,8 +4,8 @@ from functools import partial
 
 import click
 
+from surae.base.errors import ComputationError
 from surae.cli.progress import work
-from surae.errors import ComputationError
 
 _FOLDER = click.argument("folder", metavar="DIR")
 

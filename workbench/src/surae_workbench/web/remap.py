@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from surae import api
-from surae.errors import InputError
-from surae.frozen import read_only
-from surae.units import FACTORS, SI, FloatArray, kind
+from surae.base.errors import InputError
+from surae.base.frozen import read_only
+from surae.base.units import FACTORS, SI, FloatArray, kind
 from surae_workbench.web.imports import CLOCK, described, preview, read_recording
 from surae_workbench.web.rows import Entry
 

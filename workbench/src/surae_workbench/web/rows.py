@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from surae import api
-from surae.errors import InputError
+from surae.base.errors import InputError
 from surae_workbench.web.schemas import ProtocolSettings
 
 #: An entry: its content with its `id` and `created`.

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, create_model, field_validator
 
-from surae import api, names
-from surae.records import to_plain
-from surae.requests import DesignSettings, ExpectSettings
-from surae.setting import Setting, default_of, settings_of
+from surae import api
+from surae.base import names
+from surae.base.records import to_plain
+from surae.base.requests import DesignSettings, ExpectSettings
+from surae.base.setting import Setting, default_of, settings_of
 
 #: No control characters, nor those that break lines or turn the direction of writing.
 _PRINTED = r"^[^\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]"

@@ -22,7 +22,7 @@ from starlette.requests import HTTPConnection
 from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from surae.errors import SuraeError
+from surae.base.errors import SuraeError
 from surae.processes import one_line
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.sessions import BrowserSession

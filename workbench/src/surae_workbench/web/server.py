@@ -18,8 +18,8 @@ import uvicorn
 from starlette.types import ASGIApp
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from surae.errors import InputError
-from surae.files import PathLike
+from surae.base.errors import InputError
+from surae.base.files import PathLike
 from surae_workbench.web.app import create_app
 from surae_workbench.web.security import Policy, is_loopback
 from surae_workbench.web.workbench import Workbench

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict  # as pydantic asks before Python 3.12
 
-from surae.errors import SuraeError
+from surae.base.errors import SuraeError
 from surae_workbench.web.draft import Draft, changed, empty_draft, shown, upgraded
 from surae_workbench.web.events import Events
 from surae_workbench.web.http_errors import RefusedError

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from surae import api
-from surae.errors import InputError
-from surae.units import FloatArray
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae_workbench.web.caches import Cache
 from surae_workbench.web.curves import plain
 from surae_workbench.web.draft import Draft, spec_of, values_of

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from surae import api
-from surae.errors import InputError
-from surae.files import write_json
-from surae.names import LANGUAGES
+from surae.base.errors import InputError
+from surae.base.files import write_json
+from surae.base.names import LANGUAGES
 from surae.processes import tell
 from surae_workbench.web import imports, sliders
 from surae_workbench.web.draft import settings_of

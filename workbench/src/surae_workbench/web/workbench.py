@@ -6,7 +6,7 @@ from contextlib import suppress
 from typing import Any
 
 from surae import api
-from surae.files import PathLike
+from surae.base.files import PathLike
 from surae_workbench.web import sliders
 from surae_workbench.web.caches import Cache
 from surae_workbench.web.events import Events

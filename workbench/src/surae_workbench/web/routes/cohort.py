@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query, Response
 
 from surae import api
-from surae.files import csv_row
+from surae.base.files import csv_row
 from surae_workbench.web.fits import main_fit, model_title
 from surae_workbench.web.project import when
 from surae_workbench.web.routes.common import CSV, ERRORS, Bench, attachment

@@ -4,8 +4,8 @@ from typing import Any
 
 from fastapi import APIRouter
 
-from surae.errors import InputError
-from surae.files import sha256_of
+from surae.base.errors import InputError
+from surae.base.files import sha256_of
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.places import recording_suffix
 from surae_workbench.web.remap import (

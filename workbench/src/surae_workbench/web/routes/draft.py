@@ -5,8 +5,8 @@ from typing import Any, Literal
 from fastapi import APIRouter, Request
 
 from surae import api
-from surae.errors import InputError
-from surae.names import DRIVES
+from surae.base.errors import InputError
+from surae.base.names import DRIVES
 from surae.processes import one_line
 from surae_workbench.web.draft import parameter_table, settings_of
 from surae_workbench.web.fits import check_draft, prepared_draft

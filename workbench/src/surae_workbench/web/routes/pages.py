@@ -10,8 +10,8 @@ from markupsafe import Markup
 
 from surae import api
 from surae._version import __version__
-from surae.errors import InputError
-from surae.files import template
+from surae.base.errors import InputError
+from surae.base.files import template
 from surae_workbench.web.routes.common import Bench, Browser, PathId
 from surae_workbench.web.sessions import BrowserSession
 

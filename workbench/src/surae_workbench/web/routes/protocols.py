@@ -7,9 +7,9 @@ from typing import Any
 from fastapi import APIRouter, Response
 
 from surae import api
-from surae.errors import InputError
-from surae.names import FITTED
-from surae.records import from_plain
+from surae.base.errors import InputError
+from surae.base.names import FITTED
+from surae.base.records import from_plain
 from surae_workbench.web.answers import Job, Protocol
 from surae_workbench.web.curves import plain
 from surae_workbench.web.fits import model_title

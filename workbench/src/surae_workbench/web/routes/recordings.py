@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query
 
 from surae import api
-from surae.units import FloatArray
+from surae.base.units import FloatArray
 from surae_workbench.web.answers import Recording, Subject, Trial
 from surae_workbench.web.curves import window
 from surae_workbench.web.http_errors import RefusedError

@@ -6,7 +6,7 @@ from typing import Any
 from fastapi import APIRouter, Response
 
 from surae import api
-from surae.errors import SuraeError
+from surae.base.errors import SuraeError
 from surae_workbench.web.answers import Job, Study
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import dated

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 
 from surae import api
-from surae.units import FACTORS, kind
+from surae.base.units import FACTORS, kind
 from surae_workbench.web.answers import Recording, Upload
 from surae_workbench.web.database import new_id
 from surae_workbench.web.http_errors import RefusedError, not_found

@@ -1,0 +1,40 @@
+"""What files call the fields of a record, stated above its ``@dataclass`` for `surae.base.records`."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """How files have a record, where that is not by its fields alone; see `filed`."""
+
+    without: frozenset[str] = frozenset()
+    sparse: frozenset[str] = frozenset()
+    types: str = ""
+    strict: bool = False
+    names: Mapping[str, str] = field(default_factory=dict)
+
+
+#: Of those that need one.
+FORMS: dict[type, Form] = {}
+
+
+def filed(
+    *without: str, sparse: tuple[str, ...] = (), types: str = "", strict: bool = False, **names: str
+) -> Callable[[type[T]], type[T]]:
+    """Say how files have a record.
+
+    Fields `without` are not written, and read as their default or None; `sparse` ones are written
+    only where they are not their default; `names` are what files call a field, or a property that
+    is written too. `types` is the module of types that are imported for type checkers alone. Of a
+    `strict` one other keys are refused.
+    """
+
+    def noted(kind: Any) -> Any:
+        FORMS[kind] = Form(frozenset(without), frozenset(sparse), types, strict, names)
+        return kind
+
+    return noted

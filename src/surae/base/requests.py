@@ -1,0 +1,224 @@
+"""The settings of other requests, one field each, as `settings.py` has those of a fit."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from surae.base.names import AUTO, CHIRP_RATE, EFFORTS, FITTED, NUISANCES, POPULATIONS, TASKS
+from surae.base.setting import Request, setting
+
+#: More fits or threads than these are slips of the keyboard.
+_MOST_FITS, _MOST_WORKERS = 1_000_000, 1000
+#: What `--variance-inflation` says of itself.
+_INFLATION = "Factor on the variance of the noise.  [default: from the residual's correlation]"
+
+
+def _workers(what: str) -> Any:
+    return setting(
+        None, f"{what} at a time, by default one for each processor; the numbers do not depend on "
+        "it.", least=1, most=_MOST_WORKERS, metavar="N",
+        help=f"{what} at a time.  [default: all processors]",
+    )  # fmt: skip
+
+
+def _seed(what: str, most: int | None = None) -> Any:
+    text = f"Seed of the {what}; the numbers depend on nothing else that is random."
+    return setting(0, text, least=0, most=most, help=f"Seed of the {what}.")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileSettings(Request):
+    """How parameters are profiled; see `surae.profile`."""
+
+    variance_inflation: float | Mapping[str, float] | None = setting(
+        None, "Divides Δχ², of all or of each parameter. By default what the assessment asks for: "
+        "each parameter's own (sem_robust/sem)² where its interval is robust, as for a residual "
+        "that is correlated over time, and 1 otherwise; see `surae.inference.assessment`.",
+        above=0.0, metavar="F", help=_INFLATION,
+    )  # fmt: skip
+    workers: int | None = _workers("Profiles")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PosteriorSettings(Request):
+    """How a posterior is drawn from; see `surae.posterior`."""
+
+    draws: int = setting(
+        1000, "Draws that are kept, of equal weight.", least=10, most=_MOST_FITS,
+        help="Draws that are kept.",
+    )  # fmt: skip
+    evaluations: int = setting(
+        3600, "Evaluations of the posterior, in six rounds.", least=600, most=_MOST_FITS,
+        help="Evaluations of the posterior.",
+    )  # fmt: skip
+    seed: int = _seed("draws", 2**63)
+    priors: Mapping[str, tuple[float, float]] | None = setting(
+        None, "Priors in place of the fit's own, which stand in place of the wide defaults of "
+        "`surae.inference.population`.", type="mapping of str to (median, spread)", option="prior",
+        metavar="MEDIAN:SPREAD", example="tau_rel=3:0.3",
+        help="Known beforehand, instead of the defaults.",
+    )  # fmt: skip
+    variance_inflation: float | None = setting(
+        None, "Divides the weight of the data. By default what the assessment asks for: the median "
+        "over the parameters of (sem_robust/sem)² where intervals are robust, as for a residual "
+        "that is correlated over time, and 1 otherwise; see `surae.inference.assessment`. One number, "
+        "since the likelihood has one noise: parameters for which the correlation matters more "
+        "than for most get too narrow an interval, which their profile or `ci95` does not.",
+        above=0.0, metavar="F", help=_INFLATION,
+    )  # fmt: skip
+    cores: int | None = _workers("Evaluations")
+
+
+def _model(default: str, what: str) -> Any:
+    text = f'{what} ``"auto"``: muscles on compliant tendons with all that the laboratory cannot '
+    return setting(
+        default, f"{text}rule out, under its priors.", choices=FITTED, metavar="M", help=what
+    )
+
+
+def _film() -> Any:
+    return setting(
+        "", 'Muscles whose fascicles would be filmed: ``"tib"``, ``"gm"``, ``"gl"``, ``"sol"``.',
+        type="str or sequence of str", metavar="MUSCLE,…",
+        help="Fascicles that are filmed: tib, gm, gl, sol.",
+    )  # fmt: skip
+
+
+def _range(whose: str = "") -> Any:
+    return setting(
+        None, "The subject's full plantarflexion and dorsiflexion [rad]; by default what the fit's "
+        "recordings reached, or -0.9 … 0.6 rad, as far as the device reaches. Required for "
+        "patients.", metavar="LOW:HIGH", help="Full plantarflexion and dorsiflexion of the subject "
+        f"in rad; required for patients.  [default: {whose}-0.9:0.6 as far as the device]",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LegSettings(Request):
+    """By whose legs a protocol is judged."""
+
+    model: str = _model(AUTO, "What would be fitted.")
+    population: str | None = setting(
+        None, "Whose legs; by default as many of each.", choices=POPULATIONS, metavar="P",
+        help="healthy or patient legs.  [default: as many of each]",
+    )  # fmt: skip
+    noise: float | None = setting(
+        None, "Standard deviation of the torque's noise [Nm], white, sample by sample at the "
+        "protocol's rate; by default 0.5, or what the fit's residual comes to.", least=1e-6,
+        most=1000.0, metavar="NM", help="Standard deviation of the torque's white noise, sample by "
+        "sample at the protocol's rate.  [default: 0.5, or the fit's]",
+    )  # fmt: skip
+    nuisances: str | Mapping[str, tuple[float, float]] | None = setting(
+        None, "As of `surae.fit`.", choices=NUISANCES,
+        help="What of the laboratory's imperfections is in.  [default: all for auto]",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExpectSettings(LegSettings):
+    """Whose protocol is judged, and by how many legs; see `surae.expect`."""
+
+    legs: int = setting(20, "How many legs are drawn.", least=1, most=10_000,
+                        help="How many legs are drawn.")  # fmt: skip
+    film: str | tuple[str, ...] = _film()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DesignSettings(LegSettings):
+    """What a protocol is searched for; see `surae.design`."""
+
+    range: tuple[float, float] | None = _range("the fit's, or ")
+    aim: str = setting(
+        "worst", '``"worst"``: the largest relative standard error; ``"mean"``: the mean of their '
+        "logarithms; or names of parameters and measures with commas between, e.g. "
+        '``"passive_stiffness@10deg"``.', metavar="worst|mean|NAME,…",
+        help="What is to be known: parameters and measures by name.",
+    )  # fmt: skip
+    effort: str = setting(
+        EFFORTS[0], "What the subject can do: bursts of any level, or nothing.", choices=EFFORTS,
+        help="What the subject can do.",
+    )  # fmt: skip
+    film: str | tuple[str, ...] = _film()
+    model: str = _model("muscle", "Whose parameters are to be known.")
+    duration: float = setting(
+        35.0, "Of the trial [s], rests at both ends included.", least=5.0, most=600.0, metavar="S",
+        help="Of the trial, in s.",
+    )  # fmt: skip
+    rate_hz: float = setting(
+        256.0, "Sampling rate [Hz].", least=20.0, most=2048.0, option="rate", metavar="HZ",
+        help="Samples per second.",
+    )  # fmt: skip
+    evaluations: int | None = setting(
+        None, "Plans that are judged; more is better and takes longer.", least=1, most=10_000_000,
+        help="Plans that are judged: more is better and slower.",
+    )  # fmt: skip
+    seed: int = setting(0, "Of the search.", least=0, help="Of what is random.")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MotionSettings:
+    """The motion and effort of a protocol beside its profile; `surae.protocol.Protocol` has all."""
+
+    task: str = setting(
+        TASKS[0], "A name of `TASKS`.", choices=TASKS, help="What the subject does."
+    )
+    chirp_amplitude: float = setting(
+        0.0, "Amplitude of the added chirp [rad], less than half the range of motion; 0 for none. "
+        "Without a device it goes on to the last sample and stops there; a motion that is "
+        "filtered for a device ends at rest.", least=0.0, most=3.0, metavar="A",
+        label="Chirp amplitude [rad]", help="Of the added chirp, in rad.",
+    )  # fmt: skip
+    chirp_rate: float = setting(
+        CHIRP_RATE, "Rise of the chirp's frequency [Hz/s]; irrelevant at amplitude 0. The thesis's "
+        "factors are converted by `surae.protocol.chirp_rate`.", least=0.0, most=100.0, metavar="R",
+        label="Chirp rate [Hz/s]", help="Rise of its frequency, in Hz/s.",
+    )  # fmt: skip
+    range_of_motion: tuple[float, float] = setting(
+        (-0.9, 0.6), "The subject's angles of full plantarflexion and full dorsiflexion [rad], "
+        "within the device's.", option="range", metavar="LOW:HIGH",
+        help="Full plantarflexion and dorsiflexion of the subject, in rad.  "
+        "[default: -0.9:0.6, as far as the device]",
+    )  # fmt: skip
+    duration: float | None = setting(
+        None, "None for the profile's own; another value plays the profile slower or faster, while "
+        "the chirp and the task keep their own time [s].", above=0.0, most=600.0, metavar="S",
+        label="Duration [s]", help="In s.  [default: the profile's own]",
+    )  # fmt: skip
+    rate_hz: float = setting(
+        256.0, "Sampling rate [Hz].", above=0.0, most=2048.0, option="rate", metavar="HZ",
+        label="Rate [Hz]", help="Samples per second.",
+    )  # fmt: skip
+    adapt: bool = setting(
+        True, "Adapt a motion that the device cannot follow, instead of refusing it.",
+        option="no-adapt", help="Refuse what the device cannot follow instead.",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChangeSettings(Request):
+    """What is compared of two sessions or legs; see `surae.change`."""
+
+    angles: tuple[float, ...] | None = setting(
+        None, "Where torque and stiffness are compared [deg]; by default 0 and 10. Each adds "
+        "differences that are looked at, which asks more of all.", option="angle", metavar="DEG",
+        help="Where torque and stiffness are compared; may be repeated.  [default: 0, 10]",
+    )  # fmt: skip
+    legs: bool = setting(
+        False, "Whether they are two legs of one person. What two sessions of a leg are wrong in "
+        "alike cancels; of two legs it does not.",
+        help="BEFORE and AFTER are two legs of one person.",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CohortSettings(Request):
+    """What is done with many legs; see `surae.cohort`."""
+
+    refit: bool = setting(
+        False, "Learn the population from the fits and fit every leg again with it, until both "
+        "rest.", help="Learn the population and fit every leg again with it.",
+    )  # fmt: skip
+    angles: tuple[float, ...] = setting(
+        (10.0,), "Where torque and stiffness are given [deg].", option="angle", metavar="DEG",
+        help="Where torque and stiffness are given; may be repeated.  [default: 10]",
+    )  # fmt: skip

@@ -1,0 +1,171 @@
+"""One record for each setting: option, form, schema, keyword and documentation are made from it."""
+
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
+from inspect import Parameter, signature
+from numbers import Integral, Real
+from types import NoneType, UnionType
+from typing import Any, TypeVar, get_args, get_origin
+
+from surae.base.errors import InputError
+from surae.base.names import Names
+
+T = TypeVar("T")
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setting:
+    """What a field of a request means, and how people and programs give it."""
+
+    meaning: str  #: For documentation, in numpydoc's words.
+    type: str = ""  #: What it may be, in the same words, where the annotation does not say it all.
+    help: str = ""  #: Of its option; by default `meaning`; none where there is no label either.
+    option: str = ""  #: Name of its option, where that is not the field's.
+    metavar: str = ""  #: What help writes for its value; of a mapping for that of an entry.
+    example: str = ""  #: An entry of a mapping, for the message about one that is misspelt.
+    label: str = ""  #: Of its field in a form; none: no field there.
+    words: Mapping[str, str] | None = None  #: What a form calls its choices; "": none of them.
+    choices: tuple[str, ...] = ()  #: The only values, of text.
+    least: float | None = None  #: The smallest number, of all that it holds.
+    above: float | None = None  #: All numbers are larger.
+    most: float | None = None  #: The largest number.
+    needs: str = ""  #: NAME=VALUE: a form shows it where another setting has this value.
+    file: bool = False  #: Whether the path of a file may be given in place of a choice.
+    first: bool = False  #: Whether a form shows it at once, not among what few people change.
+
+    @property
+    def known(self) -> tuple[str, ...]:
+        """The choices that are installed, plugins' too."""
+        return self.choices.here() if isinstance(self.choices, Names) else self.choices
+
+
+def setting(default: Any, meaning: str, **how: Any) -> Any:
+    """A field of a request, with its default (a function: what that makes) and its meaning."""
+    known: Any = {"default_factory": default} if callable(default) else {"default": default}
+    return field(**known, metadata={"setting": Setting(meaning=meaning, **how)})
+
+
+def settings_of(kind: Any) -> Iterator[tuple["Field[Any]", Setting]]:
+    """The fields of a request that are settings, each with its record."""
+    return ((f, f.metadata["setting"]) for f in fields(kind) if "setting" in f.metadata)
+
+
+def default_of(each: "Field[Any]") -> Any:
+    """The default of a field."""
+    made = each.default_factory
+    return each.default if made is MISSING else made()
+
+
+def kind_of(each: "Field[Any]") -> str:
+    """What a field holds, None apart: flag, whole, number, text, names, numbers, range, …."""
+    kinds = {bool: "flag", int: "whole", float: "number", str: "text"}
+    kind = next(part for part in parts_of(each.type) if part is not NoneType)
+    base = get_origin(kind) or kind
+    if base is tuple:
+        return {(float, ...): "numbers", (float, float): "range"}.get(get_args(kind), "names")
+    return kinds.get(base, "mapping" if base is Mapping else "record")
+
+
+class Request:
+    """The settings alone: a value that one may not have is refused in a line."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        """Check each."""
+        for each, record in settings_of(type(self)):
+            value = getattr(self, each.name)
+            if isinstance(value, Mapping) or (value is None and NoneType in parts_of(each.type)):
+                continue
+            of_file = record.file and is_dataclass(value)
+            if record.choices and not of_file and value not in record.choices:
+                known = ", ".join(record.choices) + ", or a file's path" * record.file
+                raise InputError(f"{each.name} is {value!r}; use one of: {known}")
+            if kind_of(each) in ("whole", "number"):
+                checked(each.name, value, record, whole=kind_of(each) == "whole")
+
+
+def checked(name: str, value: Any, record: Setting, *, whole: bool) -> Any:
+    """A number, of NumPy's too, that a setting may have."""
+    kind: Any
+    kind, known = (Integral, "a whole number") if whole else (Real, "a number")
+    if isinstance(value, bool) or not isinstance(value, kind) or not math.isfinite(value):
+        raise InputError(f"{name} is {value!r}; give {known}")
+    if record.least is not None and value < record.least:
+        raise InputError(f"{name} is {value}; give at least {record.least:g}")
+    if record.above is not None and value <= record.above:
+        raise InputError(f"{name} is {value}; give more than {record.above:g}")
+    if record.most is not None and value > record.most:
+        raise InputError(f"{name} is {value}; give at most {record.most:g}")
+    return int(value) if whole else float(value)
+
+
+def parts_of(annotation: Any) -> tuple[Any, ...]:
+    """The types of a union, or the one type."""
+    return get_args(annotation) if isinstance(annotation, UnionType) else (annotation,)
+
+
+def _described(kind: Any, *, keywords: bool = False, without: Collection[str] = ()) -> str:
+    """The settings of a request as a numpydoc section has them; of keywords with their defaults."""
+    from textwrap import wrap
+
+    lines, inner = list[str](), " " * 8
+    for each, record in settings_of(kind):
+        if each.name not in without:
+            lines.append(f"    {each.name} : {_type(each, record, keywords)}")
+            lines += wrap(record.meaning, 100, initial_indent=inner, subsequent_indent=inner)
+    return "\n".join(lines)
+
+
+def _type(each: "Field[Any]", record: Setting, keyword: bool) -> str:
+    """What a setting may be; of a keyword its default too, where that is a plain value."""
+    parts = list(map(_name, parts_of(each.type)))
+    if record.choices:
+        parts[0] = "{" + ", ".join(f'"{choice}"' for choice in record.choices) + "}"
+    text = record.type or " or ".join(parts)
+    if not keyword:
+        return text
+    default = default_of(each)
+    plain = isinstance(default, bool | int | float | str)
+    shown = f"default {default!r}" if plain else "optional"
+    return f"{text.removesuffix(' or None').removesuffix(',')}, {shown}"
+
+
+def _name(part: Any) -> str:
+    """A type in numpydoc's words."""
+    if get_origin(part) is Mapping:
+        return f"mapping of str to {_name(get_args(part)[1])}"
+    return {NoneType: "None", Any: "object"}.get(part) or str(getattr(part, "__name__", part))
+
+
+def documented(kind: type[T]) -> type[T]:
+    """Have the docstring of a request describe its settings, where it says ``{settings}``."""
+    kind.__doc__ = (kind.__doc__ or "").replace("    {settings}", _described(kind))
+    return kind
+
+
+def takes(*requests: Any, defaults: bool = True) -> Callable[[F], F]:
+    """Have the keywords of a function stand for all settings of requests, for help and completion.
+
+    Where its docstring says ``{settings}``, it describes them. Without `defaults` they are None in
+    its signature: not given.
+    """
+
+    def decorate(function: F) -> F:
+        own = [p for p in signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD]
+        there = {p.name for p in own}
+        added = [
+            Parameter(each.name, Parameter.KEYWORD_ONLY, annotation=each.type,
+                      default=default_of(each) if defaults else None)
+            for request in requests
+            for each, _ in settings_of(request)
+            if each.name not in there
+        ]  # fmt: skip
+        vars(function)["__signature__"] = signature(function).replace(parameters=[*own, *added])
+        text = "\n".join(_described(each, keywords=True, without=there) for each in requests)
+        function.__doc__ = (function.__doc__ or "").replace("    {settings}", text)
+        return function
+
+    return decorate

@@ -1,0 +1,33 @@
+"""What the package offers, one line each, and where it is made."""
+
+from surae.inference.adequacy import Adequacy as Adequacy
+from surae.inference.adequacy import Grade as Grade
+from surae.inference.assessment import Assessment as Assessment
+from surae.inference.assessment import RecordingQuality as RecordingQuality
+from surae.inference.assessment import assess as assess
+from surae.inference.fit import fit_problem as fit_problem
+from surae.inference.least_squares import minimise as minimise
+from surae.inference.outliers import LOSSES as LOSSES
+from surae.inference.outliers import fit_robust as fit_robust
+from surae.inference.parameter import Interval as Interval
+from surae.inference.parameter import ParameterEstimate as ParameterEstimate
+from surae.inference.parameter import Verdict as Verdict
+from surae.inference.population import Prior as Prior
+from surae.inference.problem import FitProblem as FitProblem
+from surae.inference.problem import make_problem as make_problem
+from surae.inference.residual import Whiteness as Whiteness
+from surae.inference.residual import rmse as rmse
+from surae.inference.residual import vaf as vaf
+from surae.inference.residual import whiteness as whiteness
+from surae.inference.result import Candidate as Candidate
+from surae.inference.result import Family as Family
+from surae.inference.result import FitResult as FitResult
+from surae.inference.result import Outliers as Outliers
+from surae.inference.result import Start as Start
+from surae.inference.solver import solve as solve
+from surae.inference.uncertainty.covariance import Covariance as Covariance
+from surae.inference.uncertainty.covariance import covariance as covariance
+from surae.inference.uncertainty.covariance import half_width as half_width
+from surae.inference.uncertainty.covariance import ipde as ipde
+from surae.inference.validation import Prediction as Prediction
+from surae.inference.validation import pooled as pooled

@@ -1,0 +1,288 @@
+"""Whether a fit is good enough for its numbers to mean something: one gate, with reasons.
+
+A parameter of a model that does not follow the torque is known precisely and means nothing, and so
+is one of a leg that did not move. From where on something matters was chosen on virtual legs of the
+family.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from surae.base.units import FloatArray
+from surae.inference import FitResult
+from surae.inference.fascicles import fascicles_of
+from surae.inference.residual import centred_r2, counted
+from surae.inference.uncertainty.covariance import covariance
+from surae.model.laboratory import group_of
+from surae.recording import MUSCLES
+from surae.signals import ModelInputs, steady_emg
+
+#: Centred R² [%] below which a model does not describe the torque, and from which on it does well.
+_NOT_FOLLOWED, _FOLLOWED = 80.0, 95.0
+#: Movement [rad] between the 1st and 99th percentile: below the first an ankle holds still.
+_STILL, _LITTLE = np.radians(4.0), np.radians(10.0)
+#: Part of the torque's variance [%] that a structured residual may have, and from which on it is
+#: too much; and from which part of the residual on it is called structured.
+_LEFT_OUT, _TOO_MUCH, _STRUCTURED = 0.5, 5.0, 0.3
+#: Part of the free parameters that may lie at a bound before nothing else is believed either.
+_MOST_BOUND = 0.5
+#: Standard deviations of its prior from which on a nuisance is odd.
+_ODD = 2.9
+#: A recording that is followed so much worse than all together [% of R²] contradicts the others.
+_CONTRADICTS = 5.0
+#: Errors of a prediction, in those that the fit promises, from which on it does not keep its word.
+_BEYOND = 2.0
+#: Standard deviation [mm] from which on a filmed fascicle departs by more than trackers drift.
+_OFF_FILM = 2.5
+#: Below this cut-off [Hz] EMG is taken for what the muscle makes of it.
+_ACTIVATION_HZ = 2.0
+
+
+class Grade(StrEnum):
+    """Judgement of a whole fit."""
+
+    ADEQUATE = "adequate"
+    DOUBTFUL = "doubtful"
+    INADEQUATE = "inadequate"
+
+
+@dataclass(frozen=True, slots=True)
+class Adequacy:
+    """Whether a fit is good enough for its numbers to mean something."""
+
+    grade: Grade  #: ``inadequate`` withholds every claim; ``doubtful`` asks for caution.
+    reasons: tuple[str, ...]  #: Sentences, the gravest first; empty for an adequate fit.
+    #: Centred R² over all recordings, 100·(1 − Σe²/Σ(T − T̄)²) [%]; NaN without a finite torque.
+    r2: float
+
+
+def judge_adequacy(result: FitResult) -> Adequacy:
+    """Judge a whole fit."""
+    inputs, residuals = result.problem.inputs, result.residuals
+    r2 = centred_r2(list(map(counted, inputs, residuals)))
+    if result.status == "failed" or not np.isfinite(r2):
+        return Adequacy(Grade.INADEQUATE, ("the fit failed",), r2)
+    reasons = [
+        *_goodness(r2),
+        *_movement(inputs),
+        *_effort(result),
+        *_structure(inputs, residuals, r2),
+        *_bounds(result),
+        *_laboratory(result),
+        *_agreement(inputs, residuals, r2),
+        *_films(result),
+    ]
+    return _graded(reasons, r2)
+
+
+#: Whether it is grave, and the sentence.
+_Reason = tuple[bool, str]
+
+
+def _graded(reasons: Iterable[_Reason], r2: float) -> Adequacy:
+    """The judgement that reasons lead to, the gravest first."""
+    ordered = sorted(reasons, key=lambda reason: not reason[0])
+    grade = Grade.ADEQUATE
+    if ordered:
+        grade = Grade.INADEQUATE if ordered[0][0] else Grade.DOUBTFUL
+    return Adequacy(grade, tuple(text for _, text in ordered), r2)
+
+
+def _goodness(r2: float) -> Iterator[_Reason]:
+    """The torque's changes count, not its offset, which any gravity or zero explains."""
+    if r2 < _NOT_FOLLOWED:
+        yield True, f"the model does not follow the torque's changes (centred R² {r2:.1f} %)"
+    elif r2 < _FOLLOWED:
+        yield False, f"the torque's changes are followed only roughly (centred R² {r2:.1f} %)"
+
+
+def _range(inputs: Sequence[ModelInputs]) -> float:
+    """Movement of all recordings together [rad]: several holds at different angles have one."""
+    angle = np.concatenate([recording.angle[recording.counts] for recording in inputs])
+    return float(np.ptp(np.percentile(angle, [1.0, 99.0])))
+
+
+def _movement(inputs: Sequence[ModelInputs]) -> Iterator[_Reason]:
+    """An ankle that holds still shows neither stiffness nor an optimal length."""
+    moved = _range(inputs)
+    text = f"({np.degrees(moved):.2g}° in all)"
+    if moved < _STILL:
+        yield True, f"the ankle hardly moves {text}: nothing tells stiffness from strength"
+    elif moved < _LITTLE:
+        yield False, f"the ankle moves little {text}"
+
+
+def _effort(result: FitResult) -> Iterator[_Reason]:
+    """Weights that are free need an EMG that changes."""
+    problem = result.problem
+    steady = zip(MUSCLES, problem.spec.weights, steady_emg(problem.inputs), strict=True)
+    silent = [
+        muscle.upper() for muscle, weight, is_so in steady if is_so and weight in problem.free
+    ]
+    if silent:
+        yield False, f"the EMG of {', '.join(silent)} hardly changes: its weight is a guess"
+
+
+def _structure(
+    inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray], r2: float
+) -> Iterator[_Reason]:
+    """What angle, velocity and activation explain of the residual belongs to the leg."""
+    share = structure(inputs, residuals)
+    left_out = share * (100.0 - r2)
+    if share >= _STRUCTURED and left_out >= _LEFT_OUT:
+        yield (
+            left_out > _TOO_MUCH,
+            (
+                f"{100 * share:.0f} % of the residual follow angle, velocity or activation "
+                f"({left_out:.1f} % of the torque's variance): the model leaves something out"
+            ),
+        )
+
+
+def _bounds(result: FitResult) -> Iterator[_Reason]:
+    """An estimate at its bound is where the search ended, not what the data say."""
+    leg = [name for name in result.problem.free if group_of(name) is None]
+    if own := [name for name in leg if name in result.at_bound]:
+        verb = "lies" if len(own) == 1 else "lie"
+        yield len(own) > _MOST_BOUND * len(leg), f"{', '.join(own)} {verb} at a bound"
+
+
+def _laboratory(result: FitResult) -> Iterator[_Reason]:
+    """A laboratory that is odder than laboratories are stands for what the model leaves out."""
+    if result.family is None:
+        return
+    own = {"torque_zero": result.family.zeros} if result.family.zeros else {}
+    meanings = {p.name: p.meaning for p in result.problem.spec.parameters}
+    odd = [
+        f"{meanings[name]} ({name})"
+        for name, belief in result.family.beliefs.items()
+        if any(
+            abs(value - belief.mean) >= _ODD * belief.sd
+            for value in own.get(name, (result.values[name],))
+        )
+    ]
+    if odd:
+        yield False, f"{', '.join(odd)}: implausible; check electrodes and set-up"
+
+
+def _agreement(
+    inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray], r2: float
+) -> Iterator[_Reason]:
+    """Several recordings of a leg should follow one set of parameters alike."""
+    for recording, e in zip(inputs, residuals, strict=True):
+        own = centred_r2([counted(recording, e)])
+        if own < r2 - _CONTRADICTS:
+            yield own < _NOT_FOLLOWED, f"{recording.name} is not followed (R² {own:.1f} %)"
+
+
+def _films(result: FitResult) -> Iterator[_Reason]:
+    """Trackers drift by 1 to 2 mm: what departs by more is not how the muscle moves."""
+    for film in fascicles_of(result):
+        away = 1e3 * float(np.std(film.measured - film.modelled))
+        if away > _OFF_FILM:
+            why = "its tendon is rigid" if not film.stretch.any() else "or the film is wrong"
+            yield (
+                False,
+                (
+                    f"{film.channel} of {film.recording}: the film shows the muscle move "
+                    f"otherwise than the model, by {away:.1f} mm (standard deviation): {why}"
+                ),
+            )
+
+
+def judge_prediction(
+    result: FitResult, recording: ModelInputs, measured: FloatArray, e: FloatArray
+) -> Adequacy:
+    """Judge how a fit predicts a recording that it has not seen, against what it promises.
+
+    The mean is judged apart from the changes, of which `r2` is: a sensor's zero is another in each
+    recording. `e` is the measured torque minus what is predicted, where samples count [Nm].
+    """
+    bias = float(e.mean())
+    changes = e - bias
+    r2 = centred_r2([(measured, changes)])
+    if not np.isfinite(r2):
+        return Adequacy(Grade.INADEQUATE, ("the torque does not change",), r2)
+    reasons = list(_goodness(r2))
+    if _range([recording]) < _STILL:
+        reasons = [(False, "the ankle holds still there: following it says little")]
+    promised = _promised(result, recording, float(np.std(measured)))
+    error = float(np.sqrt(np.mean(changes**2)))
+    if not error <= _BEYOND * promised:
+        text = f"it errs by {error:.2g} Nm where the fit promises {promised:.2g} Nm"
+        reasons.append((False, text))
+    if not abs(bias) <= _BEYOND * promised:
+        text = f"its mean is off by {bias:+.2g} Nm: another zero of the sensor, or another leg"
+        reasons.append((False, text))
+    return _graded(reasons, r2)
+
+
+def _promised(result: FitResult, recording: ModelInputs, changing: float) -> float:
+    """Standard deviation [Nm] of the error that a fit promises of another recording's changes.
+
+    It is like the fit's own, in proportion where the torque is `changing` more, and what the
+    covariance makes of the predicted torque.
+    """
+    problem = result.problem
+    pairs = zip(*map(counted, problem.inputs, result.residuals), strict=True)
+    changes, own = (np.concatenate([part - part.mean() for part in each]) for each in pairs)
+    grown = max(1.0, changing / max(float(np.std(changes)), 1e-12))
+    known = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
+    columns = [problem.spec.names.index(name) for name in known.names]
+    values = problem.spec.vector(result.values, problem.options)
+    _, rows = problem.spec.simulator(recording, problem.options).torque_jacobian(values, columns)
+    rows = rows[:, recording.counts]
+    rows = rows - rows.mean(axis=1, keepdims=True)
+    unsure = float(np.einsum("in,ij,jn->n", rows, known.matrix, rows, optimize=True).mean())
+    return float(np.sqrt((grown * np.std(own)) ** 2 + max(unsure, 0.0)))
+
+
+def structure(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) -> float:
+    """Part of the residual's variance that angle, velocity and activation explain, 0 … 1.
+
+    A linear regression in each recording on the angle to its third power, on velocity and its size
+    and sign, and on each muscle's activation and its product with the angle; lessened by what as
+    many regressors explain of noise that is as correlated as the residual [Nm].
+    """
+    explained = total = 0.0
+    for recording, residual in zip(inputs, residuals, strict=True):
+        mask = recording.counts
+        e = residual[mask] - residual[mask].mean()
+        sse = float(e @ e)
+        if not np.isfinite(sse) or sse <= 0.0:
+            continue
+        features = _features(recording)[mask]
+        features -= features.mean(axis=0)
+        norms = np.linalg.norm(features, axis=0)
+        features = features[:, norms > 0] / norms[norms > 0]
+        u, s, _ = np.linalg.svd(features, full_matrices=False)
+        basis = u[:, s > 1e-6 * s[0]] if len(s) else u
+        lag1 = float(np.clip((e[1:] @ e[:-1]) / sse, 0.0, 0.999))
+        independent = len(e) * (1.0 - lag1) / (1.0 + lag1)
+        k = basis.shape[1]
+        if independent > k + 2:
+            share = float(np.sum((basis.T @ e) ** 2)) / sse
+            share = 1.0 - (1.0 - share) * (independent - 1.0) / (independent - k - 1.0)
+            explained += max(share, 0.0) * sse
+        total += sse
+    return explained / total if total > 0.0 else 0.0
+
+
+def _features(recording: ModelInputs) -> FloatArray:
+    """What a residual should not follow, shape (n, k)."""
+    from scipy.signal import butter, sosfiltfilt
+
+    angle = recording.angle - recording.angle.mean()
+    speed = recording.velocity
+    top = max(float(np.abs(speed).max()), 1e-12)
+    columns = [angle, angle**2, angle**3, speed, np.abs(speed), np.tanh(10.0 * speed / top)]
+    active = recording.emg
+    if recording.rate_hz > 2.5 * _ACTIVATION_HZ and recording.n > 20:
+        sos = butter(2, _ACTIVATION_HZ, fs=recording.rate_hz, output="sos")
+        active = sosfiltfilt(sos, active, axis=0)
+    for channel in active.T:
+        columns += [channel, channel * angle]
+    return np.stack(columns, axis=1)

@@ -1,0 +1,277 @@
+"""From a fit to what it is worth: goodness, intervals, correlations and verdicts."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from surae.base.filed import filed
+from surae.base.formatting import chance
+from surae.base.frozen import Comparable
+from surae.base.threads import one_blas_thread
+from surae.inference import FitResult
+from surae.inference.adequacy import Adequacy, Grade, judge_adequacy
+from surae.inference.contradiction import Contradiction, contradiction
+from surae.inference.fascicles import FascicleQuality, fascicles_of
+from surae.inference.marginal import marginal
+from surae.inference.parameter import (
+    IDENTIFIED,
+    Interval,
+    ParameterEstimate,
+    Verdict,
+    judge_interval,
+    judge_singular,
+    percent,
+)
+from surae.inference.residual import LEVEL, Whiteness, centred_r2, counted, rmse, vaf, weighted_vaf
+from surae.inference.uncertainty.covariance import Covariance, covariance, half_width, ipde
+from surae.inference.uncertainty.robust import RobustCovariance, robust_covariance
+from surae.model import adapted
+
+
+@filed(sparse=("fascicles",), rmse="rmse_Nm", bias="bias_Nm")
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordingQuality(Comparable):
+    """How well one recording is followed where its samples count: VAF, R² [%], RMSE, bias [Nm].
+
+    `vaf_weighted` counts the samples as the fit did; None where all that count count alike. `r2` is
+    centred: of the torque's changes.
+    """
+
+    name: str
+    path: str | None
+    sha256: str | None
+    n: int
+    rate_hz: float
+    vaf: float
+    rmse: float
+    bias: float
+    vaf_weighted: float | None
+    r2: float
+    fascicles: tuple[FascicleQuality, ...] = ()
+
+
+@filed("robust", rmse="rmse_Nm", covariance="correlation")
+@dataclass(frozen=True, slots=True, eq=False)
+class Assessment(Comparable):
+    """What a fit is worth."""
+
+    #: `vaf`, `rmse`: of all recordings together [%, Nm]; NaN where the model gave no finite torque.
+    vaf: float
+    rmse: float
+    #: VAF with the samples counted as the fit did, 1 − Σwe²/ΣwT² [%]; None where all that count
+    #: count alike.
+    vaf_weighted: float | None
+    parameters: Mapping[str, ParameterEstimate]  #: All parameters of the model, in its order.
+    covariance: Covariance  #: Of the estimates that have one, equation (33): for white residuals.
+    #: Of the same estimates, for residuals that are correlated over time.
+    robust: RobustCovariance | None
+    #: Autocorrelation of each recording's residual, and the test of it.
+    whiteness: tuple[Whiteness, ...]
+    interval: Interval  #: Which of the two the intervals and verdicts rest on.
+    interval_note: str  #: Why, in a plain sentence.
+    #: Equation (35); None, with `ipde_note` saying why, when fewer than two have a variance.
+    ipde: float | None
+    #: Which parameters it leaves out, or why there is none; empty when it has them all.
+    ipde_note: str
+    recordings: tuple[RecordingQuality, ...]  #: One for each recording.
+    adequacy: Adequacy  #: Whether the fit is good enough for any of this to mean something.
+    #: What `model="auto"` found of the laboratory; empty for a named model.
+    nuisances: Mapping[str, ParameterEstimate] = field(default_factory=dict)
+
+
+@one_blas_thread()
+def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
+    """Judge a fit.
+
+    With `alternatives` a named model is held against what it does not know of: where the data
+    contradict it, its intervals reach to where a model of the laboratory would have the parameters.
+    """
+    problem = result.problem
+    estimated = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
+    robust, white = robust_covariance(result, estimated)
+    interval, why = _believed(result, robust, white)
+    pairs = [
+        (*counted(trial, residual), np.ones(trial.n) if trial.weight is None else
+         trial.weight[trial.counts])
+        for trial, residual in zip(problem.inputs, result.residuals, strict=True)
+    ]  # fmt: skip
+    filmed = fascicles_of(result)
+    recordings = tuple(
+        RecordingQuality(
+            name=recording.name,
+            path=recording.files[0].name if recording.files else None,
+            sha256=recording.files[0].sha256 if recording.files else None,
+            n=recording.n,
+            rate_hz=recording.rate_hz,
+            vaf=vaf(torque, residual),
+            rmse=rmse(residual),
+            bias=float(residual.mean()),
+            vaf_weighted=weighted_vaf([(torque, residual, weight)]),
+            r2=centred_r2([(torque, residual)]),
+            fascicles=tuple(f.quality for f in filmed if f.recording == recording.name),
+        )
+        for recording, (torque, residual, weight) in zip(problem.inputs, pairs, strict=True)
+    )
+    laboratory = {} if result.family is None else result.family.beliefs
+    of_leg = np.array([name not in laboratory for name in estimated.names], dtype=bool)
+    leg = replace(
+        estimated,
+        names=tuple(name for name in estimated.names if name not in laboratory),
+        matrix=estimated.matrix[np.ix_(of_leg, of_leg)],
+        correlation=estimated.correlation[np.ix_(of_leg, of_leg)],
+    )
+    dependency = ipde(leg.correlation) if len(leg.names) > 1 else None
+    left_out = [n for n in problem.free if n not in estimated.names and n not in laboratory]
+    note = f"without {', '.join(left_out)}" if left_out else ""
+    if dependency is None:
+        note = "fewer than two parameters have a variance"
+    residuals = np.concatenate([residual for _, residual, _ in pairs])
+    adequacy = judge_adequacy(result)
+    against = contradiction(result) if alternatives else None
+    table = _parameters(result, estimated, robust, interval, adequacy, against)
+    if against is not None:
+        missing = ", ".join(against.missing)
+        why += f"; they reach to where a model with some of {missing} has the parameters"
+    if result.family is not None:
+        table |= marginal(result.family, problem, table, adequacy)
+    return Assessment(
+        vaf=vaf(np.concatenate([torque for torque, _, _ in pairs]), residuals),
+        rmse=rmse(residuals),
+        vaf_weighted=weighted_vaf(pairs),
+        parameters={n: p for n, p in table.items() if n not in laboratory},
+        nuisances={n: p for n, p in table.items() if n in laboratory},
+        covariance=leg,
+        robust=robust,
+        whiteness=white,
+        interval=interval,
+        interval_note=why,
+        ipde=dependency,
+        ipde_note=note,
+        recordings=recordings,
+        adequacy=adequacy,
+    )
+
+
+def _believed(
+    result: FitResult, robust: RobustCovariance | None, white: Sequence[Whiteness]
+) -> tuple[Interval, str]:
+    """Which standard errors to believe: the thesis's where all residuals are white; and why."""
+    if result.family is not None:
+        return Interval.MARGINAL, (
+            "they contain the correlated noise, the measurement errors, and the models that the "
+            "data do not reject"
+        )
+    if robust is None:
+        return Interval.THESIS, "no estimate has a variance"
+    if result.outliers is not None:
+        return Interval.ROBUST, "outliers count less than their square"
+    if any(recording.emphasised for recording in result.problem.inputs):
+        return Interval.ROBUST, "some samples count more than others"
+    least = min(test.p_value for test in white)
+    text = chance(least)
+    if len(white) > 1:
+        text += f", the least of {len(white)} recordings"
+    if least >= LEVEL / len(white):  # the recordings share the level (Bonferroni)
+        return Interval.THESIS, f"the residual passes for white noise ({text})"
+    return Interval.ROBUST, f"the residual is correlated over time ({text})"
+
+
+def _noise_share(half: float, shift: float) -> float:
+    """What noise has of a variance that a model's bias shares, whatever size both have."""
+    return (half / (half + shift)) ** 2
+
+
+def _parameters(
+    result: FitResult,
+    estimated: Covariance,
+    robust: RobustCovariance | None,
+    interval: Interval,
+    adequacy: Adequacy,
+    against: Contradiction | None,
+) -> dict[str, ParameterEstimate]:
+    problem, withheld = result.problem, adequacy.grade is Grade.INADEQUATE
+    table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
+    ends = zip(problem.lower.tolist(), problem.upper.tolist(), strict=True)
+    bounds = dict(zip(problem.free, ends, strict=True))
+    variances = dict(zip(estimated.names, np.diag(estimated.matrix).tolist(), strict=True))
+    shifts = {} if against is None else against.shift
+    parameters = {}
+    for name, p in table.items():
+        value = result.values[name]
+        lower, upper = bounds.get(name, (p.lower, p.upper))
+        sem = sem_robust = ci95 = again = None
+        repeatable, budget = False, {}
+        if name not in problem.free:
+            verdict, note = Verdict.FIXED, "fixed, not estimated"
+        elif name in result.at_bound:
+            side = "lower" if value - lower < upper - value else "upper"
+            verdict, note = Verdict.AT_BOUND, f"at its {side} bound: no interval; the optimum is "
+            note += "outside the bounds, or the data do not constrain it"
+        elif name in variances:
+            sem = float(np.sqrt(variances[name]))
+            half = half_width(sem, estimated.dof)
+            if robust is not None:
+                j = robust.names.index(name)
+                sem_robust = float(np.sqrt(robust.matrix[j, j]))
+                if interval is Interval.ROBUST:
+                    half = half_width(sem_robust, float(robust.dof[j]))
+            again, budget = (value - half, value + half), {"noise": 1.0}
+            repeatable = half <= IDENTIFIED * abs(value) and not withheld
+            if (shift := shifts.get(name, 0.0)) > 0.0:
+                noise = _noise_share(half, shift)
+                budget = {"noise": noise, "model": 1.0 - noise}
+                half += shift
+            ci95 = (value - half, value + half)
+            verdict, note = judge_interval(name, value, half, estimated, p.unit, withheld=withheld)
+            if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
+                note = (
+                    f"known only to ±{percent(half / abs(value))}: the data contradict this model; "
+                    f"with some of {', '.join(against.missing)} it is elsewhere (fit model auto), "
+                    "though another trial of this leg would give the same with this model"
+                )
+        elif not np.isfinite(estimated.sigma2):
+            verdict = Verdict.UNDETERMINED
+            note = "no interval: the model gives no finite torque here"
+        else:
+            verdict, note = Verdict.UNDETERMINED, judge_singular(name, estimated.directions)
+        parameters[name] = ParameterEstimate(
+            name, p.unit, p.meaning, p.group, value, sem, sem_robust, ci95,
+            interval if ci95 else None, lower, upper, name in problem.free, name in result.at_bound,
+            verdict, note, again, repeatable, budget,
+        )  # fmt: skip
+    return parameters
+
+
+@dataclass(frozen=True, slots=True)
+class Inflation:
+    """Factors on the variance of the noise."""
+
+    factors: Mapping[str, float]  #: Of every parameter that was estimated.
+    reason: str  #: Why, in a plain phrase.
+
+    @property
+    def common(self) -> float:
+        """One factor for all: the median over the parameters."""
+        return float(np.median(list(self.factors.values()))) if self.factors else 1.0
+
+
+def variance_inflation(assessment: Assessment) -> Inflation:
+    """The factors that an assessment asks for: 1 where its residuals pass for white noise.
+
+    Where intervals are robust it is (sem_robust/sem)² of each parameter. One without a standard
+    error, as at a bound, has the median of the others.
+    """
+    free = [p for p in assessment.parameters.values() if p.free]
+    known = {}
+    if assessment.interval is Interval.ROBUST:
+        known = {p.name: (p.sem_robust / p.sem) ** 2 for p in free if p.sem and p.sem_robust}
+    common = Inflation(known, "").common
+    return Inflation({p.name: known.get(p.name, common) for p in free}, assessment.interval_note)
+
+
+def described(factors: Mapping[str, float], reason: str) -> str:
+    """What was done to the noise and why, as a line: ``variance of the noise ×4: …``."""
+    least, most = (f"{end(factors.values()):.3g}" for end in (min, max))
+    text = f"×{least}" if least == most else f"×{least} … ×{most}, by parameter"
+    return f"variance of the noise {text}" + (f": {reason}" if reason else "")

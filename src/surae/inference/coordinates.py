@@ -1,0 +1,96 @@
+"""What a search moves: parameters as they are or on a logarithm, with bounds and priors."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.base.units import FloatArray
+from surae.inference.problem import FitProblem
+from surae.inference.residuals import valleys_among
+from surae.model.registry import PARAMETERS
+from surae.model.sources import Gaussian
+
+#: Least value of a parameter on a logarithm whose bound is zero, as a part of its prior's median.
+_FLOOR = 1e-2
+_ZERO = "torque_zero"
+
+
+def is_straight(name: str) -> bool:
+    """Whether a parameter is searched as it is; all others are on a logarithm."""
+    return name in PARAMETERS and PARAMETERS[name].straight
+
+
+class Coordinates:
+    """The q coordinates z of a problem: its free parameters, then a zero of each recording.
+
+    A single recording's zero is a parameter as any other.
+    """
+
+    def __init__(self, problem: FitProblem, priors: Mapping[str, Gaussian]) -> None:
+        self.problem, self.priors = problem, priors
+        several = len(problem.inputs) > 1 and _ZERO in problem.free
+        self.zeros = len(problem.inputs) if several else 0
+        self.names = tuple(n for n in problem.free if not (several and n == _ZERO))
+        self.columns = [problem.spec.names.index(n) for n in self.names]
+        own = [problem.free.index(n) for n in self.names]
+        self._lower, self._upper = problem.lower[own], problem.upper[own]
+        self._log = ~straight(self.names)
+        coordinates = [*self.names, *[_ZERO] * self.zeros]
+        #: Means and 1/sd of the priors, and bounds, of every coordinate, shape (q,).
+        self.mean = np.array([priors[n].mean for n in coordinates])
+        self.weight = np.array([1.0 / priors[n].sd for n in coordinates])
+        self.lower, self.upper = np.array([problem.limits[n] for n in coordinates]).T.copy()
+        for j in np.flatnonzero(self._log):
+            self.lower[j] = np.log(max(self.lower[j], _FLOOR * np.exp(self.mean[j])))
+            self.upper[j] = np.log(self.upper[j])
+        #: Positions of a stiffness k and slack length x0 that trade off; the longest muscle [m].
+        self.valleys = valleys_among(problem, self.names)
+
+    def start(self, values: Mapping[str, float]) -> FloatArray:
+        """Coordinates of values by name, of the prior's mean where there is none."""
+        z = self.mean.copy()
+        for j, name in enumerate(self.names):
+            if name in values:
+                z[j] = np.log(max(values[name], 1e-300)) if self._log[j] else values[name]
+        if self.zeros and _ZERO in values:
+            z[len(self.names) :] = values[_ZERO]
+        return np.asarray(np.clip(z, self.lower, self.upper))
+
+    def values(self, z: FloatArray, number: int | None = None) -> FloatArray:
+        """The whole parameter vector; of one recording, or with the mean of their zeros."""
+        own, values = z[: len(self.names)], self.problem.base.copy()
+        with np.errstate(over="ignore"):
+            natural = np.where(self._log, np.exp(own), own)
+        values[self.columns] = np.clip(natural, self._lower, self._upper)
+        if self.zeros:
+            zeros = z[len(self.names) :]
+            at = self.problem.spec.names.index(_ZERO)
+            values[at] = zeros.mean() if number is None else zeros[number]
+        return values
+
+    def by_name(self, z: FloatArray, number: int | None = None) -> dict[str, float]:
+        """All parameters by name."""
+        return dict(zip(self.problem.spec.names, self.values(z, number).tolist(), strict=True))
+
+    def scale(self, z: FloatArray) -> FloatArray:
+        """∂value/∂z of the parameters, shape (len(names),)."""
+        return np.asarray(np.exp(np.where(self._log, z[: len(self.names)], 0.0)))
+
+    def prior_cost(self, z: FloatArray) -> float:
+        """−2 ln of the priors of z."""
+        return float(np.sum((self.weight * (z - self.mean)) ** 2))
+
+    def curved(self, z: FloatArray, step: FloatArray) -> FloatArray:
+        """A step along the valley of k and x0, in which φ = k·(x_ref − x0) moves straight."""
+        moved = z + step
+        for j_k, j_x0, x_ref in self.valleys:
+            k, reach = np.exp(z[j_k]), x_ref - z[j_x0]
+            phi = k * (reach + reach * step[j_k] - step[j_x0])
+            moved[j_x0] = x_ref - phi / np.exp(min(moved[j_k], z[j_k] + 2.0))
+        return np.asarray(np.clip(moved, self.lower, self.upper))
+
+
+def straight(names: Sequence[str]) -> npt.NDArray[np.bool_]:
+    """Which parameters are searched as they are."""
+    return np.array([is_straight(name) for name in names], dtype=bool)

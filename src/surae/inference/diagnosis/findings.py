@@ -1,0 +1,159 @@
+"""Findings of the checks and of quick fits together: a sign, a zero or a lag is tried by a fit."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
+from surae.inference.diagnosis.units import scaled, wrong_units
+from surae.quality import Commanded, Finding, Quality, check_recording
+from surae.quality.finding import make_finding
+from surae.quality.numeric import quantiles, span_of
+from surae.quality.registry import ordered, unfit
+from surae.quality.torque import GRAVITY
+from surae.quality.trial import Signals, signals_of
+from surae.recording import MUSCLES, Recording
+
+#: R² from which on nothing else is tried.
+_GOOD = 0.99
+#: What is claimed must explain this much, and leave so many times less than what is given.
+_EXPLAINS, _CLEARLY = 0.8, 2.5
+#: Part of what a fit leaves that shifting the EMG must take away before a lag is claimed.
+_SHIFT_GAIN = 0.03
+#: An angle that keeps within this [rad] for all but a hundredth of the time is held still.
+STILL = 0.03
+#: A zero that is worth a word [Nm], in a fit that explains so much and leaves so much less by it.
+_ZERO, _GOOD_ENOUGH, _ZERO_GAIN = 8.0, 0.9, 1.3
+#: Part of a zero seen in the torque's constant part that a fit must find too.
+_AGREED = 0.25
+
+
+def examined(recording: Recording, commanded: Commanded | None = None) -> Quality:
+    """All findings of a recording: those of the checks, and what is wrong with signs and units.
+
+    What is wrong is put right before the checks look, so that what follows from it is no finding.
+    `commanded` is the motion that the device was to follow.
+    """
+    findings, right = wrong_units(recording)
+    quality = check_recording(right, commanded)
+    if unfit(right) is not None:
+        return _together(quality, findings)
+    signals = signals_of(right)
+    if (degrees := _degrees(right, signals, quality)) is not None:
+        finding, right = degrees
+        findings.append(finding)
+        signals = signals_of(right)
+        quality = check_recording(right, commanded)
+    low, high = quantiles(signals.angle, 0.005, 0.995)
+    if high - low < STILL:
+        text = (
+            f"The angle stays within {np.rad2deg(high - low):.2g}°: a static hold, nothing moves."
+        )
+        still = make_finding("angle-still", "angle", span_of(signals.time), high - low, text)
+        findings.append(still)
+        return _together(quality, findings, but=("angle-units", "rom-not-covered"))
+    fit = None if signals.torque is None else quick_fit(right, signals)
+    if fit is None:
+        return _together(quality, findings)
+    turned, with_signs = _signs(right, signals, fit)
+    if turned:
+        if with_signs is not right:
+            quality = check_recording(with_signs, commanded)
+        return _together(quality, [*findings, *turned], but=("torque-sign",))
+    lags = [f for f in quality.findings if f.code in ("electrode-lag", "emg-torque-lag")]
+    false = [lag for lag in lags if not _explains(lag, right, signals, fit)]
+    constant = next((f for f in quality.findings if f.code == "torque-offset"), None)
+    if constant is None:
+        findings += _zero(right, signals, fit)
+    elif fit.r2 >= _GOOD_ENOUGH:
+        # A fit's zero goes the way, and a part of it, that the torque's constant part says.
+        beyond = (constant.value or 0.0) - sum(GRAVITY) / 2
+        if not fit.zero * beyond >= _AGREED * beyond**2:
+            false.append(constant)
+    true = tuple(finding for finding in quality.findings if finding not in false)
+    return _together(replace(quality, findings=true), findings)
+
+
+def _together(quality: Quality, findings: list[Finding], but: tuple[str, ...] = ()) -> Quality:
+    """The findings of the checks, but for those of some codes, and others."""
+    own = {*but, *(finding.code for finding in findings)}
+    kept = [finding for finding in quality.findings if finding.code not in own]
+    skipped = tuple(reason for reason in quality.skipped if reason.check not in own)
+    return replace(quality, findings=ordered([*findings, *kept]), skipped=skipped)
+
+
+def _degrees(
+    recording: Recording, signals: Signals, quality: Quality
+) -> tuple[Finding, Recording] | None:
+    """Radians taken for degrees: a small angle that explains the torque when it is made larger."""
+    claimed = next((f for f in quality.findings if f.code == "angle-units"), None)
+    if claimed is None or np.ptp(signals.angle) > STILL * 1.5 or signals.torque is None:
+        return None
+    right = scaled(recording, "angle", float(np.rad2deg(1.0)))
+    before, after = quick_fit(recording, signals), quick_fit(right, signals_of(right))
+    if before is None or after is None or after.r2 < max(_EXPLAINS, before.r2):
+        return None
+    rises = f"with the larger angle R² rises from {percent(before.r2)} to {percent(after.r2)}"
+    return replace(claimed, message=f"{claimed.message[:-1]}: {rises}."), right
+
+
+def _signs(
+    recording: Recording, signals: Signals, first: QuickFit
+) -> tuple[list[Finding], Recording]:
+    """Findings about the signs, none where they are right, and the recording with them right."""
+    if first.r2 >= _GOOD:
+        return [], recording
+    fits = {
+        (a, t): fit
+        for a, t in ((-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
+        if (fit := quick_fit(recording, signals, angle=a, torque=t)) is not None
+    }
+    best = max(fits.values(), key=lambda fit: fit.r2, default=first)
+    if best.r2 < _EXPLAINS or first.left < _CLEARLY * best.left:
+        return [], recording
+    possible = [signs for signs, fit in fits.items() if fit.left < _CLEARLY * best.left]
+    each = dict(zip(("angle", "torque"), zip(*possible, strict=True), strict=True))
+    turned = [name for name, signs in each.items() if max(signs) < 0.0]
+    unsure = [name for name, signs in each.items() if min(signs) < 0.0 < max(signs)]
+    numbers = f"R² rises from {percent(first.r2)} to {percent(best.r2)}"
+    if not turned:
+        turned = ["angle", "torque"]
+        text = f"The angle or the torque is turned: with one sign = −1 {numbers}; "
+        text += "which of them, the data cannot tell."
+        advice = "Find out which: the angle is positive in dorsiflexion, the torque when the "
+        advice += "triceps pulls."
+    else:
+        also, sign = (" and so is the torque", "both signs") if len(turned) > 1 else ("", "sign")
+        text = f"The {turned[0]} is turned{also}: with {sign} = −1 {numbers}"
+        text += f"; whether the {unsure[0]} is too, the data cannot tell." if unsure else "."
+        advice = f"Write sign = -1 for the {' and the '.join(turned)} in the TOML."
+        for name in turned:
+            recording = scaled(recording, name, -1.0)
+    texts = zip(turned, (text, "The torque is turned, too: see angle-sign."), strict=False)
+    return [
+        make_finding(f"{name}-sign", name, span_of(signals.time), best.r2, message, advice=advice)
+        for name, message in texts
+    ], recording
+
+
+def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Iterator[Finding]:
+    """A torque whose zero is off by more than a foot can weigh."""
+    if recording.fixed.get("m") == 0.0 or abs(fit.zero) < _ZERO or fit.r2 < _GOOD_ENOUGH:
+        return
+    without = quick_fit(recording, signals, zero=False)
+    if without is not None and without.left >= _ZERO_GAIN * fit.left:
+        yield make_finding(
+            "torque-offset", "torque", span_of(signals.time), fit.zero,
+            f"The torque's zero is off by about {fit.zero:.2g} Nm: with that taken away R² rises "
+            f"from {percent(without.r2)} to {percent(fit.r2)}.",
+        )  # fmt: skip
+
+
+def _explains(lag: Finding, recording: Recording, signals: Signals, first: QuickFit) -> bool:
+    """Whether a fit is better without a lag."""
+    if lag.value is None:
+        return True
+    muscles = MUSCLES if lag.channel is None else (lag.channel[4:],)
+    in_time = quick_fit(recording, signals, later=dict.fromkeys(muscles, lag.value))
+    return in_time is not None and in_time.left <= (1.0 - _SHIFT_GAIN) * first.left

@@ -1,0 +1,117 @@
+"""Model 1.0 fitted quickly to what a recording might be.
+
+A quick fit is model 1.0 on some 500 samples with the zero of the torque free, a few milliseconds;
+R² is about the mean.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.base.errors import InputError
+from surae.base.frozen import read_only
+from surae.base.threads import one_blas_thread
+from surae.base.units import FloatArray
+from surae.inference import make_problem
+from surae.inference.least_squares import minimise
+from surae.inference.residuals import Residuals, curved_move
+from surae.inference.separable import scan_lengths
+from surae.quality.numeric import quantiles, shifted, smooth
+from surae.quality.trial import Signals
+from surae.recording import MUSCLES, Recording
+from surae.signals import ModelInputs
+
+#: Samples of a quick fit, and the rate [Hz] that it keeps at least.
+_SAMPLES, _RATE = 500, 15.0
+#: An EMG whose highest level is not so many times its level at rest is at rest throughout.
+_ACTIVE = 2.5
+#: Largest level [V] to which the EMG is brought, whatever its unit: weights then suit their bounds.
+_FULL = 6e-4
+
+
+@dataclass(frozen=True, slots=True)
+class QuickFit:
+    """How well model 1.0 can explain a recording's torque."""
+
+    r2: float  #: R² about the mean, the torque's zero being free.
+    zero: float  #: That zero [Nm].
+
+    @property
+    def left(self) -> float:
+        """Part of the torque's variance that is not explained."""
+        return max(1.0 - self.r2, 1e-4)
+
+
+def quick_fit(
+    recording: Recording,
+    signals: Signals,
+    *,
+    angle: float = 1.0,
+    torque: float = 1.0,
+    later: dict[str, float] | None = None,
+    zero: bool = True,
+) -> QuickFit | None:
+    """Fit model 1.0 quickly to what a recording might be.
+
+    `angle` and `torque` are factors: signs or units; `later` is by how much the EMG of a muscle is
+    late [s], which is taken away; `zero` says whether the torque's zero is free. None where the
+    model cannot be fitted to it.
+    """
+    assert signals.torque is not None
+    rate = signals.rate_hz
+    step = max(1, min(int(rate / _RATE), len(signals.time) // _SAMPLES))
+    thin = slice(step // 2, None, step)
+    moved = angle * smooth(signals.angle, round(0.05 * rate))
+    velocity = np.gradient(moved, 1.0 / rate)
+    emg = np.zeros((len(signals.time), len(MUSCLES)))
+    for muscle, envelope in signals.fast.items():
+        rest, top = quantiles(envelope, 0.05, 0.98)
+        if top > _ACTIVE * max(rest, 0.0):
+            level = np.maximum(envelope - rest, 0.0) * (_FULL / (top - rest))
+            if later and muscle in later:
+                level = shifted(level, -round(later[muscle] * rate))
+            emg[:, MUSCLES.index(muscle)] = smooth(level, step)
+    silent = [f"g{k + 1}" for k in range(len(MUSCLES)) if not emg[:, k].any()]
+    measured = read_only(torque * signals.torque[thin])
+    inputs = ModelInputs(
+        recording.name,
+        rate / step,
+        time=read_only(signals.time[thin]),
+        angle=read_only(moved[thin]),
+        velocity=read_only(velocity[thin]),
+        acceleration=read_only(np.gradient(velocity, 1.0 / rate)[thin]),
+        emg=read_only(emg[thin]),
+        emg_unit="V",
+        torque=measured,
+    )
+    mass = {name: value for name, value in recording.fixed.items() if name == "m"}
+    try:
+        problem = make_problem([inputs], fixed=dict.fromkeys(silent, 0.0) | mass)
+    except InputError:
+        return None
+    residuals = Residuals(problem)
+
+    def rows(x: FloatArray, wanted: Sequence[int] | None = None) -> FloatArray:
+        """Rows without their means, where the torque's zero is to be solved for."""
+        every = residuals.data_rows(x, wanted)
+        if zero:
+            every -= every.mean(axis=1, keepdims=True)
+        return every
+
+    power = float(((measured - measured.mean()) ** 2).sum())
+    if power <= 0.0:
+        return None
+    with one_blas_thread(), np.errstate(over="ignore", invalid="ignore"):
+        best = minimise(
+            rows, scan_lengths(problem, rows, problem.start), problem.lower, problem.upper,
+            move=curved_move(problem), max_iterations=40, ftol=1e-3, stall=1e-3,
+        )  # fmt: skip
+        offset = float(np.mean(residuals.of(best.x)[0])) if zero else 0.0
+    return QuickFit(1.0 - best.sse / power, torque * offset) if np.isfinite(best.sse) else None
+
+
+def percent(r2: float) -> str:
+    """R² in percent, with the digits that matter near 100."""
+    text = f"{100.0 * r2:.1f}" if r2 > 0.9 else f"{100.0 * r2:.0f}"
+    return f"{text.replace('-', '−')} %"

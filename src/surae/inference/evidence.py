@@ -1,0 +1,104 @@
+"""Which nuisances the data ask for: evidence of every subset, from one Laplace approximation.
+
+Around the mode −2 ln p is a quadratic, so the evidence of a model without some nuisances (each at
+the value at which it is off, its prior not counted) is a matter of small matrices:
+
+    −2 ln Z = cost at its own mode + ln|H| − Σ ln(1/sd²) of the nuisances that are in.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain, combinations
+
+import numpy as np
+
+from surae.base.units import FloatArray
+
+#: Rounding of sums over samples, of a matrix with ones on its diagonal.
+_ROUNDING = 1e-11
+
+
+def root(covariance: FloatArray) -> FloatArray:
+    """Shifts whose outer products add up to a covariance, shape (r, q)."""
+    values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    kept = values > 1e-12 * max(float(values[-1]), 1e-300)
+    return np.asarray((vectors[:, kept] * np.sqrt(values[kept])).T)
+
+
+@dataclass(frozen=True, slots=True)
+class LaplaceApproximation:
+    """−2 ln p of the data around a point, and the priors."""
+
+    information: FloatArray  #: JᵀJ of the data, shape (q, q).
+    gradient: FloatArray  #: Jᵀe of the data, shape (q,).
+    cost: float  #: eᵀe of the data.
+    #: `z`, `mean`, `weight`: the point, and the priors' means and 1/sd, shape (q,).
+    z: FloatArray
+    mean: FloatArray
+    weight: FloatArray
+
+    def solved(self, off: Mapping[int, float]) -> tuple[float, FloatArray, FloatArray]:
+        """Evidence −2 ln Z, mode (q,) and covariance (q, q) with the parameters `off` held."""
+        free = np.array([j for j in range(len(self.z)) if j not in off], dtype=int)
+        mode, covariance = self.z.copy(), np.zeros((len(self.z), len(self.z)))
+        for j, value in off.items():
+            mode[j] = value
+        shift = mode - self.z
+        gradient = self.gradient + self.information @ shift
+        cost = self.cost + float(shift @ (2.0 * self.gradient + self.information @ shift))
+        weight2 = self.weight[free] ** 2
+        away = self.z[free] - self.mean[free]
+        H = self.information[np.ix_(free, free)] + np.diag(weight2)
+        g = gradient[free] + weight2 * away
+        cost += float(weight2 @ away**2)
+        # Columns of very different size: a factor of what is scaled keeps its digits.
+        scale = 1.0 / np.sqrt(np.diag(H))
+        scaled = H * scale * scale[:, None]
+        try:
+            factor = np.linalg.cholesky(scaled)
+        except np.linalg.LinAlgError:  # data without noise outweigh every prior to the last digit
+            factor = np.linalg.cholesky(scaled + _ROUNDING * np.eye(len(scaled)))
+        inverse = np.linalg.inv(factor) * scale
+        solved = inverse @ g
+        log_det = 2.0 * float(np.log(np.diag(factor) / scale).sum())
+        mode[free] -= inverse.T @ solved
+        covariance[np.ix_(free, free)] = inverse.T @ inverse
+        evidence = cost - float(solved @ solved) + log_det - float(np.log(weight2).sum())
+        return evidence, mode, covariance
+
+
+@dataclass(frozen=True, slots=True)
+class Subset:
+    """A set of groups of nuisances and how well the data support it."""
+
+    groups: tuple[str, ...]  #: Groups that are in.
+    weight: float  #: Its posterior probability among the subsets.
+    evidence: float  #: −2 ln Z.
+    #: Where its parameters are, those that are out at their values of being off, shape (q,).
+    mode: FloatArray
+    variance: FloatArray  #: Of each of them, shape (q,).
+
+
+def subsets(
+    laplace: LaplaceApproximation,
+    groups: Mapping[str, Sequence[int]],
+    off: Mapping[int, float],
+    odds: Mapping[str, float] | None = None,
+) -> tuple[Subset, ...]:
+    """All subsets of the groups, given by their parameters' positions, the best supported first.
+
+    `off` has the value at which each is off, `odds` those beforehand that a group is in, else 1.
+    """
+    scored = []
+    for chosen in chain.from_iterable(combinations(groups, n) for n in range(len(groups) + 1)):
+        held = {j: off[j] for g in groups if g not in chosen for j in groups[g]}
+        try:
+            evidence, mode, covariance = laplace.solved(held)
+        except np.linalg.LinAlgError:
+            continue
+        evidence -= 2.0 * sum(float(np.log((odds or {}).get(g, 1.0))) for g in chosen)
+        scored.append(Subset(chosen, 0.0, evidence, mode, np.diag(covariance).copy()))
+    scored.sort(key=lambda subset: subset.evidence)
+    weights = np.exp(-0.5 * np.array([subset.evidence - scored[0].evidence for subset in scored]))
+    weights /= weights.sum()
+    return tuple(replace(s, weight=float(w)) for w, s in zip(weights, scored, strict=True))

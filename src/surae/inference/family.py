@@ -1,0 +1,384 @@
+"""`model="auto"`: the mode of one posterior, and which departures the data ask for.
+
+1. Thinned data without departures, noise taken for much greater than it is: a surface with one
+   valley. The noise is lowered to what the residual says (continuation). From a fast and from a
+   slow relaxation, for those are two valleys.
+2. All departures, their sizes and that of the latents learnt from the data.
+3. The evidence of every set of departures, from one Laplace approximation; the best is solved anew.
+4. Where the residual under effort is much greater than at rest, the size of the drive's error is
+   sought by evidence, before the departures are chosen, if every muscle has an electrode.
+5. What makes the mode unsure, source by source (`surae.inference.laplace`).
+"""
+
+import time
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from surae.base.errors import InputError
+from surae.base.frozen import FrozenDict
+from surae.base.progress import SearchProgress
+from surae.base.threads import one_blas_thread
+from surae.inference.coordinates import is_straight
+from surae.inference.evidence import Subset, subsets
+from surae.inference.film import names_of_film
+from surae.inference.fit import fit_problem
+from surae.inference.interrupt import postponed_interrupt
+from surae.inference.latent import SOURCES, Latents
+from surae.inference.learning import (
+    effort_ratio,
+    followed,
+    learnt_films,
+    learnt_noise,
+    learnt_sizes,
+)
+from surae.inference.least_squares import Outcome
+from surae.inference.noise import NoiseModel
+from surae.inference.population import WIDENED, wide_priors
+from surae.inference.posterior import LogPosterior, Point
+from surae.inference.problem import MASSES, FitProblem
+from surae.inference.result import TENDONS, FitResult
+from surae.inference.summed import summed
+from surae.model import get_model, with_optional
+from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
+from surae.model.sources import Gaussian
+from surae.recording import MUSCLES
+from surae.signals import emg_levels, quiet_levels, steady_emg
+from surae.signals.prepare import sharpened
+from surae.signals.resample import thinned, thinning_factor
+
+#: Rates [Hz] of the search's stages, and the samples that each recording keeps at least.
+_RATES, _SAMPLES = (32.0, 64.0), 400
+#: Relaxation times [s] and factor from which a search begins.
+_RELAXATIONS, _RELAXED = (0.4, 4.0), 0.3
+#: Noise of the continuation, as parts of the torque's changes.
+_TEMPERS = (0.1, 0.03)
+#: Standard deviations of the latents before anything is learnt, those above which parameters have
+#: to explain the torque, and those of none.
+_BEGIN = {"gain": 0.03, "drift": 0.1, "misfit": 0.01}
+_MOST = {"gain": 0.15, "drift": 1.0, "misfit": 0.06}
+_NEARLY_NONE = {"gain": 1e-3, "drift": 1e-2, "misfit": 1e-3}
+#: Rounds in which noise and sizes are learnt at most, and the part of each standard deviation below
+#: which the mode rests.
+_ROUNDS, _AT_REST = 5, 0.1
+#: What is to be gained in −2 ln p where a search ends.
+_ENDS = 0.01
+#: Slow residual under effort over that at rest from which errors of the drive are sought, and their
+#: standard deviations that are tried.
+_LOUDER, _ERRORS = 1.6, (0.06, 0.11, 0.15, 0.21)
+#: Part of the torque's changes that parameters alone have to follow before: of a model that follows
+#: less, what is left is not the EMG's.
+_FOLLOWED = 0.8
+#: Odds beforehand that a leg or laboratory has a departure.
+_ODDS = 0.3
+#: How far EMG at rest may be from what is expected, in standard deviations.
+_REST = 6.0
+#: Bounds that are wider than those of a named model's search.
+_WIDER = {"m": MASSES, "dlt_tri": (1e-5, 0.3), "dlt_tib": (1e-5, 0.3)}
+
+
+def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -> FitResult:
+    """Find the mode of a leg's posterior and all that makes it unsure.
+
+    The problem is of the family's compliant model; which nuisances may be in, its settings say.
+    `progress` is called with stages that are done, how many there are, and −2 ln p. Ctrl-C keeps
+    the rigid model, without `family`.
+    """
+    begin = time.perf_counter()
+    search = _Search(problem, progress)
+    with one_blas_thread(), postponed_interrupt():
+        try:
+            result = search.result()
+        except KeyboardInterrupt:
+            result = search.stopped()
+    return replace(result, seconds=time.perf_counter() - begin)
+
+
+def resumed(result: FitResult) -> tuple[LogPosterior, Point]:
+    """The posterior that a fit of `fit_family` chose, and its mode."""
+    family = result.family
+    assert family is not None
+    with one_blas_thread():
+        search = _Search(result.problem, None)
+        post = search._posterior(family.candidates[0].groups, _RATES[1], family.noise, family.sizes)
+        if len(family.films) != sum(len(own.films) for own in post.latents):
+            raise InputError("this fit kept no noise of its films: fit again")
+        noise = iter(family.films)
+        latents = tuple(
+            replace(own, films=tuple([replace(film, noise=next(noise)) for film in own.films]))
+            for own in post.latents
+        )
+        fast = None if search._perfect else family.sizes["drive"]
+        post = post.having(latents=latents, fast=fast)
+        z = post.start(result.values)
+        z[len(post.names) :] = family.zeros
+        return post, post.descend(z, evaluations=20, tolerance=1e-3)
+
+
+class _Search:
+    """One search."""
+
+    def __init__(self, problem: FitProblem, progress: SearchProgress | None) -> None:
+        self._progress, self._inputs = progress, problem.inputs
+        self._original = replace(problem, inputs=tuple(sharpened(r) for r in problem.inputs))
+        held = {*problem.settings.fixed, *(n for trial in problem.inputs for n in trial.fixed)}
+        self._silent = frozenset(m for trial in problem.inputs for m in trial.missing_emg) | {
+            muscle
+            for muscle, weight in zip(MUSCLES, problem.spec.weights, strict=True)
+            if weight in held and not problem.base[problem.spec.names.index(weight)]
+        }
+        held |= {problem.spec.weights[channel] for channel in problem.options.anatomy.silent}
+        filmed = {n for r in problem.inputs for f in r.films for n in names_of_film(f.channel)}
+        self._beliefs = {
+            name: belief
+            for name, belief in laboratory(
+                problem.settings.nuisances,
+                quiet_levels(problem.inputs),
+                measured=problem.settings.geometry_of == "person",
+                mounted=not problem.of_inverse_dynamics,
+                joint=problem.options.anatomy,
+            ).items()
+            if name not in held
+            and not _needless(name, self._silent, filmed)
+            and not (name == "emg_lag" and all(r.own_envelopes for r in problem.inputs))
+        }
+        self._options = problem.options
+        if self._options.emg_ref is None:
+            self._options = replace(self._options, emg_ref=emg_levels(problem.inputs))
+        self._weights = _weights(problem)
+        self._perfect = problem.settings.nuisances == NONE
+        self._starts: list[tuple[Point, dict[str, float]]] = []
+
+    def result(self) -> FitResult:
+        """Search, choose, and sum up."""
+        values, noise = self._first()
+        self._say(1)
+        chosen = self._choose(values, noise)
+        self._say(2)
+        return summed(*chosen, self._inputs, self._original, self._starts)
+
+    def stopped(self) -> FitResult:
+        """What is kept where the user stopped: the rigid model, nothing weighed."""
+        original, spec = self._original, get_model(RIGID)
+        free = [n for n in spec.names if n in original.free]
+        rigid = original.of_model(spec, free, original.by_name(original.start), original.limits)
+        plain = fit_problem(replace(rigid, inputs=self._inputs, priors=FrozenDict()), starts=1)
+        without = ", without priors," if original.priors else ""
+        return replace(
+            plain,
+            message=f"stopped by the user: the rigid model alone{without} is kept; fit again for "
+            "the whole",
+            starts=(replace(plain.starts[0], outcome=str(Outcome.INTERRUPTED)),),
+        )
+
+    def _say(self, stage: int) -> None:
+        if self._progress is not None and self._starts:
+            self._progress(stage, 2, min(point.cost for point, _ in self._starts))
+
+    def _posterior(
+        self, groups: Sequence[str], rate_hz: float, noise: Sequence[NoiseModel],
+        sizes: Mapping[str, float], like: LogPosterior | None = None,
+    ) -> LogPosterior:  # fmt: skip
+        """The posterior of the data at a rate with these departures."""
+        original = self._original
+        if like is not None and like.rate_hz == rate_hz:
+            inputs, latents = like.problem.inputs, like.latents
+        else:
+            each = original.inputs
+            inputs = tuple(thinned(r, thinning_factor(r, rate_hz, _SAMPLES)) for r in each)
+            latents = tuple(
+                Latents.of(r, self._silent, whole.n / whole.rate_hz, perfect=self._perfect)
+                for r, whole in zip(inputs, each, strict=True)
+            )
+        beliefs = {
+            name: belief
+            for name, belief in self._beliefs.items()
+            if (group := group_of(name)) not in DEPARTURES or group in groups
+        }
+        spec = get_model(COMPLIANT)
+        more = [n for n in (*beliefs, *original.spec.optional) if n not in spec.names]
+        spec = with_optional(spec, more)
+        limits = original.limits
+        # priors hold them, and not the bounds of a search
+        limits |= {n: pair for n, pair in _WIDER.items() if n not in original.settings.bounds}
+        for name, belief in beliefs.items():
+            if group_of(name) == "rest":  # amplifiers differ a thousandfold
+                limits[name] = (belief.mean - _REST * belief.sd, belief.mean + _REST * belief.sd)
+        free = [n for n in spec.names if n in original.free or n in beliefs]
+        problem = original.of_model(
+            spec, free, original.by_name(original.start), limits,
+            options=self._options, inputs=inputs,
+        )  # fmt: skip
+        priors = self._leg(problem) | {n: _searched(n, b) for n, b in beliefs.items()}
+        return LogPosterior(
+            problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz
+        )
+
+    def _leg(self, problem: FitProblem) -> dict[str, Gaussian]:
+        """What is known of the leg's own parameters, as they are searched."""
+        wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
+        # widened, a Gaussian would believe as much in a rigid one
+        for name in {*TENDONS} - {*problem.options.anatomy.parameters}:
+            wide[name] = (wide[name][0], wide[name][1] / WIDENED)
+        wide |= {name: (weight, 1.0) for name, weight in self._weights.items()}
+        wide |= {n: (p.median, p.spread) for n, p in problem.priors.items()}
+        return {
+            name: Gaussian(median, spread * median)
+            if is_straight(name)
+            else Gaussian(float(np.log(median)), spread)
+            for name, (median, spread) in wide.items()
+            if name in problem.free
+        }
+
+    def _first(self) -> tuple[dict[str, float], tuple[NoiseModel, ...]]:
+        """Values without departures from thinned data, and the noise they leave."""
+        post: LogPosterior | None = None
+        met = []
+        for relaxation in _RELAXATIONS:
+            noise = _white(self._original, _TEMPERS[0])
+            post = self._posterior((), _RATES[0], noise, _NEARLY_NONE, post)
+            given = {"tau_rel": relaxation, "k_rel": _RELAXED, **self._original.settings.start}
+            point = post.descend(post.start(given), evaluations=10, tolerance=0.3)
+            post = post.having(noise=_white(self._original, _TEMPERS[1]))
+            point = post.descend(point.z, point.c, evaluations=10, tolerance=0.3)
+            post = post.having(sizes=_BEGIN)
+            point = post.again(point)
+            for _ in range(2):
+                post = post.having(noise=learnt_noise(post, point, white=True))
+                point = post.descend(point.z, point.c, evaluations=12, tolerance=0.3)
+            spent = point.cost + sum(
+                recording.n * np.log(noise.variance)
+                for recording, noise in zip(post.problem.inputs, post.noise, strict=True)
+            )
+            self._starts.append((replace(point, cost=spent), post.by_name(point.z)))
+            met.append((spent, self._starts[-1][1], post.noise))
+        return min(met, key=lambda each: each[0])[1:]
+
+    def _learnt(
+        self, post: LogPosterior, point: Point, rounds: int, *, white: bool = False,
+        evaluations: int = 10,
+    ) -> tuple[LogPosterior, Point]:  # fmt: skip
+        """Noise and sizes of the latents in turn with the mode, until it rests."""
+        for _ in range(rounds):
+            before, sizes = point.z, _NEARLY_NONE
+            if not self._perfect:
+                learnt = learnt_sizes(post, point, _BEGIN)
+                sizes = {s: min(learnt[s], _MOST[s]) for s in SOURCES}
+            noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
+            post = post.having(noise=noise, sizes=sizes, latents=latents)
+            point = post.descend(point.z, point.c, point.w, evaluations=evaluations, tolerance=0.1)
+            sd = np.sqrt(np.diag(post.covariance(point)))
+            if np.all(np.abs(point.z - before) < _AT_REST * sd):
+                break
+        return post, point
+
+    def _choose(
+        self, values: Mapping[str, float], noise: Sequence[NoiseModel]
+    ) -> tuple[LogPosterior, Point, tuple[Subset, ...], tuple[str, ...]]:
+        """The posterior with what the data ask for, its mode, all sets, what their modes are of."""
+        possible = tuple(g for g in DEPARTURES if any(group_of(n) == g for n in self._beliefs))
+        post = self._posterior(possible, _RATES[0], noise, _BEGIN)
+        point = post.descend(post.start(values), evaluations=20, tolerance=0.3)
+        post, point = self._learnt(post, point, 2, white=True, evaluations=12)
+        full = self._posterior(possible, _RATES[1], post.noise, post.sizes)
+        point = full.descend(
+            full.start(post.by_name(point.z)), point.c, evaluations=10, tolerance=0.3
+        )
+        full, point = self._learnt(full, point, _ROUNDS)
+        # which departures there are would hide behind it; what muscles do that no electrode hears
+        # is loud under effort as well, and no error of another's EMG
+        louder = not self._original.has_unheard and effort_ratio(full, point) > _LOUDER
+        if louder and followed(full, point) > _FOLLOWED:
+            full, point = self._with_drive_errors(full, point, _ERRORS)
+        positions: dict[str, list[int]] = {}
+        off: dict[int, float] = {}
+        for j, name in enumerate(full.names):
+            group = group_of(name)
+            if group in possible and name in self._beliefs:
+                positions.setdefault(group, []).append(j)
+                off[j] = self._beliefs[name].off
+        odds = dict.fromkeys(possible, _ODDS)
+        scored = subsets(full.laplace(point), positions, off, odds=odds)
+        own = self._posterior(scored[0].groups, _RATES[1], full.noise, full.sizes, full)
+        own = own.having(fast=full.fast)
+        best = own.descend(
+            own.start(full.by_name(point.z)), point.c, point.w, evaluations=15, tolerance=0.1
+        )
+        own, best = self._learnt(own, best, 2 if own.fast else _ROUNDS)
+        if own.fast is None and not self._perfect:
+            own, best = self._with_drive_errors(own, best, ())
+        best = own.descend(best.z, best.c, best.w, evaluations=10, tolerance=_ENDS)
+        return own, best, scored, full.names
+
+    def _with_drive_errors(
+        self, own: LogPosterior, point: Point, sizes: Sequence[float]
+    ) -> tuple[LogPosterior, Point]:
+        """The errors of the drives, at the muscles' frequencies as great as the data ask for."""
+        post = own.having(fast=0.0)
+        there = post.descend(point.z, point.c, evaluations=12, tolerance=0.1)
+        if not sizes:
+            return self._learnt(post, there, 1, evaluations=8)
+        # the evidence of each is with the noise that it leaves itself
+        quiet = post.having(noise=learnt_noise(post, there, anew=True))
+        at = quiet.descend(there.z, there.c, there.w, evaluations=8, tolerance=0.1)
+        quiet = quiet.having(noise=learnt_noise(quiet, at, anew=True))
+        tried = {0.0: (quiet.evidence(quiet.again(at)), post, there)}
+
+        def better(size: float) -> bool:
+            """Whether this size is the best so far."""
+            # slow latents begin anew, for they have followed what is fast
+            post = own.having(fast=size, sizes=_BEGIN)
+            there = post.descend(point.z, evaluations=25, tolerance=0.1)
+            post, there = self._learnt(post, there, 2, evaluations=8)
+            tried[size] = (post.evidence(there), post, there)
+            return min(tried, key=lambda s: tried[s][0]) == size
+
+        low, middle, high, highest = sizes
+        better(middle)
+        better(highest if better(high) else low)
+        return min(tried.values(), key=lambda each: each[0])[1:]
+
+
+def _white(problem: FitProblem, part: float) -> tuple[NoiseModel, ...]:
+    """White noise of a part of each recording's torque changes, for the beginning of a search."""
+    models = []
+    for recording in problem.inputs:
+        deviation = part * float(np.std(recording.torque)) if recording.torque is not None else 1.0
+        models.append(NoiseModel.white(max(deviation, 1e-9) ** 2, float(recording.n)))
+    return tuple(models)
+
+
+def _searched(name: str, belief: Gaussian) -> Gaussian:
+    """A nuisance's prior as it is searched: of what is on a logarithm, with its mean and sd."""
+    if is_straight(name):
+        return belief
+    spread = float(np.sqrt(np.log1p((belief.sd / belief.mean) ** 2)))
+    return Gaussian(float(np.log(belief.mean)) - 0.5 * spread**2, spread)
+
+
+def _needless(name: str, silent: frozenset[str], filmed: Collection[str]) -> bool:
+    """Whether a nuisance touches nothing: a muscle is silent, has no EMG, or was not filmed."""
+    if name.startswith("film_"):
+        return name not in filmed
+    if name.startswith("xt_"):
+        return bool(set(name.split("_")[1:]) & silent)
+    return name.startswith("emg_rest_") and name.rsplit("_", maxsplit=1)[-1] in silent
+
+
+def _weights(problem: FitProblem) -> dict[str, float]:
+    """EMG weights that make of this EMG a torque of this size: amplifiers differ a thousandfold.
+
+    Not of steady EMG, which may have made none of the torque.
+    """
+    weights = {}
+    torque = np.concatenate([t.torque for t in problem.inputs if t.torque is not None])
+    emg = np.concatenate([trial.emg for trial in problem.inputs])
+    low, high = np.percentile(torque - np.median(torque), [1.0, 99.0])
+    steady = steady_emg(problem.inputs)
+    for channel, name in enumerate(problem.spec.weights):
+        level = float(np.percentile(emg[:, channel], 99.0))
+        if name in problem.free and level > 0.0 and not steady[channel]:
+            pull = max(-low, 1.0) / 0.04 if channel == 0 else max(high, 1.0) / 0.05 / 3.0
+            weights[name] = pull / level
+    return weights

@@ -1,0 +1,186 @@
+"""From a problem to its best minimum: projected starts, then all parameters together."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from surae.base.errors import InputError
+from surae.base.frozen import read_only
+from surae.base.progress import SearchProgress
+from surae.base.threads import one_blas_thread
+from surae.base.units import FloatArray
+from surae.base.versions import versions
+from surae.inference.drive_starts import own_columns
+from surae.inference.interrupt import postponed_interrupt
+from surae.inference.least_squares import Minimum, Outcome, minimise
+from surae.inference.problem import FitProblem
+from surae.inference.residuals import Residuals
+from surae.inference.result import FitResult, Start, at_bounds
+from surae.inference.starts import Follow, from_start, stopped
+from surae.settings import STARTS
+
+#: A sum below this part of the torque's own is an exact fit.
+_EXACT = 1e-12
+#: How often a search that is the best, and not yet at rest, goes on; the variances of the noise
+#: that such a search must gain.
+_CONTINUED, _AT_REST = 3, 1e-2
+
+
+def fit_problem(
+    problem: FitProblem,
+    *,
+    starts: int = STARTS,
+    seed: int = 0,
+    progress: SearchProgress | None = None,
+    noise: float | None = None,
+    follow: Follow | None = None,
+) -> FitResult:
+    """Find the parameters that bring the modelled torque closest to the measured one.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        The question.
+    starts : int
+        Number of starts: the default one, the others random within the bounds.
+    seed : int
+        Seed of the random starts.
+    progress : callable, optional
+        Called after every start.
+    noise : float, optional
+        Standard deviation of the torque's noise [Nm], against which priors are weighed; by default
+        what a fit without priors leaves.
+    follow : callable, optional
+        Called with every better point on the way: the model, which is a simpler one at first where
+        the problem's has a parent, all its parameters, and the sum of squares.
+
+    Returns
+    -------
+    FitResult
+        The best minimum. Ctrl-C keeps the best so far; its message says so.
+
+    Raises
+    ------
+    InputError
+        `starts` is less than 1.
+    """
+    if starts < 1:
+        raise InputError(f"starts is {starts}; give at least 1")
+    begin = time.perf_counter()
+    if noise is None and problem.priors:
+        plain = fit_problem(replace(problem, priors={}), starts=1, seed=seed)
+        if plain.starts[-1].outcome == Outcome.INTERRUPTED:
+            return replace(plain, problem=problem, message=f"{plain.message}, before the priors")
+        noise = float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
+    residuals = Residuals(problem, noise or 0.0)
+    minimum = from_start(problem, residuals, follow)
+    minima: list[Minimum] = []
+    initials = _initials(problem, starts, seed)
+    with one_blas_thread(), postponed_interrupt():
+        try:
+            for number, initial in enumerate(initials):
+                # The first start is where the user, or the literature, expects the lengths.
+                minima.append(minimum(initial, number > 0))
+                if minima[-1].outcome is Outcome.INTERRUPTED:
+                    break
+                if progress is not None:
+                    progress(len(minima), starts, min(map(_finite_sum, minima)))
+            # The best may be in the middle of a long flat valley: it goes on from there.
+            best = min(range(len(minima)), key=lambda k: _finite_sum(minima[k]))
+            for _ in range(_CONTINUED):
+                if minima[best].outcome is not Outcome.ITERATIONS:
+                    break
+                minima[best] = minimise(
+                    residuals.rows, minima[best].x, problem.lower, problem.upper,
+                    stall=_AT_REST / problem.n,
+                )  # fmt: skip
+        except KeyboardInterrupt:
+            if len(minima) == number:  # and not while the caller learnt of a whole start
+                minima.append(stopped(problem, residuals, initial))
+    result = _result(problem, residuals, initials, minima, seed)
+    return replace(result, seconds=time.perf_counter() - begin)
+
+
+def _finite_sum(minimum: Minimum) -> float:
+    """A minimum's sum of squares, infinite where there is none."""
+    return minimum.sse if np.isfinite(minimum.sse) else np.inf
+
+
+def _initials(problem: FitProblem, starts: int, seed: int) -> list[FloatArray]:
+    """The default start, then random ones, uniform within the bounds.
+
+    Drives are drawn apart: everything else starts where a fit without them does.
+    """
+    rng, apart = np.random.default_rng(seed), np.random.default_rng([seed, 1])
+    spread, own = problem.upper - problem.lower, len(own_columns(problem))
+    random = [
+        problem.lower + spread * np.concatenate([rng.random(own), apart.random(len(spread) - own)])
+        for _ in range(starts - 1)
+    ]
+    return [problem.start, *random]
+
+
+def _result(
+    problem: FitProblem, residuals: Residuals, initials: Sequence[FloatArray],
+    minima: Sequence[Minimum], seed: int,
+) -> FitResult:  # fmt: skip
+    """The best of the minima, in how many of them, and what each start came to."""
+    best = min(minima, key=_finite_sum)
+    # Sums that differ by less than the variance of the noise cannot be told apart by the data;
+    # on data without noise, all that is left is rounding and how far the iteration went.
+    power = sum(float(np.sum(r.torque**2)) for r in problem.inputs if r.torque is not None)
+    limit = max(best.sse * (1 + 1 / (problem.n - len(problem.free))), _EXACT * power)
+    # Of points that agree, one where the iteration came to rest is the better one.
+    rested = [m for m in minima if m.sse <= limit and m.outcome is Outcome.CONVERGED]
+    best = min(rested, key=_finite_sum, default=best)
+    agreeing = sum(m.sse <= limit for m in minima)
+    status, message = _status(problem, best, minima, agreeing, len(initials))
+    left = residuals.of(best.x)
+
+    def of_free(x: FloatArray) -> dict[str, float]:
+        return dict(zip(problem.free, x.tolist(), strict=True))
+
+    return FitResult(
+        problem=problem,
+        status=status,
+        message=message,
+        values=problem.by_name(best.x),
+        residuals=tuple(read_only(residual) for residual in left),
+        sse=residuals.sse(left),
+        R=read_only(best.R),
+        starts=tuple(
+            Start(of_free(initial), of_free(m.x), m.sse, str(m.outcome), m.iterations)
+            for initial, m in zip(initials, minima, strict=False)
+        ),
+        agreeing=agreeing,
+        seed=seed,
+        seconds=0.0,
+        versions=versions(),
+    )
+
+
+def _status(
+    problem: FitProblem, best: Minimum, minima: Sequence[Minimum], agreeing: int, starts: int
+) -> tuple[str, str]:
+    """Status and message of the best minimum."""
+    suffix = ""
+    if (within := minima[-1].outcome is Outcome.INTERRUPTED) or len(minima) < starts:
+        where = f"{'in' if within else 'after'} start {len(minima)} of {starts}"
+        suffix = f"; stopped by the user {where}"
+    if best.outcome is not Outcome.CONVERGED:
+        advice = {
+            Outcome.INTERRUPTED: "the best so far is kept; fit again for a minimum",
+            Outcome.ITERATIONS: "the best so far is kept; fix a parameter that trades off, or "
+            "give more starts",
+            Outcome.NOT_FINITE: "the model overflows at the start; give another start or bounds",
+        }[best.outcome]
+        return "failed", f"no minimum reached ({best.outcome}): {advice}{suffix}"
+    bound = at_bounds(problem, problem.by_name(best.x), of_family=False)
+    text = f"{agreeing} of {len(minima)} starts reach the best minimum"
+    if len(minima) > 1 and agreeing == 1:
+        text += ": it may not be the global one, give more starts"
+    if bound:
+        return "at-bounds", f"{text}; at a bound: {', '.join(bound)}{suffix}"
+    return "converged", f"{text}{suffix}"

@@ -1,0 +1,108 @@
+"""What makes the estimates of a posterior unsure, source by source, as shifts of all of them.
+
+With the rows J of what data say and the priors' precision P, the covariance of a mode is
+V = (JᵀJ + P)⁻¹, and V = V·JᵀJ·V + Σ V·P_k·V exactly: the first is what noise makes of the
+estimates, the others what is not known of each prior k. Latent values are eliminated, so that
+theirs reach the parameters by −D⁻¹·Bᵀ. Every source is rows of shifts, whose outer products add up
+to its covariance.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from surae.base.units import FloatArray
+from surae.inference.evidence import Subset, root
+from surae.inference.latent import SOURCES
+from surae.inference.posterior import Block, LogPosterior
+from surae.model.laboratory import group_of
+from surae.model.sources import source_of
+
+#: By how much a filter of the second order is not what excites a muscle, on the logarithm of what
+#: EMG is filtered by, the same where the drive errs at the muscles' frequencies, where force falls
+#: later than it rises, and by how much muscles without an electrode move that: all were set on
+#: virtual legs (decision 16).
+_DYNAMICS, _ORDER, _ERRING, _RELEASED, _UNHEARD = ("f0", "beta"), 0.02, 0.05, 0.10, 0.10
+#: What the latents are called among the sources.
+_CALLED = {"gain": "emg_gain", "drift": "torque_drift", "misfit": "left_out", "film": "film_drift"}
+#: Weight below which a set of departures is not looked at.
+UNSUPPORTED = 0.005
+
+
+def shifts_by_source(
+    posterior: LogPosterior, blocks: Sequence[Block], V: FloatArray
+) -> dict[str, FloatArray]:
+    """Shifts of the searched coordinates, shape (r, q) each, by source."""
+    rows: dict[str, list[FloatArray]] = {}
+    for j, weight in enumerate(posterior.weight):
+        name = posterior.names[j] if j < len(posterior.names) else "torque_zero"
+        of = source_of(name) if group_of(name) is not None else None
+        rows.setdefault("population" if of is None else of.name, []).append(V[j] * weight)
+    shifts = {source: np.stack(each) for source, each in rows.items()}
+    total = sum((by.T @ by for by in shifts.values()), np.zeros_like(V))
+    latent = {source: np.zeros_like(V) for source in (*SOURCES, "fast", "film")}
+    for number, b in enumerate(blocks):
+        P = posterior.precisions[number]
+        for source, at in posterior.latents[number].slices.items():
+            moved = b.solved[at] @ V
+            latent[source] += moved.T @ P[at, at] @ moved
+        if b.fast is not None:
+            q = len(V)
+            moved = (b.fast[:, :q] - b.fast[:, q:] @ b.solved) @ V
+            latent["fast"] += moved.T @ posterior.fast_product(number, moved)
+    for source, C in latent.items():
+        if C.any():
+            shifts[_CALLED.get(source, "emg_noise")] = root(C)
+            total = total + C
+    shifts["noise"] = root(V - total)
+    return shifts
+
+
+def between_subsets(
+    scored: tuple[Subset, ...], names: tuple[str, ...], posterior: LogPosterior, V: FloatArray
+) -> FloatArray:
+    """Shifts that other sets of departures add, shape (r, q)."""
+    chosen, others = scored[0], [s for s in scored[1:] if s.weight >= UNSUPPORTED]
+    mine = [j for j, name in enumerate(posterior.names) if name in names]
+    its = [names.index(posterior.names[j]) for j in mine]
+    moved = np.zeros((len(others), len(V)))
+    wider = np.zeros(len(its))
+    for row, s in zip(moved, others, strict=True):
+        row[mine] = np.sqrt(s.weight) * (s.mode - chosen.mode)[its]
+        wider += s.weight * (s.variance - chosen.variance)[its]
+    more = np.zeros(len(V))
+    more[mine] = np.sqrt(np.maximum(wider, 0.0))
+    scale = np.where(more > 0.0, more / np.sqrt(np.diag(V)), 0.0)
+    return np.concatenate([moved, root(V) * scale])
+
+
+def dynamics(posterior: LogPosterior, V: FloatArray, *, unheard: bool) -> FloatArray:
+    """Shifts by what the activation filter cannot express, or by muscles `unheard`, shape (r, q).
+
+    No residual tells that from another filter; the other values follow along their valleys.
+    """
+    if unheard:
+        size = _UNHEARD
+    elif "release" in posterior.names and not posterior.problem.has_unheard:  # else the same twice
+        size = _RELEASED
+    else:
+        size = _ERRING if posterior.fast else _ORDER
+    ways = [posterior.names.index(name) for name in _DYNAMICS if name in posterior.names]
+    return np.asarray([size * V[j] / V[j, j] for j in ways]).reshape(len(ways), len(V))
+
+
+def between_trials(blocks: Sequence[Block], V: FloatArray) -> FloatArray:
+    """Shifts by which trials of a joint fit disagree beyond what else makes them unsure, (r, q).
+
+    What recording i pulls the common estimate by is V·gᵢ, of which the posterior expects the
+    variance V·Hᵢ·V (Liang and Zeger 1986); few recordings tell the excess badly, so that it has the
+    factor n/(n − 1).
+    """
+    n = len(blocks)
+    if n < 2:
+        return np.zeros((0, len(V)))
+    expected = sum((np.diag(V @ b.H @ V) for b in blocks), np.zeros(len(V)))
+    rows = np.stack([V @ b.g for b in blocks]) * np.sqrt(n / (n - 1.0))
+    seen = np.sum(rows**2, axis=0)
+    excess = np.sqrt(np.maximum(seen - expected, 0.0) / np.maximum(seen, 1e-300))
+    return np.asarray(rows * excess)

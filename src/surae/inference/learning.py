@@ -1,0 +1,166 @@
+"""What residuals at a mode tell of the noise, of the sizes of the latents, and of the drives."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg import cho_solve, solve_triangular
+
+from surae.base.units import FloatArray
+from surae.inference.banded import solve_band_transposed
+from surae.inference.evidence import root
+from surae.inference.film import noise_of_film
+from surae.inference.latent import SOURCES, Latents
+from surae.inference.noise import NoiseModel, level_above, noise_behind
+from surae.inference.observed import SensorRows, measured
+from surae.inference.posterior import Block, LogPosterior, Point
+from surae.signals import ModelInputs
+
+#: Largest order of the autoregression that tells the noise's slow part, and what is slow [Hz].
+_ORDER, _COUNTED = 30, 2.0
+#: Part of the torque's changes below which no noise is taken: sensors and integrator err as much.
+_EXACT = 5e-3
+#: Values that the size of latents beforehand counts for.
+_BELIEVED = 2.0
+#: Draws that show what fast gains take of the noise.
+_DRAWS = 16
+#: Slow frequencies [Hz], efforts that are rest and effort, as parts of the greatest, and samples
+#: below which nothing is said of either.
+_SLOW, _EFFORT, _FEWEST = (0.3, 5.0), (0.1, 0.3), 50
+
+
+def effort_ratio(posterior: LogPosterior, point: Point) -> float:
+    """Size of the slow residual under effort over that at rest; 0 where one of them is rare."""
+    from scipy.signal import butter, sosfiltfilt
+
+    strong, weak = [], []
+    for number, recording in enumerate(posterior.problem.inputs):
+        if recording.n < 60:
+            return 0.0
+        e = posterior.observed.residual(point.z, point.c[number], point.w[number], number)
+        high = min(_SLOW[1], 0.4 * recording.rate_hz)
+        sos = butter(2, [_SLOW[0], high], "bandpass", fs=recording.rate_hz, output="sos")
+        e = sosfiltfilt(sos, e)
+        effort = posterior.observed.effort(point.z, number)
+        level = effort / max(float(np.percentile(effort, 99.0)), 1e-300)
+        strong.append(e[level > _EFFORT[1]])
+        weak.append(e[level < _EFFORT[0]])
+    under, at_rest = np.concatenate(strong), np.concatenate(weak)
+    if min(len(under), len(at_rest)) < _FEWEST:
+        return 0.0
+    return float(np.sqrt(np.mean(under**2) / max(np.mean(at_rest**2), 1e-300)))
+
+
+def followed(posterior: LogPosterior, point: Point) -> float:
+    """Part of the variance of the torque that parameters alone follow, latents left out."""
+    left = whole = 0.0
+    for number, recording in enumerate(posterior.problem.inputs):
+        left += float(np.sum(posterior.observed.plain_residual(point.z, recording, number) ** 2))
+        whole += recording.n * float(np.var(measured(recording)))
+    return 1.0 - left / max(whole, 1e-300)
+
+
+def learnt_sizes(
+    posterior: LogPosterior, point: Point, beforehand: Mapping[str, float]
+) -> dict[str, float]:
+    """Standard deviations of the latents that the data ask for (MacKay 1992).
+
+    σ² = (cᵀ·K·c + ν·σ₀²)/(γ + ν), γ the number of latents that the data determine, σ₀ the size
+    `beforehand`, which counts for ν values: what the data do not tell stays at it.
+    """
+    squares, counts = dict.fromkeys(SOURCES, 0.0), dict.fromkeys(SOURCES, 0.0)
+    V = _covariance(posterior, point)
+    for c, b, latents in zip(point.c, point.blocks, posterior.latents, strict=True):
+        cov = cho_solve(b.factor, np.eye(len(c))) + b.solved @ V @ b.solved.T
+        for source in SOURCES:
+            at, K = latents.slices[source], latents.inverses[source]
+            squares[source] += float(c[at] @ K @ c[at])
+            open_part = float(np.sum(K * cov[at, at])) / posterior.sizes[source] ** 2
+            counts[source] += max(len(K) - open_part, 0.0)
+    return {
+        s: float(np.sqrt((squares[s] + _BELIEVED * size**2) / (counts[s] + _BELIEVED)))
+        for s, size in beforehand.items()
+    }
+
+
+def learnt_films(posterior: LogPosterior, point: Point) -> tuple[Latents, ...]:
+    """The latents with what residuals say of the noise of each film."""
+    if not any(latents.films for latents in posterior.latents):
+        return posterior.latents
+    V = root(_covariance(posterior, point))
+    learnt = []
+    for number, (latents, b) in enumerate(zip(posterior.latents, point.blocks, strict=True)):
+        films = [
+            replace(film, noise=noise_of_film(rows.residual, _taken(V, b, rows, film.noise)))
+            for film, rows in zip(latents.films, posterior.rows(point, number)[1:], strict=True)
+        ]
+        learnt.append(replace(latents, films=tuple(films)))
+    return tuple(learnt)
+
+
+def learnt_noise(
+    posterior: LogPosterior, point: Point, *, white: bool = False, anew: bool = False
+) -> tuple[NoiseModel, ...]:
+    """The noise of each recording, of its residual and what estimates have taken of it.
+
+    Fast gains can follow nearly all that is slow. What is seen of the EMG's noise leaves the
+    torque's as it is, which counts some of it twice, unless it is learnt `anew`, for evidence; of
+    greater errors the noise is white.
+    """
+    if posterior.fast == 0.0 and not anew:
+        return posterior.noise
+    V = root(_covariance(posterior, point))
+    models = []
+    for number, (own, b) in enumerate(zip(posterior.noise, point.blocks, strict=True)):
+        rows, recording = posterior.rows(point, number)[0], posterior.problem.inputs[number]
+        e = posterior.observed.residual(point.z, point.c[number], point.w[number], number)
+        if recording.weight is not None:
+            e = e * np.sqrt(recording.weight)
+        U = _taken(V, b, rows, own)
+        if b.band is not None:
+            U = np.concatenate([U, _drawn(rows, b.band) / np.sqrt(own.variance)])
+        model = noise_behind(e, U, 0 if white or posterior.fast else min(_ORDER, len(e) // 10))
+        # samples count for as little as the slow part says, in which parameters act: a noise
+        # model that is correlated itself lets the torque go where the model is wrong
+        model = level_where_filtered(model, recording)
+        least = (_EXACT * float(np.std(measured(recording)))) ** 2
+        models.append(model.slow(_COUNTED / recording.rate_hz, least=max(least, 1e-30)))
+    return tuple(models)
+
+
+def _covariance(posterior: LogPosterior, point: Point) -> FloatArray:
+    H, _ = posterior.reduced(point.blocks)
+    return np.asarray(np.linalg.inv(H + np.diag(posterior.weight**2)))
+
+
+def _taken(V: FloatArray, b: Block, rows: SensorRows, noise: NoiseModel) -> FloatArray:
+    """U with UᵀU = the hat matrix of z after all latents, and of the slow ones after the fast.
+
+    V is the root of z's covariance.
+    """
+    by_z, by_c = rows.by_z, rows.by_c
+    if b.fast is not None:
+        moved = rows.lifted(np.ascontiguousarray(b.fast)).T
+        by_z, by_c = by_z - moved[: len(by_z)], by_c - moved[len(by_z) :]
+    of_z = V @ (by_z - b.solved.T @ by_c)
+    of_c = solve_triangular(b.factor[0], by_c, trans="T", lower=False)
+    return np.asarray(np.concatenate([of_z, of_c]) / np.sqrt(noise.variance))
+
+
+def _drawn(rows: SensorRows, band: FloatArray) -> FloatArray:
+    """Rows whose products are on average those of what fast gains take of the noise."""
+    white = np.random.default_rng(0).standard_normal((band.shape[1], _DRAWS)) / np.sqrt(_DRAWS)
+    # L·Lᵀ = D, so that L⁻ᵀ·white has the covariance D⁻¹
+    return np.ascontiguousarray(rows.lifted(solve_band_transposed(band, white)).T)
+
+
+def level_where_filtered(noise: NoiseModel, recording: ModelInputs) -> NoiseModel:
+    """The noise without what the preparation's low-pass took from it.
+
+    A noise model trusts most the frequencies with the least residual. Those that a filter emptied
+    of noise hold the model's own errors still. At half of the cut-off the torque, sharpened, has
+    lost 1 % of its power.
+    """
+    if recording.lowpass is None:
+        return noise
+    return level_above(noise, 0.5 * recording.lowpass[0] / recording.rate_hz)

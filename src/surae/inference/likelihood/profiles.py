@@ -1,0 +1,111 @@
+"""Profiles of several parameters of one fit, side by side, and as a file."""
+
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from typing import Any
+
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.formatting import open_ends, significant
+from surae.base.progress import NamedProgress
+from surae.base.records import Saved
+from surae.base.tables import Tabular, TextTable
+from surae.base.threads import one_blas_thread
+from surae.base.versions import versions
+from surae.inference import FitResult
+from surae.inference.assessment import described
+from surae.inference.likelihood.conditional import surface_of
+from surae.inference.likelihood.profile import ParameterProfile, check_profiled, profile, profiled
+from surae.runner import Engine, cores, results
+
+
+@filed(inflation_reason="variance_inflation_reason")
+@dataclass(frozen=True, slots=True, repr=False)
+class Profiles(Tabular, Saved):
+    """Profiles of one fit."""
+
+    model: str  #: Name of the model.
+    profiles: Mapping[str, ParameterProfile]  #: By parameter, in the order asked for.
+    missing: tuple[str, ...]  #: Parameters whose profile the user stopped.
+    #: Why the variance of the noise was multiplied by each profile's `variance_inflation`.
+    inflation_reason: str
+    seconds: float  #: Wall time.
+    versions: Mapping[str, str]  #: Versions of surae and of what its numbers depend on.
+
+    def __getitem__(self, name: str) -> ParameterProfile:
+        return self.profiles[name]
+
+    @property
+    def noise(self) -> str:
+        """What the noise was taken for, in a line; empty without a profile."""
+        factors = {name: own.variance_inflation for name, own in self.profiles.items()}
+        return described(factors, self.inflation_reason) if factors else ""
+
+    def as_table(self) -> TextTable:
+        """Intervals of profile and covariance beside each other, then remarks on them."""
+        every = self.profiles.values()
+        notes = [f"{p.name}: {p.message}" for p in every if p.message != "both ends found"]
+        done = f"{len(every)} profiles in {self.seconds:.1f} s"
+        heads = ("parameter", "value", "95 % profile", "95 % covariance", "status", "unit")
+        rows = [
+            (p.name, significant(p.value, 4), open_ends(p.interval), open_ends(p.from_covariance),
+             p.status, p.unit)
+            for p in every
+        ]  # fmt: skip
+        below = (*notes, *filter(None, [self.noise]), done)
+        return TextTable(heads, tuple(rows), below=below, numbers=heads[1:4])
+
+
+def profiles(
+    result: FitResult,
+    names: Sequence[str] | None = None,
+    *,
+    variance_inflation: float | Mapping[str, float] = 1.0,
+    inflation_reason: str = "",
+    workers: int | None = None,
+    progress: NamedProgress | None = None,
+) -> Profiles:
+    """Profile several parameters of a fit, each in a thread of its own.
+
+    `variance_inflation` divides Δχ², see `profile`: by parameter, 1 for those left out, or the same
+    for all; `inflation_reason` says why, for the reader. All else is as of `surae.profile`.
+    """
+    wanted = profiled(result) if names is None else tuple(names)
+    if not isinstance(variance_inflation, Mapping):
+        variance_inflation = dict.fromkeys(wanted, variance_inflation)
+    inflation = {**dict.fromkeys(wanted, 1.0), **variance_inflation}
+    for name, factor in inflation.items():
+        check_profiled(result, name, factor)
+    for name in wanted:
+        if wanted.count(name) > 1:
+            raise InputError(f"{name} is given twice; give it once")
+    if not wanted:
+        raise InputError(f"nothing to profile; choose from: {', '.join(profiled(result))}")
+    begin, stop = time.perf_counter(), threading.Event()
+    with one_blas_thread():
+        over = surface_of(result)
+
+    def made(name: str) -> Any:
+        factor = inflation[name]
+        return profile(result, name, variance_inflation=factor, over=over, stopped=stop.is_set)
+
+    done: dict[str, Any] = {}
+    threads = Engine("threads", cores() if workers is None else workers)
+    calls = {name: {"name": name} for name in wanted}
+    with suppress(KeyboardInterrupt), closing(results(made, calls, threads, stop)) as batches:
+        for batch in batches:
+            for name, found in batch:
+                done[name] = found
+                if progress is not None:
+                    progress(name, len(done), len(wanted))
+    return Profiles(
+        model=result.problem.spec.name,
+        profiles={name: done[name] for name in wanted if name in done},
+        missing=tuple(name for name in wanted if name not in done),
+        inflation_reason=inflation_reason,
+        seconds=time.perf_counter() - begin,
+        versions=versions(),
+    )

@@ -1,0 +1,254 @@
+"""What recordings show around a point of the posterior: residuals, and what moves them.
+
+A posterior's noise and the sizes of its latents change more often than its point, so that what they
+do not touch is kept: a recording is simulated once for each point.
+
+What no model has is in parts of each muscle group's active torque as it was where a descent began:
+an addition that no parameter moves, so that the derivatives of all else stay exact.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from surae.base.units import FloatArray
+from surae.inference.banded import band_products, border_products, lifted
+from surae.inference.coordinates import Coordinates
+from surae.inference.film import names_of_film, seen_by
+from surae.inference.interrupt import checkpoint
+from surae.inference.latent import TAIL_S, Latents
+from surae.inference.residuals import simulators
+from surae.model.activation import IntArray
+from surae.signals import ModelInputs
+
+#: Points that are kept of each recording: the best one, and the one that is tried.
+_KEPT = 2
+#: Active state over which it reaches zero in a search [N]: resting muscles cross zero at one value
+#: of crosstalk or of EMG at rest, at which the model's kink would stop it.
+_SMOOTH = 0.3
+#: Derivatives by fast gains, and their first samples, where there are none.
+_NO_COLUMNS = np.zeros((0, 0)), np.zeros(0, dtype=np.int64)
+
+
+class SensorRows:
+    """Derivatives of what one sensor shows, and its residual, not divided by its noise.
+
+    `whole`, shape (q + m + 1, n), has those by the coordinates z and by the slow latents c, then
+    the residual; `fast`, shape (k, l), those by the fast gains, each from its `first` sample on.
+    """
+
+    def __init__(
+        self, whole: FloatArray, q: int, fast: FloatArray, first: IntArray, muscles: int
+    ) -> None:
+        self.whole, self.fast, self.first = whole, fast, first
+        self.by_z, self.by_c, self.residual = whole[:q], whole[q:-1], whole[-1]
+        self._muscles = muscles
+
+    @cached_property
+    def products(self) -> FloatArray:
+        """Products of all of `whole`."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            return np.asarray(self.whole @ self.whole.T)
+
+    def lifted(self, heights: FloatArray) -> FloatArray:
+        """What fast gains of these heights, (k, d), move, shape (n, d)."""
+        moved = np.zeros((self.whole.shape[1], heights.shape[1]))
+        lifted(self.fast, self.first, heights, moved)
+        return moved
+
+    @cached_property
+    def band(self) -> FloatArray:
+        """Products of the fast columns, as a lower band (b + 1, k)."""
+        spacing = float(self.first[-1]) / (len(self.first) // self._muscles - 1)
+        reach = self._muscles * (int(np.ceil(self.fast.shape[1] / spacing)) + 2)
+        band = np.zeros((min(reach, len(self.first) - 1) + 1, len(self.first)))
+        band_products(self.fast, self.first, band)
+        return band
+
+    @cached_property
+    def border(self) -> FloatArray:
+        """Products of the fast columns with `whole`, shape (k, q + m + 1)."""
+        border = np.zeros((len(self.first), len(self.whole)))
+        border_products(self.fast, self.first, np.ascontiguousarray(self.whole.T), border)
+        return border
+
+
+class Observed:
+    """The recordings of a problem, and their latents."""
+
+    def __init__(self, at: Coordinates, latents: Sequence[Latents]) -> None:
+        self._at, self._latents = at, latents
+        self._inputs, self._spec = at.problem.inputs, at.problem.spec
+        self._simulators: list[Any] = list(simulators(at.problem))
+        for simulator in self._simulators:
+            simulator.rest = _SMOOTH
+        self._gains = [_short(each.gain) for each in latents]
+        self.simulated = 0  #: Recordings that were simulated with derivatives.
+        #: What the misfit's values add to each recording's torque, once its descent began.
+        self._added: list[FloatArray | None] = []
+        self._kept: list[deque[tuple[bytes, list[SensorRows]]]] = []
+        self.anew()
+
+    def anew(self) -> None:
+        """Begin a descent: active torques of its first point hold from now on."""
+        self._added = [None for _ in self._inputs]
+        self._kept = [deque(maxlen=_KEPT) for _ in self._inputs]
+
+    def _set(
+        self, z: FloatArray, c: FloatArray, w: FloatArray, number: int
+    ) -> tuple[Any, ModelInputs, Latents, FloatArray]:
+        """The simulator of a recording at a point, and its parameter vector."""
+        simulator = self._simulators[number]
+        recording, latents = self._inputs[number], self._latents[number]
+        values = self._at.values(z, number)
+        gain = latents.log_gain(c) if c.any() else None
+        if len(w):
+            quick = latents.fast.log_gain(w, latents.muscles)
+            gain = quick if gain is None else gain + quick
+        simulator.with_log_gain(gain)
+        if "plate_give" in self._spec.names:
+            simulator.pulled_by(measured(recording))
+            with np.errstate(over="ignore", invalid="ignore"):
+                simulator.pulled_by(simulator.torque(values))
+        return simulator, recording, latents, values
+
+    def residual(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> FloatArray:
+        """Modelled minus measured torque of a recording [Nm], shape (n,)."""
+        simulator, recording, latents, values = self._set(z, c, w, number)
+        torque = simulator.torque(values)
+        lift = c[latents.slices["drift"]] @ latents.drift
+        misfit, added = c[latents.slices["misfit"]], self._added[number]
+        if misfit.any():
+            if added is None:
+                parts = simulator.parts(values)
+                added = latents.of_active(parts.neural_tri, parts.neural_tib)
+            lift = lift + misfit @ added
+        return np.asarray(torque + lift - measured(recording))
+
+    def plain_residual(self, z: FloatArray, recording: ModelInputs, number: int) -> FloatArray:
+        """Modelled minus measured torque by the parameters alone [Nm], shape (n,)."""
+        simulator: Any = self._spec.simulator(recording, self._at.problem.options)
+        values = self._at.values(z, number)
+        if "plate_give" in self._spec.names:
+            simulator.pulled_by(simulator.torque(values))
+        return np.asarray(simulator.torque(values) - measured(recording))
+
+    def effort(self, z: FloatArray, number: int) -> FloatArray:
+        """Active states of both muscle groups together [N], shape (n,)."""
+        simulator = self._simulators[number]
+        return np.asarray(simulator.active_states(self._at.values(z, number)).sum(axis=0))
+
+    def rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
+        """What moves the torque of a recording, weighted, then what moves each of its films."""
+        key, kept = b"".join(x.tobytes() for x in (z, c, w)), self._kept[number]
+        for known, rows in kept:
+            if known == key:
+                return rows
+        kept.append((key, self._rows(z, c, w, number)))
+        return kept[-1][1]
+
+    def _rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
+        checkpoint()
+        self.simulated += 1
+        at = self._at
+        simulator, recording, latents, values = self._set(z, c, w, number)
+        with np.errstate(over="ignore", invalid="ignore"):
+            tangent = simulator.tangent(values, at.columns, lengths=bool(latents.films))
+        q, n, scale = len(z), recording.n, at.scale(z)[:, None]
+        whole = np.zeros((q + latents.size + 1, n))
+        whole[: len(scale)] = tangent.jacobian * scale
+        if at.zeros:
+            whole[len(scale) + number] = 1.0
+        own = whole[q:-1]
+        added = self._added[number]
+        if added is None:
+            added = self._added[number] = latents.of_active(*tangent.active)
+        own[latents.slices["misfit"]] = added
+        own[latents.slices["drift"]] = latents.drift
+        self._gain_rows(tangent.response, number, own)
+        drift = latents.slices["drift"].start
+        whole[-1] = tangent.torque - measured(recording) + c[drift:] @ own[drift:]
+        response = tangent.response
+        fast, first = self._fast_columns(response, values, number) if len(w) else _NO_COLUMNS
+        if recording.weight is not None:
+            root = np.sqrt(recording.weight)
+            whole *= root
+            fast = fast * root[np.minimum(first[:, None] + np.arange(fast.shape[1]), n - 1)]
+        each = [SensorRows(whole, q, fast, first, len(latents.muscles))]
+        by_name = at.by_name(z, number)
+        for film, where in zip(latents.films, latents.own_of_films(), strict=True):
+            names = names_of_film(film.channel)
+            grown = 1.0 + by_name.get(names[0], 0.0)
+            whole = np.zeros((q + latents.size + 1, n))
+            whole[: len(scale)] = tangent.length_jacobian[film.group] * scale
+            self._gain_rows(response, number, whole[q:-1], film.group)
+            whole = grown * film.at_frames(whole)
+            length = film.at_frames(tangent.lengths[film.group])
+            for name, by in zip(names, (length, np.ones_like(length)), strict=True):
+                if name in at.names:
+                    whole[at.names.index(name)] = by
+            whole[q + where.start : q + where.stop] = film.drift
+            seen = seen_by(film.channel, by_name, length)
+            whole[-1] = seen + c[where] @ film.drift - film.length
+            fast, first = _NO_COLUMNS
+            if len(w):
+                short, begins = self._fast_columns(response, values, number, film.group)
+                fast, first = film.short(grown * short, begins)
+            each.append(SensorRows(whole, q, fast, first, len(latents.muscles)))
+        return each
+
+    def _fast_columns(
+        self, response: Any, values: FloatArray, number: int, group: int | None = None
+    ) -> tuple[FloatArray, IntArray]:
+        """Derivatives by the fast gains, (k, l), and their first samples, (k,).
+
+        Of the torque, or of the length of a muscle `group`. Each is followed for a second or so.
+        """
+        recording, latents = self._inputs[number], self._latents[number]
+        fast, m = latents.fast, len(latents.muscles)
+        tail = min(TAIL_S, 0.25 + 1.2 / float(values[self._spec.names.index("f0")]))
+        size = fast.shapes.shape[1] + int(tail * recording.rate_hz)
+        columns = np.zeros((len(fast.first), m, size))
+        for at, muscle in enumerate(latents.muscles):
+            if group in (None, int(muscle == 0)):
+                columns[:, at] = response.columns(
+                    muscle, fast.shapes, fast.first, size, lengths=group is not None
+                )
+        columns, first = columns.reshape(-1, size), np.repeat(fast.first, m)
+        if group is None:
+            columns[first[:, None] + np.arange(size) >= recording.n] = 0.0
+        return columns, first
+
+    def _gain_rows(
+        self, response: Any, number: int, own: FloatArray, group: int | None = None
+    ) -> None:
+        """Derivatives by the slow gains, each followed for as long as it changes anything.
+
+        Of the torque, or of the length of a muscle `group`.
+        """
+        first, shapes = self._gains[number]
+        k, n = len(first), own.shape[1]
+        size = min(n, shapes.shape[1] + int(TAIL_S * self._inputs[number].rate_hz))
+        for at, muscle in enumerate(self._latents[number].muscles):
+            if group not in (None, int(muscle == 0)):
+                continue
+            columns = response.columns(muscle, shapes, first, size, lengths=group is not None)
+            for j, (begin, column) in enumerate(zip(first, columns, strict=True)):
+                own[at * k + j, begin : begin + size] = column[: n - begin]
+
+
+def _short(hats: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Hats over time, shape (k, n), from their first samples, (k,), on: shape (k, width)."""
+    k, n = hats.shape
+    first = np.array([np.flatnonzero(hat)[0] for hat in hats], dtype=np.int64)
+    width = min(n, 2 * int(np.ceil(n / (k - 1))) + 1)
+    padded = np.pad(hats, ((0, 0), (0, width)))
+    return first, padded[np.arange(k)[:, None], first[:, None] + np.arange(width)]
+
+
+def measured(recording: ModelInputs) -> FloatArray:
+    """The torque of a recording [Nm], shape (n,); none counts as zero."""
+    return np.zeros(recording.n) if recording.torque is None else recording.torque

@@ -1,0 +1,147 @@
+"""One parameter of a fit: its verdict in a word and a sentence, and all of it as plain data."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+
+from surae.base.filed import filed
+from surae.inference.uncertainty.covariance import Covariance
+from surae.model.registry import PARAMETERS
+
+#: Half-width of the 95 % interval, as a part of the value, up to which a parameter is identified.
+IDENTIFIED = 0.10
+#: Correlation from which the partner is named.
+_STRONG = 0.9
+#: What is said of a parameter in place of a claim.
+INADEQUATE = "the fit is inadequate: what it says of a parameter means nothing"
+
+
+class Verdict(StrEnum):
+    """Judgement of one parameter."""
+
+    IDENTIFIED = "identified"
+    WEAK = "weak"
+    UNDETERMINED = "undetermined"
+    AT_BOUND = "at-bound"
+    FIXED = "fixed"
+
+
+def judge_interval(
+    name: str,
+    value: float,
+    half: float,
+    estimated: Covariance,
+    unit: str = "-",
+    *,
+    withheld: bool = False,
+) -> tuple[Verdict, str]:
+    """Verdict and sentence of a parameter that has an interval.
+
+    `half` is the half-width of its 95 % interval; its strongest partner is looked up in
+    `estimated`. `withheld` says that the fit is inadequate, so that nothing is claimed.
+    """
+    relative = half / abs(value) if value else np.inf
+    if relative <= IDENTIFIED:
+        if withheld:
+            return Verdict.WEAK, INADEQUATE
+        return Verdict.IDENTIFIED, f"known to ±{percent(relative)}"
+    verdict = Verdict.WEAK if relative <= 1.0 else Verdict.UNDETERMINED
+    # A part of a value that may as well be 0 says nothing.
+    nothing = name in PARAMETERS and PARAMETERS[name].off_at_zero and half >= abs(value)
+    if nothing:
+        known = f"not distinguishable from 0 (95 %: {_interval(value, half, unit)})"
+    elif verdict is Verdict.WEAK:
+        known = f"known only to ±{percent(relative)}"
+    else:
+        known = "not determined: its interval is wider than its value"
+    own = estimated.names.index(name)
+    row = np.where(np.arange(len(estimated.names)) == own, 0.0, estimated.correlation[own])
+    partner = int(np.argmax(np.abs(row)))
+    if abs(row[partner]) >= _STRONG:
+        known += (
+            f": trades off with {estimated.names[partner]} (correlation {row[partner]:+.2f}); fix "
+            "one of the two, or measure a movement that tells them apart"
+        )
+    elif not nothing:
+        known += ": it has little influence on this torque"
+    return verdict, known
+
+
+def judge_singular(name: str, directions: Sequence[Sequence[str]]) -> str:
+    """Why a parameter has no interval: the parameters it trades off with."""
+    partners = sorted({p for d in directions if name in d for p in d if p != name})
+    if not partners:
+        return "no interval: the torque does not depend on it; fix it"
+    return f"no interval: cannot be separated from {', '.join(partners)}; fix one of them"
+
+
+def _interval(value: float, half: float, unit: str) -> str:
+    """Both ends, to two digits of the half-width; parts of a second in ms."""
+    low, high = value - half, value + half
+    if unit == "s" and max(-low, high) < 1.0:
+        low, high, half, unit = 1e3 * low, 1e3 * high, 1e3 * half, "ms"
+    digits = 1 - math.floor(math.log10(half)) if 0.0 < half < math.inf else 0
+    ends = (f"{round(end, digits) + 0.0:.15g}".replace("-", "−") for end in (low, high))
+    return " … ".join(ends) + (f" {unit}" if unit not in ("", "-") else "")
+
+
+def percent(part: float) -> str:
+    """A part in percent to two digits, or as many as tell it from the threshold of a verdict."""
+    if part >= 0.995:
+        return f"{100 * part:.0f} %"
+    text = f"{100 * part:.2g} %"
+    same = text == f"{100 * IDENTIFIED:.2g} %"
+    return f"{100 * part:.4g} %" if same and part != IDENTIFIED else text
+
+
+class Interval(StrEnum):
+    """Which standard error an interval is made of."""
+
+    THESIS = "thesis"
+    ROBUST = "robust"
+    MARGINAL = "marginal"
+
+
+@filed("name", "meaning", "group")
+@dataclass(frozen=True, slots=True)
+class ParameterEstimate:
+    """One parameter of a fit."""
+
+    #: `name`, `unit`, `meaning`, `group`: as in `surae.model.Parameter`.
+    name: str
+    unit: str
+    meaning: str
+    group: str
+    value: float  #: Estimate, or the value it was fixed at.
+    #: Standard error, equation (34), which takes the residual for white noise; None where there is
+    #: none, and `note` says why.
+    sem: float | None
+    #: Standard error under noise that is correlated as the residual says.
+    sem_robust: float | None
+    ci95: tuple[float, float] | None  #: 95 % interval, from the standard error `interval` names.
+    interval: Interval | None  #: What `ci95` and `verdict` rest on; None without one.
+    #: `lower`, `upper`: bounds of the fit.
+    lower: float
+    upper: float
+    free: bool  #: Whether it was estimated.
+    at_bound: bool  #: Whether the estimate lies at a bound.
+    verdict: Verdict  #: identified, weak, undetermined, at-bound or fixed.
+    note: str  #: The verdict in a plain sentence.
+    #: 95 % interval of what would be found were this leg measured and fitted once more in the same
+    #: way: as many trials of the same kind, electrodes and foot left as they are, with other noise,
+    #: effort, drift and zero of the sensor. What is wrong alike in both is not in it, nor a change
+    #: of the leg itself, unless recordings of a joint fit show how much trials differ. Two such
+    #: values differ by up to √((a² + b²)/2), a and b the half-widths of their intervals.
+    ci95_repeat: tuple[float, float] | None = None
+    #: Whether that interval is within 10 % of the value, and the fit is not inadequate.
+    repeatable: bool = False
+    #: Shares of the variance behind `ci95` by source, their sum 1; empty without an interval.
+    budget: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def trusted_sem(self) -> float | None:
+        """The standard error that `ci95` is made of."""
+        return self.sem_robust if self.interval is Interval.ROBUST else self.sem

@@ -1,0 +1,282 @@
+"""One log-posterior for all that a leg's recordings and priors say.
+
+    −2 ln p = Σ |(T(z, c) − T_measured)/σ|² + Σ ((z − mean)/sd)² + Σ cᵀ·P·c
+
+z are the parameters of leg and laboratory (`surae.inference.coordinates`); c are the latent values
+of each recording (`surae.inference.latent`). Given z the latents are nearly linear: every step
+eliminates them, recording by recording, so that its cost grows with the samples and not with their
+square.
+"""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, cholesky_banded
+
+from surae.base.units import FloatArray
+from surae.inference.banded import solve_band
+from surae.inference.coordinates import Coordinates
+from surae.inference.evidence import LaplaceApproximation
+from surae.inference.latent import Latents
+from surae.inference.least_squares import box_quadratic, predicted_gain
+from surae.inference.noise import NoiseModel
+from surae.inference.observed import Observed, SensorRows
+from surae.inference.problem import FitProblem
+from surae.model.sources import Gaussian
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """One recording's part of the normal equations, its latents eliminated."""
+
+    H: FloatArray  #: Of z, shape (q, q).
+    g: FloatArray  #: Its gradient, shape (q,).
+    factor: tuple[FloatArray, bool]  #: Of D, the slow latents' part.
+    solved: FloatArray  #: D⁻¹·Bᵀ, B the part of z and slow latents, shape (m, q).
+    step_c: FloatArray  #: D⁻¹·gradient by the slow latents, shape (m,).
+    cost: float
+    latent_gain: float  #: By how much latents alone lower it.
+    #: Of the fast gains: their factor, D⁻¹·(derivatives by z and c), D⁻¹·gradient; None without.
+    band: FloatArray | None = None
+    fast: FloatArray | None = None
+    step: FloatArray | None = None
+
+    @property
+    def log_width(self) -> float:
+        """Logarithm of the determinant of the latents' part, lost by integrating over them."""
+        width = 2.0 * float(np.log(np.abs(np.diag(self.factor[0]))).sum())
+        return width if self.band is None else width + 2.0 * float(np.log(self.band[0]).sum())
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A point of a posterior: searched coordinates, and the latents of each recording."""
+
+    z: FloatArray
+    c: tuple[FloatArray, ...]
+    w: tuple[FloatArray, ...]  #: Fast gains of each recording; empty where they are left out.
+    cost: float  #: −2 ln p there, but for a constant.
+    blocks: tuple[Block, ...] = field(repr=False)  #: The normal equations there.
+
+    def latents_at(self, z: FloatArray) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
+        """Latents, then fast gains, as the normal equations have them where parameters are z."""
+        moved, slow, fast = z - self.z, [], []
+        for c, w, b in zip(self.c, self.w, self.blocks, strict=True):
+            slow.append(c - b.step_c - b.solved @ moved)
+            if b.step is None or b.fast is None:
+                fast.append(w)
+            else:
+                fast.append(w - b.step - b.fast @ np.concatenate([moved, slow[-1] - c]))
+        return tuple(slow), tuple(fast)
+
+
+class LogPosterior(Coordinates):
+    """The posterior of a problem."""
+
+    def __init__(
+        self,
+        problem: FitProblem,
+        priors: Mapping[str, Gaussian],
+        noise: Sequence[NoiseModel],
+        latents: Sequence[Latents],
+        sizes: Mapping[str, float],
+        *,
+        beliefs: Mapping[str, Gaussian] | None = None,
+        rate_hz: float = 0.0,
+    ) -> None:
+        super().__init__(problem, priors)
+        self.noise, self.latents, self.sizes = tuple(noise), tuple(latents), dict(sizes)
+        self.fast: float | None = None  #: Size of the drives' errors; None where there are none.
+        self.beliefs, self.rate_hz = dict(beliefs or {}), rate_hz
+        self.observed = Observed(self, self.latents)
+        self._prepare()
+
+    def _prepare(self) -> None:
+        fast = self.fast
+        self._fast = [] if fast is None else [each.fast.precision(fast) for each in self.latents]
+        #: Inverse covariance of each recording's slow latents beforehand, shape (m, m).
+        self.precisions = [each.precision(self.sizes) for each in self.latents]
+
+    def having(self, **changes: Any) -> "LogPosterior":
+        """The posterior with other values of attributes, films' noise being in `latents`."""
+        other = copy(self)
+        vars(other).update(changes)
+        other._prepare()
+        return other
+
+    def still(self) -> tuple[FloatArray, ...]:
+        """Latents of which nothing is known yet."""
+        return tuple(np.zeros(each.size) for each in self.latents)
+
+    def expected(self) -> tuple[FloatArray, ...]:
+        """Fast gains as the envelopes alone say."""
+        if self.fast is None:
+            return tuple(np.zeros(0) for _ in self.latents)
+        return tuple(mean.copy() for _, mean in self._fast)
+
+    def variances(self, number: int) -> list[float]:
+        """Of the noise of a recording's torque, then of its films."""
+        films = self.latents[number].films
+        return [self.noise[number].variance, *(film.noise.variance for film in films)]
+
+    def evidence(self, point: Point) -> float:
+        """−2 ln Z of a mode, all that is latent integrated over, but for a constant."""
+        H, _ = self.reduced(point.blocks)
+        total = point.cost + np.linalg.slogdet(H + np.diag(self.weight**2))[1]
+        total -= float(np.sum(np.log(self.weight**2)))
+        for number, b in enumerate(point.blocks):
+            films = self.latents[number].films
+            counts = self.problem.inputs[number].n, *(len(film.length) for film in films)
+            total += float(np.dot(counts, np.log(self.variances(number))))
+            total += b.log_width
+            total -= np.linalg.slogdet(self.precisions[number])[1]
+            if b.band is not None:
+                prior = cholesky_banded(self._fast[number][0], lower=True)
+                total -= 2.0 * float(np.log(prior[0]).sum())
+        return float(total)
+
+    def rows(self, point: Point, number: int) -> list[SensorRows]:
+        """What moves the torque of a recording, and its films."""
+        return self.observed.rows(point.z, point.c[number], point.w[number], number)
+
+    def block(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> Block:
+        """A recording's normal equations, its latents eliminated, the fast ones first."""
+        each = list(zip(self.observed.rows(z, c, w, number), self.variances(number), strict=True))
+        P = self.precisions[number]
+        H = np.sum([rows.products / variance for rows, variance in each], axis=0)
+        if not np.isfinite(H).all():
+            raise FloatingPointError
+        q, m = len(z), len(c)
+        H[q : q + m, q : q + m] += P
+        H[q : q + m, -1] += P @ c
+        cost = float(H[-1, -1] + c @ P @ c)
+        band = fast = step = None
+        gain = 0.0
+        if len(w):
+            prior, mean = self._fast[number]
+            muscles = len(prior) - 1
+            band = np.zeros((max(len(rows.band) for rows, _ in each), len(w)))
+            for rows, variance in each:
+                band[: len(rows.band)] += rows.band / variance
+            border = np.sum([rows.border / variance for rows, variance in each], axis=0)
+            band[0] += prior[0]
+            band[muscles] += prior[muscles]
+            away = w - mean
+            pull = self.fast_product(number, away[:, None])[:, 0]
+            cost += float(away @ pull)
+            border[:, -1] += pull
+            band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
+            solved_w = solve_band(band, border)
+            H -= border.T @ solved_w
+            fast, step = solved_w[:, :-1], solved_w[:, -1]
+            gain = float(border[:, -1] @ step)
+        D = H[q : q + m, q : q + m]
+        factor = cho_factor(D + 1e-12 * np.diag(np.diag(D)), check_finite=False)
+        B, gc = H[:q, q : q + m], H[q : q + m, -1]
+        solved = cho_solve(factor, B.T, check_finite=False)
+        step_c = cho_solve(factor, gc, check_finite=False)
+        gain += float(gc @ step_c)
+        own, g = H[:q, :q] - B @ solved, H[:q, -1] - solved.T @ gc
+        return Block(own, g, factor, solved, step_c, cost, gain, band, fast, step)
+
+    def fast_product(self, number: int, moved: FloatArray) -> FloatArray:
+        """Inverse covariance of a recording's fast gains times these columns, shape (k, q)."""
+        band, _ = self._fast[number]
+        m = len(band) - 1
+        out = band[0][:, None] * moved
+        if band[m].any():
+            out[m:] += band[m, :-m, None] * moved[:-m]
+            out[:-m] += band[m, :-m, None] * moved[m:]
+        return np.asarray(out)
+
+    def blocks(
+        self, z: FloatArray, c: Sequence[FloatArray], w: Sequence[FloatArray]
+    ) -> tuple[Block, ...]:
+        """Normal equations of all recordings."""
+        return tuple(
+            self.block(z, own, quick, number)
+            for number, (own, quick) in enumerate(zip(c, w, strict=True))
+        )
+
+    def reduced(self, blocks: Sequence[Block]) -> tuple[FloatArray, FloatArray]:
+        """Hessian and gradient of −½·2 ln p by z of the data, latents eliminated."""
+        q = len(self.mean)
+        H = sum((b.H for b in blocks), np.zeros((q, q)))
+        return H, sum((b.g for b in blocks), np.zeros(q))
+
+    def covariance(self, point: Point) -> FloatArray:
+        """Covariance of the searched coordinates, latents eliminated, shape (q, q)."""
+        H, _ = self.reduced(point.blocks)
+        H = H + np.diag(self.weight**2)
+        scale = 1.0 / np.sqrt(np.diag(H))
+        return np.asarray(np.linalg.inv(H * scale * scale[:, None]) * scale * scale[:, None])
+
+    def descend(
+        self, z: FloatArray, c: Sequence[FloatArray] | None = None,
+        w: Sequence[FloatArray] | None = None, *, evaluations: int, tolerance: float,
+    ) -> Point:  # fmt: skip
+        """The mode that a point leads to; it ends where less than `tolerance` is to be gained."""
+        z = np.clip(z, self.lower, self.upper)
+        c = self.still() if c is None else tuple(c)
+        w = self.expected() if w is None or self.fast is None or not len(w[0]) else tuple(w)
+        self.observed.anew()
+        blocks = self.blocks(z, c, w)
+        cost = sum(b.cost for b in blocks) + self.prior_cost(z)
+        damping, growth = 1e-3, 2.0
+        for _ in range(evaluations):
+            H, g = self.reduced(blocks)
+            H = H + np.diag(self.weight**2)
+            g = g + self.weight**2 * (z - self.mean)
+            scale = np.sqrt(np.diag(H))
+            A, b = H / np.outer(scale, scale), g / scale
+            room = (self.lower - z) * scale, (self.upper - z) * scale
+            d = box_quadratic(A + damping * np.eye(len(z)), b, *room)
+            gain = predicted_gain(A, b, d)
+            latent_gain = sum(x.latent_gain for x in blocks)
+            if gain + latent_gain < tolerance:
+                break
+            new = self.curved(z, d / scale)
+            trial_c, trial_w = Point(z, c, w, cost, blocks).latents_at(new)
+            try:
+                trial = self.blocks(new, trial_c, trial_w)
+                after = sum(x.cost for x in trial) + self.prior_cost(new)
+            except FloatingPointError:
+                after = np.inf
+            if after < cost:
+                ratio = (cost - after) / max(gain + latent_gain, 1e-300)
+                z, c, w, blocks, cost = new, trial_c, trial_w, trial, after
+                damping = max(damping * np.clip(1 - (2 * ratio - 1) ** 3, 0.1, 10.0), 1e-12)
+                growth = 2.0
+            else:
+                damping, growth = damping * growth, growth * 2.0
+                if damping > 1e8:
+                    break
+        return Point(z, c, w, cost, blocks)
+
+    def held(self, j: int, at: float, near: Point, *, evaluations: int, tolerance: float) -> Point:
+        """The mode with a coordinate held, from a point nearby that predicts the others."""
+        along = self.covariance(near)[:, j]
+        z = np.clip(near.z + along / along[j] * (at - near.z[j]), self.lower, self.upper)
+        lower, upper = self.lower.copy(), self.upper.copy()
+        z[j] = lower[j] = upper[j] = at
+        narrowed = self.having(lower=lower, upper=upper)
+        return narrowed.descend(
+            z, *near.latents_at(z), evaluations=evaluations, tolerance=tolerance
+        )
+
+    def apart(self) -> "LogPosterior":
+        """The same posterior for another thread: what it keeps of points is its own."""
+        return self.having(observed=Observed(self, self.latents))
+
+    def again(self, point: Point) -> Point:
+        """The point of another posterior with the normal equations of this one."""
+        return replace(point, blocks=self.blocks(point.z, point.c, point.w))
+
+    def laplace(self, point: Point) -> LaplaceApproximation:
+        """What the data say around a point, latents eliminated."""
+        H, g = self.reduced(point.blocks)
+        cost = sum(b.cost - b.latent_gain for b in point.blocks)
+        return LaplaceApproximation(H, g, cost, point.z, self.mean, self.weight)

@@ -1,0 +1,162 @@
+"""The posterior's density and gradient, in coordinates in which it is nearly a standard Gaussian.
+
+The noise is Gaussian and white, of unknown variance σ² with Jeffreys' prior 1/σ², which is
+integrated out: the likelihood is (sum of squares)^(−n/2). Where the model is linear and the priors
+are wide, that makes the posterior of a parameter Student's t about the estimate, with the standard
+error of equation (34). Parameters are on logarithmic scale, where their priors are Gaussian; one
+that may be negative stays on its own.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
+from surae.inference import FitProblem, FitResult
+from surae.inference.least_squares import minimise, sum_of_squares
+from surae.inference.population import checked_prior, wide_priors
+from surae.inference.residuals import Residuals
+from surae.model import adapted
+from surae.model.laboratory import laboratory
+from surae.model.sources import Gaussian
+
+
+@dataclass(frozen=True, slots=True)
+class SamplingPrior:
+    """What is known of one parameter beforehand."""
+
+    #: `median`, `spread`: median, and standard deviation of the logarithm; of the parameter itself,
+    #: in its unit, where it may be negative.
+    median: float
+    spread: float
+    log: bool  #: Whether it is on the logarithm.
+    #: "population", "fit", "given": Whether it is a default, was a prior of the fit, or was given
+    #: for the posterior.
+    origin: str
+
+
+def beliefs(
+    problem: FitProblem, priors: Mapping[str, tuple[float, float]] | None = None
+) -> dict[str, SamplingPrior]:
+    """The prior of every free parameter: given now (median, spread), else the fit's, else wide."""
+    table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
+    wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
+    beliefs = {}
+    for name in problem.free:
+        p = table[name]
+        if p.signed:  # its bounds as two standard deviations to either side
+            median, spread, log = (p.lower + p.upper) / 2, (p.upper - p.lower) / 4, False
+        elif name in wide:
+            median, spread, log = *wide[name], True
+        else:
+            median, spread, log = _of_nuisance(laboratory(joint=problem.options.anatomy)[name])
+        beliefs[name] = SamplingPrior(median, spread, log, "population")
+    for name, prior in problem.priors.items():
+        beliefs[name] = SamplingPrior(prior.median, prior.spread, True, "fit")
+    for name, pair in (priors or {}).items():
+        prior = checked_prior(name, pair, problem.free)
+        if table[name].signed:
+            raise InputError(f"prior of {name}: it is on a logarithm, and {name} may be negative")
+        beliefs[name] = SamplingPrior(prior.median, prior.spread, True, "given")
+    return beliefs
+
+
+def _of_nuisance(prior: Gaussian) -> tuple[float, float, bool]:
+    """Median and spread of a nuisance, on a logarithm where its mean is above zero."""
+    if not prior.mean > 0.0:
+        return prior.mean, prior.sd, False
+    variance = float(np.log1p((prior.sd / prior.mean) ** 2))  # of the same mean and deviation
+    return prior.mean * float(np.exp(-0.5 * variance)), variance**0.5, True
+
+
+#: Logarithm of a density, and its gradient; minus infinity where the model has no finite torque.
+Density = Callable[[FloatArray], tuple[float, FloatArray]]
+
+#: Nothing lies further than `_FAR` spreads from its prior, where the model may overflow; the mode
+#: is looked for from within `_NEAR` of them.
+_FAR, _NEAR = 12.0, 3.0
+
+
+class Target:
+    """The posterior of a fit of a named model, its mode found from the fit's minimum.
+
+    Its coordinates u are a standard Gaussian's as far as the Laplace approximation goes. That takes
+    the curvature as JᵀJ·n/sse plus that of the priors, so it has a width in the directions of which
+    the recordings say nothing. `given` are (median, spread) by parameter, in place of the fit's.
+    """
+
+    def __init__(
+        self,
+        result: FitResult,
+        given: Mapping[str, tuple[float, float]] | None = None,
+        variance_inflation: float = 1.0,
+    ) -> None:
+        self._problem = problem = result.problem
+        self.priors = beliefs(problem, given)  #: Of every free parameter.
+        known = self.priors.values()
+        self._log = log = np.array([prior.log for prior in known])
+        self._centre = centre = np.array([np.log(b.median) if b.log else b.median for b in known])
+        self._spread = spread = np.array([prior.spread for prior in known])
+        self._samples = problem.n / variance_inflation
+        residuals, weight = Residuals(problem), np.sqrt(self._samples / result.sse)
+
+        def rows(z: FloatArray) -> FloatArray:
+            data = self._rows(residuals, z) * weight
+            away = ((z - centre) / spread)[None, :]
+            return np.hstack([data, np.vstack([np.diag(1 / spread), away])])
+
+        x = np.array([result.values[name] for name in problem.free])
+        with np.errstate(divide="ignore"):  # a weight may be zero
+            start = np.where(log, np.log(np.where(log, x, 1.0)), x)
+        start = np.clip(start, centre - _NEAR * spread, centre + _NEAR * spread)
+        lower, upper = centre - _FAR * spread, centre + _FAR * spread
+        minimum = minimise(rows, start, lower, upper, stall=0.1 / self._samples)
+        self._least = sum_of_squares(minimum.residual[: -len(known)]) / weight**2
+        if not (np.isfinite(minimum.R).all() and 0 < self._least < np.inf):
+            raise InputError(
+                "the model gives no finite torque where the priors allow: widen those of the "
+                f"parameters that lie far from them, of {', '.join(problem.free)}"
+            )
+        self._mode, inverse = minimum.x, np.linalg.inv(minimum.R)
+        #: Of the Laplace approximation, on the scale of the priors, shape (p, p).
+        self.covariance = inverse @ inverse.T
+        self._root = np.linalg.cholesky(self.covariance)
+
+    def parameters(self, points: FloatArray) -> FloatArray:
+        """Parameters in their units, shape (n, p), at coordinates u, shape (n, p)."""
+        return self._natural(self._mode + points @ self._root.T)
+
+    def density(self) -> Density:
+        """Log-posterior of the coordinates u, but for a constant, for use by one thread."""
+        residuals = Residuals(self._problem)
+
+        def log_posterior(u: FloatArray) -> tuple[float, FloatArray]:
+            z = self._mode + self._root @ u
+            away = (z - self._centre) / self._spread
+            if not np.abs(away).max() <= _FAR:
+                return -np.inf, np.zeros_like(u)
+            rows = self._rows(residuals, z)
+            sse = sum_of_squares(rows[-1])
+            with np.errstate(all="ignore"):  # what is not finite is refused below
+                slope = rows[:-1] @ rows[-1]
+            if not (0 < sse < np.inf and np.isfinite(slope).all()):
+                return -np.inf, np.zeros_like(u)
+            height = -0.5 * float(self._samples * np.log(sse / self._least) + away @ away)
+            return height, self._root.T @ (-self._samples / sse * slope - away / self._spread)
+
+        return log_posterior
+
+    def _rows(self, residuals: Residuals, z: FloatArray) -> FloatArray:
+        """Derivatives on the scale of the priors and, last, the residual."""
+        x = self._natural(z)
+        with np.errstate(all="ignore"):
+            rows = residuals.data_rows(x)
+            rows[:-1] *= np.where(self._log, x, 1.0)[:, None]
+        return rows
+
+    def _natural(self, z: FloatArray) -> FloatArray:
+        """Parameters in their units from the scale on which their priors are Gaussian."""
+        with np.errstate(over="ignore"):
+            return np.where(self._log, np.exp(np.where(self._log, z, 0.0)), z)

@@ -1,0 +1,236 @@
+"""FIT.json: a fit as a file, readable by people and programs, loaded again without loss.
+
+What people read comes first: what the fit is worth. Then come the fields of the result, and what it
+saw of each recording.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+
+from surae._version import __version__
+from surae.base.errors import InputError
+from surae.base.filed import filed
+from surae.base.files import PathLike, shown, write_json
+from surae.base.frozen import FrozenDict
+from surae.base.records import FORMAT, check_format, encode, from_plain, read_json, to_plain
+from surae.base.units import FloatArray
+from surae.inference import LOSSES, FitProblem, FitResult, Start
+from surae.inference.assessment import Assessment
+from surae.model import ModelOptions, check_value, get_model, with_optional
+from surae.model.sources import SOURCES
+from surae.quality.finding import Quality
+from surae.settings import FitSettings
+from surae.signals import ModelInputs
+
+
+@dataclass(frozen=True, slots=True)
+class SavedFit:
+    """What a FIT.json holds."""
+
+    result: FitResult  #: The fit.
+    quality: tuple[Quality, ...]  #: What was found in each recording; empty where nobody looked.
+
+
+def save_fit(
+    path: PathLike, result: FitResult, assessment: Assessment, quality: Sequence[Quality] = ()
+) -> None:
+    """Write a fit to `path`, all of it or nothing."""
+    write_json(path, as_dict(result, assessment, quality))
+
+
+def as_dict(
+    result: FitResult, assessment: Assessment, quality: Sequence[Quality] = ()
+) -> dict[str, Any]:
+    """A fit as plain data, in the shape of FIT.json."""
+    problem, found, judged = result.problem, to_plain(result), to_plain(assessment)
+    for recording, white in zip(judged["recordings"], judged.pop("whiteness"), strict=True):
+        recording["residual"] = white
+    starts, agreeing = found.pop("starts"), found.pop("agreeing")
+    return {
+        "surae": result.versions.get("surae", __version__),
+        "format": FORMAT,
+        "model": problem.spec.name,
+        "options": to_plain(problem.options),
+        "status": result.status,
+        "message": result.message,
+        **judged,
+        "findings": to_plain(tuple(quality)),
+        "starts": {"n": len(starts), "agreeing": agreeing, "all": starts},
+        **found,
+        **to_plain(problem),
+        "traces": [
+            {**to_plain(recording), "residual": encode(residual)}
+            for recording, residual in zip(problem.inputs, result.residuals, strict=True)
+        ],
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class _Parameter:
+    value: float
+    free: bool
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Starts:
+    agreeing: int
+    all: tuple[Start, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Left:
+    residual: FloatArray
+    n: int | None = None  #: Number of samples.
+
+
+@filed(inputs="traces", left="traces")
+@dataclass(frozen=True, slots=True)
+class _File:
+    """What is read of the file beside the fields of result and problem."""
+
+    model: str
+    options: ModelOptions
+    parameters: Mapping[str, _Parameter]
+    starts: _Starts
+    inputs: tuple[ModelInputs, ...]
+    left: tuple[_Left, ...]
+    nuisances: Mapping[str, _Parameter] = field(default_factory=FrozenDict)
+    findings: tuple[Quality, ...] = ()
+    settings: FitSettings | None = None  #: Format 1 had none.
+
+
+def load_saved(path: PathLike) -> SavedFit:
+    """Read the fit that `save_fit` wrote; equal to the one saved, to the last bit."""
+    data = read_json(path)
+    check_format(data, path)
+    try:
+        file = from_plain(_File, data)
+        return SavedFit(_result(file, data), file.findings)
+    except InputError as error:
+        raise InputError(f"{shown(path)}: {error}; fit again where this is damaged") from None
+
+
+def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
+    table, starts = {**file.parameters, **file.nuisances}, file.starts.all
+    spec = with_optional(get_model(file.model), table)
+    ModelOptions.of(**data["options"])  # what this surae does not know is another model
+    if missing := [name for name in spec.names if name not in table]:
+        raise InputError(f"parameters.{missing[0]}: it is missing")
+    for i, (recording, left) in enumerate(zip(file.inputs, file.left, strict=True)):
+        if left.n not in (None, recording.n):
+            raise InputError(f"traces[{i}].n: {left.n}, but its time has {recording.n} samples")
+    free = tuple(name for name in spec.names if table[name].free)
+    values = {name: table[name].value for name in spec.names}
+    if not file.inputs or not starts or not free:
+        raise InputError("no recording, start or free parameter")
+    for parameter in spec.parameters:
+        check_value(parameter, values[parameter.name], spec)
+    initial = starts[0].initial
+    if not set(free) <= set(initial):
+        raise InputError("starts.all[0].initial: a free parameter is missing")
+    problem = {
+        "spec": spec,
+        "inputs": file.inputs,
+        "free": free,
+        "base": np.array([initial[n] if n in free else values[n] for n in spec.names]),
+        "lower": np.array([table[name].lower for name in free]),
+        "upper": np.array([table[name].upper for name in free]),
+        "settings": file.settings or _settings(file, free, data),
+    }
+    found = {
+        "problem": from_plain(FitProblem, {**data, **problem}),
+        "values": values,
+        "residuals": tuple(left.residual for left in file.left),
+        "starts": starts,
+        "agreeing": file.starts.agreeing,
+        "family": family_of(data.get("family"), free),
+    }
+    result = from_plain(FitResult, {**data, **found})
+    _check(result)
+    return result
+
+
+def _settings(file: _File, free: Sequence[str], data: Mapping[str, Any]) -> FitSettings:
+    """The settings; of format 1, which lacks them, those that the result shows."""
+    table, first = file.parameters, file.starts.all[0]
+    usual = get_model(file.model).free
+    settings = {
+        "model": file.model,
+        "options": file.options,
+        "fixed": {name: table[name].value for name in usual if name not in free},
+        "free": [name for name in free if name not in usual],
+        "start": {name: first.initial[name] for name in free},
+        "bounds": {name: (table[name].lower, table[name].upper) for name in free},
+        "priors": {n: (p["median"], p["spread"]) for n, p in data["priors"].items()},
+        "loss": (data.get("outliers") or {}).get("loss"),
+        "prepared": file.inputs[0].prepared,
+        "starts": len(file.starts.all),
+        "seed": data["seed"],
+    }
+    return from_plain(FitSettings, settings)
+
+
+def family_of(data: Any, free: Sequence[str]) -> Any:
+    """A family's spread, formerly standard deviations by name, each for itself, as shifts.
+
+    Formerly its population was without means, which can't be said afterwards.
+    """
+    if not isinstance(data, dict) or not isinstance(data.get("spread"), dict):
+        return data
+    if not all(isinstance(prior, dict) for prior in data.get("population", {}).values()):
+        data = {**data, "population": {}}
+    old = {s: by for s, by in data["spread"].items() if isinstance(by, dict) and "shape" not in by}
+    shifts = {s: encode(np.diag([float(by.get(n, 0.0)) for n in free])) for s, by in old.items()}
+    return {**data, "spread": {**data["spread"], **shifts}}
+
+
+def _check(result: FitResult) -> None:
+    """Refuse arrays that do not go with each other, and numbers that no fit gives."""
+    problem, outliers, family = result.problem, result.outliers, result.family
+    p, inputs = len(problem.free), problem.inputs
+    shapes: list[tuple[str, FloatArray, tuple[int, ...]]] = [("R", result.R, (p, p))]
+    for i, (recording, residual) in enumerate(zip(inputs, result.residuals, strict=True)):
+        n = recording.n
+        arrays = [(f.name, getattr(recording, f.name)) for f in fields(recording)]
+        arrays += [("residual", residual), *(("second", array) for array in recording.second)]
+        shapes += [
+            (f"traces[{i}].{name}", array, (n, 4) if name == "emg" else (n,))
+            for name, array in arrays
+            if isinstance(array, np.ndarray)
+        ]
+        if recording.torque is None:
+            raise InputError(f"traces[{i}].torque: it is missing")
+        reference = recording.emg_reference
+        if reference is not None and not all(v is None or v > 0 for v in reference.values):
+            raise InputError(f"traces[{i}].emg_reference.values_V: one is not above zero")
+    if family is not None:
+        if other := [source for source in family.spread if source not in SOURCES]:
+            raise InputError(f"family.spread.{other[0]}: no source of uncertainty is called so")
+        shapes += [("family.covariance", family.covariance, (p, p))]
+        shapes += [(f"family.spread.{s}", by, (len(by), p)) for s, by in family.spread.items()]
+    if outliers is not None:
+        scales = (outliers.tuning, outliers.scale, outliers.widening)
+        between = all(w.size and w.min() > 0 and w.max() <= 1 for w in outliers.weights)
+        if outliers.loss not in LOSSES or min(scales) <= 0 or not between:
+            raise InputError("outliers: an unknown loss, or a number that is impossible")
+        if len(outliers.weights) != len(inputs):
+            raise InputError("outliers.weights: not one for each recording")
+        pairs = enumerate(zip(outliers.weights, inputs, strict=True))
+        shapes += [(f"outliers.weights[{i}]", w, (own.n,)) for i, (w, own) in pairs]
+    for where, array, shape in shapes:
+        if array.shape != shape:
+            raise InputError(f"{where}: an array is {list(array.shape)}, expected {list(shape)}")
+    if not (np.isfinite(problem.lower).all() and np.isfinite(problem.upper).all()):
+        raise InputError("parameters: a bound is not a number")
+    weights = [1.0 if recording.weight is None else recording.weight for recording in inputs]
+    with np.errstate(over="ignore", invalid="ignore"):
+        pairs_of = zip(weights, result.residuals, strict=True)
+        weighted = sum(float(np.sum(w * e**2)) for w, e in pairs_of)
+    if math.isfinite(result.sse) and not math.isclose(result.sse, weighted, rel_tol=1e-6):
+        raise InputError("sse: the sum of squares is not that of the residuals")

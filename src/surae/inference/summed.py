@@ -1,0 +1,134 @@
+"""The fit at a mode of the posterior: values, and what makes them unsure, source by source."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from surae.base.frozen import FrozenDict, read_only
+from surae.base.units import FloatArray
+from surae.base.versions import versions
+from surae.inference.evidence import Subset
+from surae.inference.laplace import (
+    UNSUPPORTED,
+    between_subsets,
+    between_trials,
+    dynamics,
+    shifts_by_source,
+)
+from surae.inference.posterior import LogPosterior, Point
+from surae.inference.problem import FitProblem
+from surae.inference.result import Candidate, Family, FitResult, OfRecording, Start, at_bounds
+from surae.model.laboratory import COMPLIANT, group_of
+from surae.signals import ModelInputs
+
+
+def summed(
+    post: LogPosterior, point: Point, scored: tuple[Subset, ...], names: tuple[str, ...],
+    inputs: tuple[ModelInputs, ...], original: FitProblem,
+    met: Sequence[tuple[Point, dict[str, float]]],
+) -> FitResult:  # fmt: skip
+    """The fit at a mode, and what makes it unsure.
+
+    `scored` are all sets of departures, the chosen one first; `names` are what their modes are of.
+    """
+    blocks, V = point.blocks, post.covariance(point)
+    shifts = shifts_by_source(post, blocks, V)
+    departures = between_subsets(scored, names, post, V)
+    shifts["model"] = np.concatenate([departures, dynamics(post, V, unheard=False)])
+    if original.has_unheard:
+        shifts["unheard"] = dynamics(post, V, unheard=True)
+    shifts["trials"] = between_trials(blocks, V)
+    problem = replace(post.problem, inputs=inputs)
+    change = _natural(post, point)
+    spread = {source: read_only(by @ change.T) for source, by in shifts.items() if len(by)}
+    covariance = sum((by.T @ by for by in spread.values()), np.zeros((len(problem.free),) * 2))
+    values = post.by_name(point.z)
+    residuals = tuple(
+        read_only(-post.observed.plain_residual(point.z, recording, number))
+        for number, recording in enumerate(inputs)
+    )
+    roots = [1.0 if recording.weight is None else recording.weight for recording in inputs]
+    sse = sum(float(np.sum(w * e**2)) for w, e in zip(roots, residuals, strict=True))
+    finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
+    bound = [n for n in at_bounds(problem, values, of_family=True) if group_of(n) is None]
+    status = "failed" if not finite else "at-bounds" if bound else "converged"
+    free = {name: values[name] for name in problem.free}
+    initial = dict(zip(problem.free, problem.start.tolist(), strict=True))
+    ends = [free, *({n: by.get(n, free[n]) for n in free} for _, by in met[1:])]
+    best = min(end.cost for end, _ in met)
+    kept = [scored[0], *(s for s in scored[1:6] if s.weight > UNSUPPORTED)]
+    chosen, *others = (Candidate(COMPLIANT, s.groups, s.evidence, s.weight, {}) for s in kept)
+    return FitResult(
+        problem=problem,
+        status=status,
+        message=_message(scored[0], bound, finite),
+        values=values,
+        residuals=residuals,
+        sse=sse,
+        R=read_only(_factor(covariance, sse, problem) if finite else covariance * np.nan),
+        starts=tuple(Start(initial, end, sse, "converged", 1) for end in ends),
+        agreeing=int(sum(end.cost - best < 2.0 for end, _ in met)),
+        seed=original.settings.seed,
+        seconds=0.0,
+        versions=versions(),
+        family=Family(
+            candidates=(replace(chosen, values=FrozenDict(values)), *others),
+            beliefs=FrozenDict(post.beliefs),
+            noise=post.noise,
+            films=tuple(film.noise for each in post.latents for film in each.films),
+            zeros=tuple(point.z[len(post.names) :].tolist()),
+            covariance=read_only(covariance),
+            spread=FrozenDict(spread),
+            sizes=FrozenDict({**post.sizes, "drive": post.fast or 0.0}),
+            population=FrozenDict({n: post.priors[n] for n in post.names if not group_of(n)}),
+            recordings=_each(post, point, change) if len(inputs) > 1 else (),
+        ),
+    )  # fmt: skip
+
+
+def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecording, ...]:
+    """What each recording says by itself, from its quadratic at the common mode."""
+    own = []
+    prior = post.weight**2
+    leg = {n: j for j, n in enumerate(post.problem.free) if group_of(n) is None}
+    for b in point.blocks:
+        V = np.linalg.inv(b.H + np.diag(prior))
+        z = point.z - V @ (b.g + prior * (point.z - post.mean))
+        sd = np.sqrt(np.diag(change @ V @ change.T))
+        values = post.by_name(np.clip(z, post.lower, post.upper))
+        sems = {n: float(sd[j]) for n, j in leg.items()}
+        own.append(OfRecording(FrozenDict({n: values[n] for n in leg}), FrozenDict(sems)))
+    return tuple(own)
+
+
+def _factor(covariance: FloatArray, sse: float, problem: FitProblem) -> FloatArray:
+    """R whose σ²(RᵀR)⁻¹ is the covariance, σ² being the residual's variance."""
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    scaled = covariance * scale * scale[:, None]
+    lower = np.linalg.cholesky(scaled + 1e-10 * np.eye(len(scale)))
+    root = np.linalg.inv(lower) * scale
+    dof = max(problem.n - len(problem.free), 1)
+    return np.asarray(np.sqrt(max(sse, 1e-300) / dof) * np.linalg.qr(root)[1])
+
+
+def _natural(post: LogPosterior, point: Point) -> FloatArray:
+    """The problem's free parameters, in their units, by what is searched, shape (p, q)."""
+    free = post.problem.free
+    change = np.zeros((len(free), len(point.z)))
+    for j, (name, scale) in enumerate(zip(post.names, post.scale(point.z), strict=True)):
+        change[free.index(name), j] = scale
+    if post.zeros:  # their mean
+        change[free.index("torque_zero"), len(post.names) :] = 1.0 / post.zeros
+    return change
+
+
+def _message(chosen: Subset, bound: Sequence[str], finite: bool) -> str:
+    if not finite:
+        return "no minimum reached: the model has no finite numbers; give another start or bounds"
+    text = "the muscle-tendon model "
+    groups = ", ".join(chosen.groups)
+    text += f"with departures: {groups}" if groups else "without any departure"
+    if chosen.weight < 0.99:
+        text += f" (probability {100 * chosen.weight:.0f} %)"
+    return text + (f"; at a bound: {', '.join(bound)}" if bound else "")

@@ -1,0 +1,115 @@
+"""Parameters of some recordings tried on others (thesis 2.7)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.base.errors import InputError
+from surae.base.frozen import Comparable
+from surae.base.units import FloatArray
+from surae.inference import FitResult
+from surae.inference.adequacy import Adequacy, judge_prediction
+from surae.inference.fascicles import Fascicles, followed
+from surae.inference.residual import counted, rmse, vaf
+from surae.model import check_finite_torque
+from surae.recording import MUSCLES
+from surae.signals import ModelInputs
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prediction(Comparable):
+    """How well parameters predict a recording they were not fitted to.
+
+    Figures are over the samples that count.
+    """
+
+    name: str  #: Name of the recording.
+    path: str | None  #: The file it was read from.
+    vaf: float  #: Variance accounted for, equation (31) [%].
+    rmse: float  #: Root mean square of measured minus predicted torque [Nm].
+    bias: float  #: Its mean [Nm].
+    torque: FloatArray  #: Predicted [Nm], shape (n,).
+    time: FloatArray  #: [s], shape (n,).
+    measured: FloatArray  #: Torque [Nm], shape (n,).
+    #: Of the samples, shape (n,); those of weight 0 are in no figure. None: all count.
+    weight: FloatArray | None = None
+    #: Whether it is as good as the fit promises; None where that was not judged.
+    adequacy: Adequacy | None = None
+    fascicles: tuple[Fascicles, ...] = ()  #: Filmed lengths, measured and predicted.
+
+    def __repr__(self) -> str:
+        judged = "" if self.adequacy is None else f"{self.adequacy.grade}, "
+        errors = f"RMSE {self.rmse:.3g} Nm, bias {self.bias:.3g} Nm"
+        return f"prediction of {self.name!r}: {judged}VAF {self.vaf:.2f} %, {errors}"
+
+    @property
+    def errors(self) -> tuple[FloatArray, FloatArray]:
+        """Measured torque, and measured minus predicted, of the samples that count."""
+        counted = slice(None) if self.weight is None else self.weight > 0
+        return self.measured[counted], (self.measured - self.torque)[counted]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PooledPrediction(Comparable):
+    """Several predictions as if they were one recording: VAF [%], RMSE and bias [Nm]."""
+
+    vaf: float
+    rmse: float
+    bias: float
+
+
+def pooled(predictions: Sequence[Prediction]) -> PooledPrediction:
+    """The figures of several predictions together; a longer recording counts more."""
+    errors = [prediction.errors for prediction in predictions]
+    measured, residual = (np.concatenate(each) for each in zip(*errors, strict=True))
+    return PooledPrediction(vaf(measured, residual), rmse(residual), float(residual.mean()))
+
+
+def predict_others(
+    result: FitResult, inputs: Sequence[ModelInputs], *, judge: bool = True
+) -> tuple[Prediction, ...]:
+    """Predict recordings with the parameters of a fit to others, and judge.
+
+    A sample of weight 0 is predicted, and is in no figure; other weights change nothing.
+    """
+    problem = result.problem
+    spec, options, unit = problem.spec, problem.options, problem.inputs[0].emg_unit
+    weights = zip(MUSCLES, spec.weights, strict=True)
+    estimated = [muscle for muscle, weight in weights if weight in problem.free]
+    vector = spec.vector(result.values, options)
+    predictions = []
+    for recording in inputs:
+        if recording.emg_unit != unit:
+            raise InputError(
+                f"{recording.where}: its EMG is in {recording.emg_unit!r}, that of the fit in "
+                f"{unit!r}; the weights do not carry over"
+            )
+        for muscle in recording.missing_emg:
+            if muscle in estimated:
+                raise InputError(
+                    f"{recording.where}: no EMG of muscle {muscle!r}, whose weight the fit "
+                    f"estimated; add the channel emg_{muscle}"
+                )
+        if recording.torque is None or not recording.torque.any():
+            raise InputError(f"{recording.where}: no torque to compare the prediction with")
+        with np.errstate(over="ignore", invalid="ignore"):  # refused below
+            torque = spec.simulator(recording, options).torque(vector)
+        check_finite_torque(torque, recording)
+        measured, residual = counted(recording, recording.torque - torque)
+        predictions.append(
+            Prediction(
+                recording.name,
+                recording.files[0].name if recording.files else None,
+                vaf(measured, residual),
+                rmse(residual),
+                float(residual.mean()),
+                torque,
+                recording.time,
+                recording.torque,
+                recording.weight,
+                judge_prediction(result, recording, measured, residual) if judge else None,
+                followed(spec, options, result.values, recording),
+            )
+        )
+    return tuple(predictions)

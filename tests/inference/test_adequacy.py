@@ -1,0 +1,70 @@
+"""The gate: what must be withheld, what must be let through."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from surae.base.frozen import read_only
+from surae.inference import Grade, Verdict, assess, fit_problem, make_problem
+from surae.inference.adequacy import judge_adequacy, structure
+
+
+def fitted_to(trial, **asked):
+    return fit_problem(make_problem([trial], **asked), starts=2)
+
+
+def test_a_leg_of_the_model_is_adequate(noisy):
+    judged = judge_adequacy(fitted_to(noisy))
+    assert judged.grade is Grade.ADEQUATE
+    assert judged.reasons == ()
+    assert judged.r2 > 95.0
+
+
+def test_a_static_hold_is_inadequate_and_identifies_nothing(noisy):
+    still = replace(
+        noisy,
+        angle=read_only(-0.4 + 0.002 * np.sin(noisy.time)),
+        velocity=read_only(0.002 * np.cos(noisy.time)),
+        acceleration=read_only(-0.002 * np.sin(noisy.time)),
+        torque=read_only(20.0 + np.random.default_rng(0).normal(0.0, 0.1, noisy.n)),
+    )
+    worth = assess(fitted_to(still))
+    assert worth.vaf > 99.0  # the VAF rewards the offset
+    assert worth.adequacy.grade is Grade.INADEQUATE
+    assert any("hardly moves" in reason for reason in worth.adequacy.reasons)
+    assert not any(p.verdict is Verdict.IDENTIFIED for p in worth.parameters.values())
+    assert not any(p.repeatable for p in worth.parameters.values())
+
+
+def test_turned_torque_is_inadequate(noisy):
+    turned = replace(noisy, torque=read_only(-noisy.torque))
+    assert judge_adequacy(fitted_to(turned)).grade is Grade.INADEQUATE
+
+
+def test_what_follows_the_angle_is_no_noise(noisy):
+    rng = np.random.default_rng(1)
+    white = rng.standard_normal(noisy.n)
+    assert structure([noisy], [white]) < 0.05
+    slow = np.convolve(rng.standard_normal(noisy.n + 60), np.exp(-np.arange(61) / 10), "valid")
+    assert structure([noisy], [slow]) < 0.15
+    assert structure([noisy], [noisy.angle**2 + 0.1 * white]) > 0.6
+
+
+def test_a_model_that_leaves_much_out_is_not_adequate(noisy):
+    bent = 0.5 * noisy.torque.std() * np.sign(noisy.velocity)
+    judged = judge_adequacy(fitted_to(replace(noisy, torque=read_only(noisy.torque + bent))))
+    assert judged.grade is not Grade.ADEQUATE
+    assert any("leaves something out" in reason for reason in judged.reasons)
+
+
+@pytest.mark.parametrize("silent", [("sol",), ("gl", "sol", "gm")])
+def test_a_silent_muscle_is_named(noisy, silent):
+    emg = noisy.emg.copy()
+    for muscle in silent:
+        emg[:, ("ta", "gl", "sol", "gm").index(muscle)] = 1e-6
+    reasons = judge_adequacy(fitted_to(replace(noisy, emg=read_only(emg)))).reasons
+    assert any(
+        "hardly changes" in reason and all(m.upper() in reason for m in silent)
+        for reason in reasons
+    )

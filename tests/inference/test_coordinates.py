@@ -1,0 +1,62 @@
+"""Coordinates of a search: on a logarithm or as they are, a zero for each recording, valleys."""
+
+import numpy as np
+import pytest
+
+from surae.inference import make_problem
+from surae.inference.coordinates import Coordinates, is_straight
+from surae.model.laboratory import Gaussian
+from surae.protocol import Protocol, generate
+from surae.studies import virtual_subject, virtual_trial
+
+
+def coordinates(trials: int) -> Coordinates:
+    motion = generate(Protocol(profile="multiple-holds", duration=12.0, rate_hz=32.0))
+    trial = virtual_trial(virtual_subject(1), motion)
+    problem = make_problem([trial] * trials, "muscle", free=["torque_zero"], fixed={"beta": 1.0})
+    start = dict(zip(problem.free, problem.start.tolist(), strict=True))
+    priors = {n: Gaussian(v if is_straight(n) else np.log(v), 0.5) for n, v in start.items()}
+    return Coordinates(problem, priors)
+
+
+def test_values_come_back_and_stay_within_their_bounds() -> None:
+    one = coordinates(1)
+    values = dict(zip(one.problem.free, one.problem.start.tolist(), strict=True))
+    told = one.by_name(one.start(values | {"k_tri": 150.0}))
+    assert told == pytest.approx(values | {"k_tri": 150.0, "beta": 1.0})
+    assert one.by_name(one.start({})) == pytest.approx(values | {"beta": 1.0})
+    far = one.by_name(one.start({"g1": 0.0, "m": 99.0}))
+    assert 0.0 < far["g1"] < 0.02 * values["g1"]
+    assert far["m"] == one.problem.upper[one.problem.free.index("m")]
+    z, step = one.start({}), 1e-6
+    slopes = [(one.by_name(z + step * e)[n] - one.by_name(z)[n]) / step
+              for n, e in zip(one.names, np.eye(len(z)), strict=True)]  # fmt: skip
+    np.testing.assert_allclose(one.scale(z), slopes, rtol=1e-4)
+    assert one.prior_cost(z + 0.1) == pytest.approx(len(z) * 0.2**2)
+
+
+def test_each_of_several_recordings_has_its_zero() -> None:
+    one, two = coordinates(1), coordinates(2)
+    assert (one.zeros, "torque_zero" in one.names) == (0, True)
+    assert (two.zeros, "torque_zero" in two.names) == (2, False)
+    assert len(two.lower) == len(two.upper) == len(two.mean) == len(two.names) + 2
+    z = two.start({"torque_zero": 2.0})
+    np.testing.assert_allclose(z[-2:], 2.0)
+    z[-2:] = 1.0, 4.0
+    zeros = [two.by_name(z, number)["torque_zero"] for number in (None, 0, 1)]
+    assert zeros == pytest.approx([2.5, 1.0, 4.0])
+
+
+def test_a_step_along_a_valley_moves_what_the_tissue_does_straight() -> None:
+    one = coordinates(1)
+    pairs = [("k_tri", "x0_tri"), ("k_tib", "x0_tib")]
+    assert [(one.names[k], one.names[x0]) for k, x0, _ in one.valleys] == pairs
+    z, step = one.start({}), np.zeros(len(one.names))
+    k, x0, longest = one.valleys[0]
+    step[[k, x0]] = 0.3, 1e-3
+    moved = one.curved(z, step)
+    reach, stiffness = longest - z[x0], np.exp(z[k])
+    straight = stiffness * (reach + reach * 0.3 - 1e-3)
+    assert np.exp(moved[k]) * (longest - moved[x0]) == pytest.approx(straight)
+    others = [j for j in range(len(z)) if j not in (k, x0)]
+    np.testing.assert_array_equal(moved[others], z[others])

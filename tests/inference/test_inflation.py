@@ -1,0 +1,71 @@
+"""Factors on the variance of the noise, from an assessment."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from surae import api
+from surae.base.frozen import read_only
+from surae.inference import Interval, assess, fit_problem, fit_robust, make_problem
+from surae.inference.assessment import Inflation, described, variance_inflation
+
+
+@pytest.fixture(scope="module")
+def drifting(clean):
+    """A trial whose noise is correlated over time."""
+    noise = np.random.default_rng(4).standard_normal(clean.n)
+    for i in range(1, clean.n):
+        noise[i] += 0.9 * noise[i - 1]
+    return replace(clean, torque=read_only(clean.torque + 0.2 * noise))
+
+
+def test_white_noise_counts_as_it_is(fitted):
+    assessed = replace(assess(fitted), interval=Interval.THESIS, interval_note="white")
+    found = variance_inflation(assessed)
+    assert found == Inflation(dict.fromkeys(fitted.problem.free, 1.0), "white")
+    assert found.common == 1.0
+
+
+@pytest.mark.parametrize("loss", [None, "huber"])
+def test_correlated_noise_widens_to_the_robust_standard_error(drifting, loss):
+    problem = make_problem([drifting], fixed={"tau_rel": 2.0})
+    fit = fit_problem(problem, starts=1) if loss is None else fit_robust(problem, loss, starts=1)
+    assessed = assess(fit)
+    assert assessed.interval is Interval.ROBUST
+    found = variance_inflation(assessed)
+    assert found.reason == assessed.interval_note
+    assert tuple(found.factors) == problem.free
+    for name, factor in found.factors.items():
+        p = assessed.parameters[name]
+        assert np.sqrt(factor) * p.sem == pytest.approx(p.sem_robust)
+    assert found.common == np.median(list(found.factors.values())) > 4
+
+
+def test_one_without_a_standard_error_has_the_median_of_the_others(drifting):
+    problem = make_problem([drifting], bounds={"m": (1.2, 1.3)})
+    fit = fit_problem(problem, starts=1)
+    assert "m" in fit.at_bound
+    found = variance_inflation(assess(fit))
+    others = [factor for name, factor in found.factors.items() if name not in fit.at_bound]
+    assert len(others) > 5
+    assert found.factors["m"] == np.median(others) == found.common
+
+
+def test_a_posterior_takes_the_median_unless_told_otherwise(drifting, monkeypatch):
+    asked = []
+    monkeypatch.setattr("surae.api.answers.sample", lambda _, **options: asked.append(options))
+    fit = api.fit(drifting, "muscle", prepared=True, starts=1)
+    api.posterior(fit)
+    api.posterior(fit, variance_inflation=2.0)
+    assert asked[0]["variance_inflation"] == variance_inflation(fit.assessment).common > 4
+    assert "correlated over time" in asked[0]["inflation_reason"]
+    assert asked[0]["inflation_reason"].endswith("the median over the parameters")
+    assert (asked[1]["variance_inflation"], asked[1]["inflation_reason"]) == (2.0, "given")
+
+
+def test_in_words():
+    assert described({"m": 1.0}, "it is white") == "variance of the noise ×1: it is white"
+    assert described({"m": 2.0, "g1": 12.346}, "") == (
+        "variance of the noise ×2 … ×12.3, by parameter"
+    )

@@ -1,0 +1,51 @@
+"""The profile of a filmed leg is that of the posterior that was fitted, film included."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surae
+from surae.base.frozen import read_only
+from surae.inference.parameter import percent
+from surae.model import ModelOptions, get_model
+from surae.protocol import Protocol, generate
+from surae.signals import Film
+from surae.studies import virtual_subject, virtual_trial
+
+#: Fits of films are in the fast suite in tests/inference/test_film.py.
+pytestmark = [pytest.mark.usefixtures("few"), pytest.mark.slow]
+SCALE, ZERO = 0.02, 3e-3
+
+
+@pytest.fixture(scope="module")
+def fits():
+    """Fits of a virtual leg with a film of its tibialis and without."""
+    subject = virtual_subject(3, tendons=True)
+    protocol = generate(Protocol(profile="multiple-holds", duration=20.0, rate_hz=64.0))
+    plain = virtual_trial(subject, protocol, noise=0.02, model="muscle-tendon")
+    spec = get_model("muscle-tendon")
+    state = spec.simulator(plain, ModelOptions()).tendon(
+        spec.vector(subject.truth(spec.name), ModelOptions())
+    )
+    time = np.arange(0.5, plain.time[-1], 1 / 30.0)
+    seen = (1.0 + SCALE) * np.interp(time, plain.time, state.muscle_length[1]) + ZERO
+    seen = seen + 2e-4 * np.random.default_rng(1).standard_normal(len(time))
+    film = Film("fascicle_tib", read_only(time), read_only(seen))
+    both = replace(plain, films=(film,)), plain
+    return [surae.fit(recording, prepared=True, quality=()) for recording in both]
+
+
+def test_the_profile_of_a_filmed_length_is_as_narrow_as_its_interval(fits) -> None:
+    own, blind = (fit.parameters["dlt_tib"].ci95 for fit in fits)
+    profiled = surae.profile(fits[0], "dlt_tib")["dlt_tib"].interval
+    assert profiled == pytest.approx(own, abs=0.35 * (own[1] - own[0]) / 2)
+    assert profiled[1] - profiled[0] < 0.6 * (blind[1] - blind[0])
+
+
+def test_the_whole_muscles_length_says_what_the_film_knows_better(fits) -> None:
+    filmed, blind = (fit.parameters["l0_tib"].note for fit in fits)
+    optimum = fits[0].measures()["optimal_fascicle_tib"]
+    part = (optimum.ci95[1] - optimum.ci95[0]) / 2 / optimum.value
+    assert f"own optimum is {optimum.value:.1f} mm ±{percent(part)} (optimal_" in filmed
+    assert "optimal_fascicle_tib" not in blind

@@ -1,0 +1,102 @@
+"""What makes estimates unsure, against small matrices that are solved by hand."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from surae.inference.evidence import LaplaceApproximation, Subset, root, subsets
+from surae.inference.laplace import between_subsets, between_trials, dynamics
+
+RNG = np.random.default_rng(5)
+V = np.cov(RNG.standard_normal((3, 10)))
+
+
+def laplace() -> LaplaceApproximation:
+    """A quadratic of three parameters, looked at beside its mode."""
+    rows = RNG.standard_normal((12, 3))
+    residual = RNG.standard_normal(12)
+    z, mean, weight = RNG.standard_normal((3, 3))
+    return LaplaceApproximation(
+        rows.T @ rows, rows.T @ residual, residual @ residual, z, mean, 0.5 + np.abs(weight)
+    )
+
+
+def test_evidence_against_a_nuisance_is_the_ratio_of_its_densities() -> None:
+    """Savage and Dickey's: where it is off, of posterior over prior, all else free."""
+    model = laplace()
+    whole, mode, covariance = model.solved({})
+    information = model.information + np.diag(model.weight**2)
+    np.testing.assert_allclose(covariance, np.linalg.inv(information))
+    slope = model.gradient + model.information @ (mode - model.z)
+    np.testing.assert_allclose(slope + model.weight**2 * (mode - model.mean), 0.0, atol=1e-10)
+    held, at, beside = model.solved({1: 0.4})
+    after = norm.logpdf(0.4, mode[1], np.sqrt(covariance[1, 1]))
+    before = norm.logpdf(0.4, model.mean[1], 1.0 / model.weight[1])
+    assert held - whole == pytest.approx(-2.0 * (after - before))
+    assert (at[1], beside[1].tolist()) == (0.4, [0.0, 0.0, 0.0])
+
+
+def test_subsets_are_weighed_by_their_evidence_and_odds() -> None:
+    model, off = laplace(), {0: 0.2, 2: 0.1}
+    plain = {s.groups: s for s in subsets(model, {"a": [0], "b": [2]}, off)}
+    assert set(plain) == {(), ("a",), ("b",), ("a", "b")}
+    assert sum(s.weight for s in plain.values()) == pytest.approx(1.0)
+    for s in plain.values():
+        assert s.evidence == model.solved({j: off[j] for g, j in (("a", 0), ("b", 2))
+                                           if g not in s.groups})[0]  # fmt: skip
+        ratio = np.exp(0.5 * (plain[()].evidence - s.evidence))
+        assert s.weight / plain[()].weight == pytest.approx(ratio)
+    likely = {s.groups: s for s in subsets(model, {"a": [0], "b": [2]}, off, {"a": 9.0})}
+    before, after = (by[("a",)].weight / by[()].weight for by in (plain, likely))
+    assert after == pytest.approx(9.0 * before)
+
+
+def test_shifts_add_up_to_their_covariance() -> None:
+    np.testing.assert_allclose(root(V).T @ root(V), V)
+    thin = np.outer(V[0], V[0])
+    assert root(thin).shape == (1, 3)
+    np.testing.assert_allclose(root(thin).T @ root(thin), thin)
+
+
+def subset(weight: float, mode: list[float], variance: list[float]) -> Subset:
+    return Subset((), weight, 0.0, np.array(mode), np.array(variance))
+
+
+def test_what_other_sets_of_departures_say_is_weighed() -> None:
+    posterior = SimpleNamespace(names=("b", "c", "a"))
+    scored = (subset(0.7, [1.0, 2.0], [1.0, 1.0]), subset(0.297, [1.3, 1.8], [1.5, 0.5]),
+              subset(0.003, [9.0, 9.0], [9.0, 9.0]))  # fmt: skip
+    rows = between_subsets(scored, ("a", "b"), posterior, V)
+    # The last is not looked at; of b the other set is surer, which takes nothing away.
+    expected = 0.297 * np.array([0.2**2, 0.0, 0.3**2 + 0.5])
+    np.testing.assert_allclose(np.sum(rows**2, axis=0), expected, atol=1e-15)
+    assert (rows.T @ rows)[0, 2] == pytest.approx(0.297 * 0.3 * -0.2)
+
+
+def test_trials_differ_by_what_their_pulls_exceed() -> None:
+    blocks = [SimpleNamespace(g=np.array(g), H=np.diag(h))
+              for g, h in (([2.0, 0.1], [1.0, 1.0]), ([-2.0, -0.1], [3.0, 1.0]))]  # fmt: skip
+    assert between_trials(blocks[:1], np.eye(2)).shape == (0, 2)
+    rows = between_trials(blocks, np.eye(2))
+    # n/(n − 1)·Σ(V·g)² − Σ(V·H·V)ᵢᵢ: 2·8 − 4, and of what agrees nothing.
+    np.testing.assert_allclose(np.sum(rows**2, axis=0), [12.0, 0.0])
+
+
+def test_another_activation_filter_takes_the_other_values_along() -> None:
+    def shifts(*, unheard=False, fast=0.0, names=("f0", "k_tri", "beta"), has_unheard=False):
+        problem = SimpleNamespace(has_unheard=has_unheard)
+        return dynamics(
+            SimpleNamespace(names=names, fast=fast, problem=problem), V, unheard=unheard
+        )
+
+    order = shifts()
+    np.testing.assert_allclose(order[0] / order[0, 0], V[0] / V[0, 0])
+    np.testing.assert_allclose(order[1] / order[1, 2], V[2] / V[2, 2])
+    assert order[0, 0] == order[1, 2] > 0.0
+    released = shifts(names=("f0", "release", "beta"))[0, 0]
+    assert order[0, 0] < shifts(fast=0.1)[0, 0] < released <= shifts(unheard=True)[0, 0]
+    again = shifts(names=("f0", "release", "beta"), has_unheard=True)
+    assert again[0, 0] == order[0, 0]  # what no electrode hears is not counted twice
+    assert shifts(names=("m", "k_tri", "l0_tri")).shape == (0, 3)
