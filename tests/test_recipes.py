@@ -73,7 +73,7 @@ SPRING_PARAMETERS: tuple[Parameter, ...] = (
             "surae.model.spring:SpringSimulator", linear=("m", "s_tri", "s_tib", *_WEIGHTS),
         ),
 '''),
-        ("names.py", '"muscle-tendon-toe"', '"spring", '),
+        ("base/names.py", '"muscle-tendon-toe"', '"spring", '),
     ],
     "a parameter": [
         ("model/parameters.py", '    "crosstalk": tuple(', '''    "viscosity": (
@@ -83,7 +83,7 @@ SPRING_PARAMETERS: tuple[Parameter, ...] = (
            advice="move the relaxed leg at several speeds"),
     ),
 '''),
-        ("names.py", "LOSSES = (", 'DRIVES |= {"viscosity": "viscosity of the joint"}\n'),
+        ("base/names.py", "LOSSES = (", 'DRIVES |= {"viscosity": "viscosity of the joint"}\n'),
     ],
     "something that the laboratory cannot rule out": [
         ("model/parameters.py", '_GEOMETRY = "give', '''\
@@ -181,7 +181,7 @@ def bow(t: FloatArray) -> FloatArray:
 '''),
         ("protocol/profiles.py", '        Profile("sine"',
          '        Profile("bow", 20.0, bow, "Up and down once."),\n'),
-        ("names.py", '    "sine",', '    "bow",\n'),
+        ("base/names.py", '    "sine",', '    "bow",\n'),
     ],
     "a setting of a fit": [],  # its field is written in the recipe
 }  # fmt: skip

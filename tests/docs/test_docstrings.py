@@ -12,8 +12,8 @@ from numpydoc.docscrape import ClassDoc, FunctionDoc
 import surae
 
 LAYERS = (
-    "recording", "signals", "model", "protocol", "quality", "estimation", "assessment", "studies",
-    "report", "api",
+    "recording", "signals", "model", "protocol", "quality", "inference", "studies", "report",
+    "api",
 )  # fmt: skip
 
 

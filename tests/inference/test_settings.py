@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from surae.base.errors import InputError
-from surae.inference import FitSettings, make_problem, solve
+from surae.inference import make_problem, solve
 from surae.model import ModelOptions
 from surae.protocol import Protocol, generate
+from surae.settings import FitSettings
 from surae.signals import Weighting
 from surae.studies import virtual_subject, virtual_trial
 

@@ -60,14 +60,12 @@ def test_another_source_is_another_folder(fresh, source) -> None:
 
 def test_a_new_source_is_another_folder(fresh) -> None:
     before = folder_now()
-    source = fresh / "estimation" / "another_kernel.py"
+    source = fresh / "inference" / "another_kernel.py"
     source.write_text("from surae.model.jit import jit\nx = 1\n", encoding="utf-8")
     assert folder_now() != before
 
 
-@pytest.mark.parametrize(
-    "source", ["model/registry.py", "model/parameters.py", "estimation/fit.py"]
-)
+@pytest.mark.parametrize("source", ["model/registry.py", "model/parameters.py", "inference/fit.py"])
 def test_a_sentence_elsewhere_compiles_nothing_again(fresh, source) -> None:
     before = folder_now()
     text = (fresh / source).read_text(encoding="utf-8")

@@ -137,7 +137,7 @@ def literals_of(package):
 
 
 @pytest.mark.parametrize(
-    "package", ["model", "estimation", "measures", "assessment", "exchange", "quality", "report"]
+    "package", ["model", "inference", "measures", "exchange", "quality", "report"]
 )
 def test_every_word_of_the_ankle_has_another_joints_in_its_place(package) -> None:
     wrist = read_joint(WRIST["joint"])

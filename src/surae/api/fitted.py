@@ -10,7 +10,7 @@ from surae.api.simulation import parts_of, tendon_of
 from surae.base.files import PathLike
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
-from surae.inference import FitResult, FitSettings
+from surae.inference import FitResult
 from surae.inference.adequacy import Adequacy
 from surae.inference.assessment import Assessment
 from surae.inference.parameter import ParameterEstimate
@@ -19,6 +19,7 @@ from surae.inference.uncertainty.covariance import Covariance
 from surae.inference.validation import Prediction, predict_others
 from surae.model import TendonState, TorqueParts
 from surae.quality import Quality
+from surae.settings import FitSettings
 
 if TYPE_CHECKING:
     from surae.measures import Measures

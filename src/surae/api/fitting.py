@@ -9,7 +9,7 @@ from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.progress import SearchProgress
 from surae.base.setting import takes
-from surae.inference import FitSettings, make_problem, solve
+from surae.inference import make_problem, solve
 from surae.inference.assessment import assess
 from surae.inference.saved.fit_json import load_saved
 from surae.inference.starts import Follow
@@ -17,6 +17,7 @@ from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
 from surae.quality import Quality
 from surae.recording import Recording
+from surae.settings import FitSettings
 from surae.signals import ModelInputs
 
 #: Has a function's ``**keywords`` stand for all settings of a fit.

@@ -1,1 +1,1 @@
-"""What every other room stands on: files, units, records, words, errors."""
+"""What every other room stands on: files, units, records, settings, words, errors."""

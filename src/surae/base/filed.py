@@ -1,4 +1,4 @@
-"""What files call the fields of a record, stated above its ``@dataclass`` for `surae.base.records`."""
+"""What files call a record's fields, stated above its ``@dataclass`` (`surae.base.records`)."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

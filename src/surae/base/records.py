@@ -2,8 +2,8 @@
 
 A file has every field of a record by its name, so a new field with a default needs nothing here,
 and files without it are still read. Where a file has another name for a field, or not all of them,
-the record says so itself (`surae.base.filed`). What is read is of the declared types, or refused in one
-line that names the field.
+the record says so itself (`surae.base.filed`). What is read is of the declared types, or refused in
+one line that names the field.
 """
 
 import base64

@@ -61,9 +61,9 @@ class PosteriorSettings(Request):
     variance_inflation: float | None = setting(
         None, "Divides the weight of the data. By default what the assessment asks for: the median "
         "over the parameters of (sem_robust/sem)² where intervals are robust, as for a residual "
-        "that is correlated over time, and 1 otherwise; see `surae.inference.assessment`. One number, "
-        "since the likelihood has one noise: parameters for which the correlation matters more "
-        "than for most get too narrow an interval, which their profile or `ci95` does not.",
+        "that is correlated over time, and 1 otherwise; see `surae.inference.assessment`. One "
+        "number, since the likelihood has one noise: parameters for which the correlation matters "
+        "more than for most get too narrow an interval, which their profile or `ci95` does not.",
         above=0.0, metavar="F", help=_INFLATION,
     )  # fmt: skip
     cores: int | None = _workers("Evaluations")

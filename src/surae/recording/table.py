@@ -115,8 +115,8 @@ class Table:
     load: Callable[[Sequence[str]], Mapping[str, Column]]
     #: Units that the file states, by column, in its own spelling.
     units: Mapping[str, str] = field(default_factory=dict)
-    #: Units that the file states for a kind of signal (`surae.base.units.FACTORS`), such as angles in
-    #: degrees, without saying which of its columns are angles.
+    #: Units that the file states for a kind of signal (`surae.base.units.FACTORS`), such as angles
+    #: in degrees, without saying which of its columns are angles.
     units_of_kind: Mapping[str, str] = field(default_factory=dict)
     #: Settings of the recording that the file states: ``"name"``, ``"emg"``.
     notes: Mapping[str, str] = field(default_factory=dict)

@@ -21,7 +21,7 @@ from surae.studies.study import OPTIONS, Value, motion, rise
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 #: Folders whose code a result depends on.
-_COMPUTING = ("signals", "model", "protocol", "estimation", "assessment", "studies")
+_COMPUTING = ("signals", "model", "protocol", "inference", "studies")
 #: Modules of this folder that plan, keep and hand on results, and change none.
 BOOKKEEPING = ("store", "study")
 _LIBRARIES = ("numba", "numpy", "scipy")
@@ -139,8 +139,9 @@ def run_task(task: FitTask) -> TaskOutcome:
 
 
 def _fit(task: FitTask) -> TaskOutcome:
-    from surae.inference import FitSettings, assess, make_problem, solve
+    from surae.inference import assess, make_problem, solve
     from surae.model import ModelOptions, get_model
+    from surae.settings import FitSettings
     from surae.studies.populations import virtual_subject
     from surae.studies.virtual import virtual_trial
 

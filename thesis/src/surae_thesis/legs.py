@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from surae import ComputationError, ModelInputs
+from surae import ComputationError, FitSettings, ModelInputs
 from surae.base.units import FloatArray
-from surae.inference import FitSettings, assess, covariance, ipde, make_problem, solve, vaf
+from surae.inference import assess, covariance, ipde, make_problem, solve, vaf
 from surae.model import ModelOptions, get_model
 from surae.protocol import (
     DIRECTIONS,
