@@ -13,6 +13,7 @@
 import time
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from surae.inference.interrupt import postponed_interrupt
 from surae.inference.latent import SOURCES, Latents
 from surae.inference.learning import (
     effort_ratio,
+    explained,
     followed,
     learnt_films,
     learnt_noise,
@@ -44,7 +46,7 @@ from surae.model import get_model, with_optional
 from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
 from surae.model.sources import Gaussian
 from surae.recording import MUSCLES
-from surae.signals import emg_levels, quiet_levels, steady_emg
+from surae.signals import ModelInputs, emg_levels, quiet_levels, steady_emg
 from surae.signals.prepare import sharpened
 from surae.signals.resample import thinned, thinning_factor
 
@@ -70,6 +72,9 @@ _LOUDER, _ERRORS = 1.6, (0.06, 0.11, 0.15, 0.21)
 #: Part of the torque's changes that parameters alone have to follow before: of a model that follows
 #: less, what is left is not the EMG's.
 _FOLLOWED = 0.8
+#: By how much less of the torque's variance parameters may follow than before a stage of the
+#: search, or than those of the simplest member do.
+_LESS = 0.005
 #: Odds beforehand that a leg or laboratory has a departure.
 _ODDS = 0.3
 #: How far EMG at rest may be from what is expected, in standard deviations.
@@ -148,23 +153,49 @@ class _Search:
             self._options = replace(self._options, emg_ref=emg_levels(problem.inputs))
         self._weights = _weights(problem)
         self._perfect = problem.settings.nuisances == NONE
+        self._still = self._perfect  #: Whether nothing is to differ from moment to moment.
         self._starts: list[tuple[Point, dict[str, float]]] = []
 
     def result(self) -> FitResult:
         """Search, choose, and sum up."""
         values, noise = self._first()
         self._say(1)
+        simplest, most = self._simplest()
         chosen = self._choose(values, noise)
+        share = followed(*chosen[:2])
+        if share < most - _LESS:
+            # latents have taken what parameters can follow: without them, and from where these do
+            self._still = True
+            again = self._choose(simplest, noise)
+            if (other := followed(*again[:2])) > share:
+                chosen, share = again, other
         self._say(2)
-        return summed(*chosen, self._inputs, self._original, self._starts)
+        result = summed(*chosen, self._inputs, self._original, self._starts)
+        if share >= most - _LESS or result.status == "failed":
+            return result
+        message = (
+            f"the search lost its way: its parameters follow {100 * share:.1f} % of the torque's "
+            f"changes, those of the simplest model {100 * most:.1f} %; fit that (model='{RIGID}'), "
+            "or give other start values"
+        )
+        return replace(result, status="failed", message=message)
 
-    def stopped(self) -> FitResult:
-        """What is kept where the user stopped: the rigid model, nothing weighed."""
+    def _simplest(self) -> tuple[Mapping[str, float], float]:
+        """Values of the simplest member, and the part of the torque's variance they follow."""
+        plain = self._rigid([self._thinned(trial, _RATES[1]) for trial in self._original.inputs])
+        return plain.values, explained(plain.problem.inputs, plain.residuals)
+
+    def _rigid(self, inputs: Sequence[ModelInputs], **changes: Any) -> FitResult:
+        """The fit of the simplest member, from its own start."""
         original, spec = self._original, get_model(RIGID)
         free = [n for n in spec.names if n in original.free]
         rigid = original.of_model(spec, free, original.by_name(original.start), original.limits)
-        plain = fit_problem(replace(rigid, inputs=self._inputs, priors=FrozenDict()), starts=1)
-        without = ", without priors," if original.priors else ""
+        return fit_problem(replace(rigid, inputs=tuple(inputs), **changes), starts=1)
+
+    def stopped(self) -> FitResult:
+        """What is kept where the user stopped: the rigid model, nothing weighed."""
+        plain = self._rigid(self._inputs, priors=FrozenDict())
+        without = ", without priors," if self._original.priors else ""
         return replace(
             plain,
             message=f"stopped by the user: the rigid model alone{without} is kept; fit again for "
@@ -186,7 +217,7 @@ class _Search:
             inputs, latents = like.problem.inputs, like.latents
         else:
             each = original.inputs
-            inputs = tuple(thinned(r, thinning_factor(r, rate_hz, _SAMPLES)) for r in each)
+            inputs = tuple(self._thinned(recording, rate_hz) for recording in each)
             latents = tuple(
                 Latents.of(r, self._silent, whole.n / whole.rate_hz, perfect=self._perfect)
                 for r, whole in zip(inputs, each, strict=True)
@@ -214,6 +245,10 @@ class _Search:
         return LogPosterior(
             problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz
         )
+
+    def _thinned(self, recording: ModelInputs, rate_hz: float) -> ModelInputs:
+        """The recording as a stage of the search reads it."""
+        return thinned(recording, thinning_factor(recording, rate_hz, _SAMPLES))
 
     def _leg(self, problem: FitProblem) -> dict[str, Gaussian]:
         """What is known of the leg's own parameters, as they are searched."""
@@ -261,16 +296,19 @@ class _Search:
     ) -> tuple[LogPosterior, Point]:  # fmt: skip
         """Noise and sizes of the latents in turn with the mode, until it rests."""
         for _ in range(rounds):
-            before, sizes = point.z, _NEARLY_NONE
-            if not self._perfect:
+            before, sizes = (post, point), _NEARLY_NONE
+            if not self._still:
                 learnt = learnt_sizes(post, point, _BEGIN)
                 sizes = {s: min(learnt[s], _MOST[s]) for s in SOURCES}
             noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
             post = post.having(noise=noise, sizes=sizes, latents=latents)
-            point = post.descend(point.z, point.c, point.w, evaluations=evaluations, tolerance=0.1)
-            sd = np.sqrt(np.diag(post.covariance(point)))
-            if np.all(np.abs(point.z - before) < _AT_REST * sd):
-                break
+            moved = post.descend(point.z, point.c, point.w, evaluations=evaluations, tolerance=0.1)
+            if _is_worse((post, moved), before):
+                return before
+            sd = np.sqrt(np.diag(post.covariance(moved)))
+            if np.all(np.abs(moved.z - point.z) < _AT_REST * sd):
+                return post, moved
+            point = moved
         return post, point
 
     def _choose(
@@ -278,7 +316,8 @@ class _Search:
     ) -> tuple[LogPosterior, Point, tuple[Subset, ...], tuple[str, ...]]:
         """The posterior with what the data ask for, its mode, all sets, what their modes are of."""
         possible = tuple(g for g in DEPARTURES if any(group_of(n) == g for n in self._beliefs))
-        post = self._posterior(possible, _RATES[0], noise, _BEGIN)
+        sizes = _NEARLY_NONE if self._still else _BEGIN
+        post = self._posterior(possible, _RATES[0], noise, sizes)
         point = post.descend(post.start(values), evaluations=20, tolerance=0.3)
         post, point = self._learnt(post, point, 2, white=True, evaluations=12)
         full = self._posterior(possible, _RATES[1], post.noise, post.sizes)
@@ -289,7 +328,7 @@ class _Search:
         # which departures there are would hide behind it; what muscles do that no electrode hears
         # is loud under effort as well, and no error of another's EMG
         louder = not self._original.has_unheard and effort_ratio(full, point) > _LOUDER
-        if louder and followed(full, point) > _FOLLOWED:
+        if louder and not self._still and followed(full, point) > _FOLLOWED:
             full, point = self._with_drive_errors(full, point, _ERRORS)
         positions: dict[str, list[int]] = {}
         off: dict[int, float] = {}
@@ -318,7 +357,8 @@ class _Search:
         post = own.having(fast=0.0)
         there = post.descend(point.z, point.c, evaluations=12, tolerance=0.1)
         if not sizes:
-            return self._learnt(post, there, 1, evaluations=8)
+            found = self._learnt(post, there, 1, evaluations=8)
+            return (own, point) if _is_worse(found, (own, point)) else found
         # the evidence of each is with the noise that it leaves itself
         quiet = post.having(noise=learnt_noise(post, there, anew=True))
         at = quiet.descend(there.z, there.c, there.w, evaluations=8, tolerance=0.1)
@@ -337,7 +377,13 @@ class _Search:
         low, middle, high, highest = sizes
         better(middle)
         better(highest if better(high) else low)
-        return min(tried.values(), key=lambda each: each[0])[1:]
+        found = min(tried.values(), key=lambda each: each[0])[1:]
+        return (own, point) if _is_worse(found, (own, point)) else found
+
+
+def _is_worse(stage: tuple[LogPosterior, Point], before: tuple[LogPosterior, Point]) -> bool:
+    """Whether latents have taken of the torque what parameters alone followed before."""
+    return followed(*stage) < followed(*before) - _LESS
 
 
 def _white(problem: FitProblem, part: float) -> tuple[NoiseModel, ...]:

@@ -1,6 +1,6 @@
 """What residuals at a mode tell of the noise, of the sizes of the latents, and of the drives."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -53,11 +53,24 @@ def effort_ratio(posterior: LogPosterior, point: Point) -> float:
 
 def followed(posterior: LogPosterior, point: Point) -> float:
     """Part of the variance of the torque that parameters alone follow, latents left out."""
+    inputs = posterior.problem.inputs
+    return explained(
+        inputs, [posterior.observed.plain_residual(point.z, r, i) for i, r in enumerate(inputs)]
+    )
+
+
+def explained(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) -> float:
+    """Part of the variance of the torque of recordings that is not in their residuals.
+
+    Samples count as their weights say; −∞ of residuals that are not finite.
+    """
     left = whole = 0.0
-    for number, recording in enumerate(posterior.problem.inputs):
-        left += float(np.sum(posterior.observed.plain_residual(point.z, recording, number) ** 2))
-        whole += recording.n * float(np.var(measured(recording)))
-    return 1.0 - left / max(whole, 1e-300)
+    for recording, e in zip(inputs, residuals, strict=True):
+        w = np.ones(recording.n) if recording.weight is None else recording.weight
+        torque = measured(recording)
+        left += float(w @ e**2)
+        whole += float(w @ (torque - np.average(torque, weights=w)) ** 2)
+    return 1.0 - left / max(whole, 1e-300) if np.isfinite(left) else -np.inf
 
 
 def learnt_sizes(

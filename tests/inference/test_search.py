@@ -1,0 +1,61 @@
+"""The search of `auto` never ends where its own simplest member would be better, and says so."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surae
+from ankle_legs.make import make
+from richer_legs import richer_leg
+from surae.inference import Verdict, assess, make_problem, solve
+from surae.inference.family import _Search
+from surae.inference.learning import explained
+
+#: By how much less of the torque's changes `auto` may follow than model 1.0 [% of R²].
+LESS = 0.5
+
+
+def raw_leg(folder: Path, family: str, seed: int, every: int = 1, *, seconds: float = 20.0) -> Path:
+    """A recording with raw EMG of which one sample in `every` at 1024 Hz is kept."""
+    path = make(family, seed, folder, (1,), raw=True, seconds=seconds)[0]
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    path.write_text("".join([*lines[:2], *lines[2::every]]), encoding="utf-8")
+    return path
+
+
+def test_slow_raw_emg_is_followed_as_by_the_simplest_model(tmp_path) -> None:
+    path = raw_leg(tmp_path, "a", 46, 4)
+    plain, whole = (surae.fit(path, model=m, quality=()) for m in ("muscle", "auto"))
+    assert whole.adequacy.r2 >= plain.adequacy.r2 - LESS
+    assert whole.status == "converged"
+
+
+def test_a_search_that_lost_its_way_says_so_and_claims_nothing(monkeypatch) -> None:
+    choose = _Search._choose
+
+    def lost(self, values, noise):
+        post, point, *others = choose(self, values, noise)
+        z = point.z.copy()
+        z[post.names.index("k_tri")] += np.log(2.0)
+        return post, replace(point, z=z), *others
+
+    monkeypatch.setattr(_Search, "_choose", lost)
+    result = solve(make_problem([richer_leg(0, rate_hz=64.0, duration=12.0).inputs], "auto"))
+    assert result.status == "failed"
+    assert "lost its way" in result.message
+    worth = assess(result)
+    assert worth.adequacy.reasons == ("the fit failed",)
+    assert not any(p.verdict is Verdict.IDENTIFIED for p in worth.parameters.values())
+
+
+def test_samples_that_do_not_count_are_not_explained() -> None:
+    inputs = richer_leg(0, rate_hz=64.0, duration=12.0).inputs
+    half = np.arange(inputs.n) < inputs.n // 2
+    torque = inputs.torque
+    residual = np.where(half, 0.0, torque)
+    weighted = replace(inputs, weight=half.astype(float))
+    assert explained([weighted], [residual]) == 1.0
+    assert explained([inputs], [torque - torque.mean()]) == pytest.approx(0.0)
+    assert explained([inputs], [np.full(inputs.n, np.nan)]) == -np.inf
