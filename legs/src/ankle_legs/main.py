@@ -43,7 +43,12 @@ def _parser() -> argparse.ArgumentParser:
     make.add_argument("--film", action="store_true", help="filmed fascicles too, and a mapping")
     make.add_argument("--geometry", action="store_true", help="the leg's own arms and lengths too")
     score = commands.add_parser("score", help="count answers against the truth, worst family first")
-    score.add_argument("answers", type=Path, metavar="ANSWERS.csv")
+    score.add_argument(
+        "answers",
+        type=Path,
+        metavar="ANSWERS.csv|DIR",
+        help="a table; of perturbed and stretched legs a folder of FAMILY-SEED.json",
+    )
     score.add_argument("--changes", type=Path, metavar="CHANGES.csv", help="pairs of trials")
     return parser
 
@@ -64,6 +69,10 @@ def main(arguments: list[str] | None = None) -> int:
                     },
                 )
                 print(*paths, sep="\n")
+        elif given.answers.is_dir():
+            from ankle_legs.nerve import score as score_folder
+
+            print(score_folder(given.answers))
         else:
             from ankle_legs.score import change_table, score, table
 

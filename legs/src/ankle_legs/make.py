@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ankle_legs import __version__, last, look
+from ankle_legs import __version__, last, look, perturbed, stretched
 from ankle_legs.leg import FILM_RATE, FILM_START, Leg, generator
 from ankle_legs.muscle import Array
 from ankle_legs.subject import GROUPS, Geometry, draw
@@ -21,7 +21,8 @@ FAMILIES = {**look.FAMILIES, **last.FAMILIES}
 def leg(family: str, seed: int) -> Leg:
     """Return the leg of a family and a seed; every third is a patient's."""
     if family not in FAMILIES:
-        raise ValueError(f"no family {family!r}; there are {', '.join(FAMILIES)}")
+        others = (*FAMILIES, *perturbed.families(), *stretched.families())
+        raise ValueError(f"no family {family!r}; there are {', '.join(others)}")
     if seed < 0:
         raise ValueError(f"seed {seed} is negative; give 0 or more")
     rng = generator(family, seed, 0)
@@ -85,7 +86,14 @@ def make(
     film: bool = False,
     geometry: bool = False,
 ) -> list[Path]:
-    """Write a leg's trials to ``output/FAMILY-SEED`` and its truth to ``output/truth``."""
+    """Write a leg's trials to ``output/FAMILY-SEED`` and its truth to ``output/truth``.
+
+    Perturbed and stretched legs have one trial each, and no other choices.
+    """
+    if family in perturbed.families():
+        return _make_perturbed(family, seed, output)
+    if family in stretched.families():
+        return _make_stretched(family, seed, output)
     if not trials:
         raise ValueError("no trial is asked for; give 1 or more")
     if not seconds >= 20:
@@ -114,7 +122,31 @@ def make(
         "fascicles": one.seen_fascicles(),
         "trials": truths,
     }
+    _write_truth(output, folder, truth)
+    return paths
+
+
+def _write_truth(output: Path, folder: str, truth: dict[str, Any]) -> None:
     path = output / "truth" / f"{folder}.json"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
+
+
+def _make_perturbed(family: str, seed: int, output: Path) -> list[Path]:
+    """Write a record under small perturbations, and one of the empty device."""
+    made, folder = perturbed.record(family, seed), f"{family}-{seed}"
+    path = output / folder / "perturbed.csv"
+    _write_csv(path, made.columns)
+    _write_csv(path.with_name("empty.csv"), made.empty)
+    _write_truth(output, folder, {"family": family, "seed": seed, **made.truth})
+    return [path]
+
+
+def _make_stretched(family: str, seed: int, output: Path) -> list[Path]:
+    """Write a leg's slow and fast stretches, in one file or in two."""
+    (recordings, truth), folder = stretched.record(family, seed), f"{family}-{seed}"
+    paths = [output / folder / f"{one.name}.csv" for one in recordings]
+    for path, one in zip(paths, recordings, strict=True):
+        _write_csv(path, one.columns, "" if one.emg == "none" else f"# emg: {one.emg}\n")
+    _write_truth(output, folder, {"family": family, "seed": seed, **truth})
     return paths
