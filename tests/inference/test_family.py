@@ -78,6 +78,19 @@ def test_a_richer_leg_is_found_with_its_laboratory(whole, fitted):
     assert not set(worth.nuisances) & set(worth.parameters)
 
 
+def test_it_says_how_it_was_found(fitted):
+    fast, slow = fitted.starts
+    assert (fast.initial["tau_rel"], slow.initial["tau_rel"]) == pytest.approx((0.4, 4.0))
+    assert fast.values != slow.values
+    assert min(fast.iterations, slow.iterations) > 5
+    assert 1 <= fitted.agreeing <= 2
+    assert {start.outcome for start in fitted.starts} <= {"converged", "iteration limit"}
+    first, second = fitted.family.stages
+    assert first.evaluations == fast.iterations + slow.iterations
+    assert second.evaluations > 5
+    assert np.isfinite([first.cost, second.cost]).all()
+
+
 def test_draws_of_a_posterior_that_was_fitted_are_refused(fitted):
     with pytest.raises(InputError, match="a fit of auto is a posterior already"):
         surae.posterior(surae.Fit(fitted, assess(fitted)))

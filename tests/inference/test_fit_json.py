@@ -109,6 +109,27 @@ def test_what_it_is_worth_is_the_same_too(result, text, tmp_path):
     assert_same(load_text(text, tmp_path).assessment, assess(result, alternatives=True))
 
 
+def test_verdicts_are_those_of_the_file_and_it_is_said_where_they_would_be_others(text, tmp_path):
+    data = json.loads(text)
+    name, wide, *_ = (n for n, p in data["parameters"].items() if p["ci95"])
+    was, grade = data["parameters"][name]["verdict"], data["adequacy"]["grade"]
+    data["parameters"][name] |= {"verdict": "undetermined", "note": "as it was"}
+    data["parameters"][wide]["ci95"][0] -= 1e9
+    other = "doubtful" if grade != "doubtful" else "adequate"
+    data["adequacy"] = {"grade": other, "reasons": ["so it was"], "r2": None}
+    with pytest.warns(UserWarning, match="by this version"):
+        fit = load_text(json.dumps(data), tmp_path)
+    assert (fit.parameters[name].verdict, fit.adequacy.grade) == ("undetermined", other)
+    assert fit.parameters[name].meaning
+    assert fit.assessment.differs == (
+        f"the fit is {grade}, not {other}",
+        f"{name} is {was}, not undetermined",
+        f"the intervals of {wide} are others",
+    )
+    assert f"the fit is {grade}, not {other}" in str(fit.summary())
+    assert_same(fit.reassess().assessment, load_text(text, tmp_path).assessment)
+
+
 def test_saved_again_it_is_the_same_file(text, tmp_path):
     loaded = load_text(text, tmp_path)
     loaded.save(tmp_path / "again.json")

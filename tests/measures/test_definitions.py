@@ -1,5 +1,7 @@
 """Every measure of a leg against the same computed anew: the printed equations in small steps."""
 
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -257,6 +259,12 @@ def test_every_measure_says_what_it_is() -> None:
     for definition in DEFINITIONS:
         assert definition.meaning.endswith("."), definition.name
         assert definition.formula, definition.name
+
+
+def test_python_without_docstrings_says_it_too() -> None:
+    told = "from surae.measures import DEFINITIONS as D; print([d.meaning + d.formula for d in D])"
+    run = subprocess.run([sys.executable, "-OO", "-c", told], capture_output=True, check=True)
+    assert run.stdout.decode().strip() == str([d.meaning + d.formula for d in DEFINITIONS])
 
 
 @pytest.mark.parametrize("angle", [61, float("nan"), "10", True])

@@ -20,7 +20,7 @@ from surae.model.joint import ANKLE, STATED, read_joint
 from surae.model.laboratory import laboratory
 from surae.model.movement import gravity_torque
 from surae.report.figures.torque import torque_figure
-from surae.report.joint import relabelled
+from surae.report.joint import relabelled, reworded
 from surae.report.language import catalogue
 from surae.report.traces import traces_of
 
@@ -109,7 +109,9 @@ def test_nothing_that_is_read_speaks_of_an_ankle(fit, tmp_path, capsys) -> None:
     assert [line for line in told if OF_THE_ANKLE.search(line)] == []
     assert "wrist flexors" in text
     drawn = dict(
-        relabelled(read_joint(WRIST["joint"]), [("", torque_figure(*traces_of(fit.result)))])
+        relabelled(
+            read_joint(WRIST["joint"]), [("", torque_figure(*traces_of(fit.result)))], frozenset()
+        )
     )
     labels = {text.get_text() for text in drawn[""].findobj(Text)}
     assert "Wrist angle, extension positive" in labels
@@ -178,6 +180,15 @@ def test_words_keep_their_capitals() -> None:
     assert wrist.worded("Ankle angle of the foot plate") == "Wrist angle of the hand plate"
     assert wrist.worded("more dorsiflexion of the triceps") == "more extension of the flexors"
     assert ANKLE.worded("Ankle") == "Ankle"
+
+
+def test_what_users_gave_stays_as_it_is() -> None:
+    wrist, name, file = read_joint(WRIST["joint"]), "Ms. Foot, left leg", "ankle clinic leg 7.csv"
+    document = ("The ankle of", name, f"{name} is not followed: {file}, by ANKLE CLINIC")
+    assert reworded(wrist, document, {name, file}) == (
+        "The wrist of", name, f"{name} is not followed: {file}, by Wrist CLINIC"
+    )  # fmt: skip
+    assert reworded(ANKLE, document, {name}) is document
 
 
 @pytest.mark.parametrize(

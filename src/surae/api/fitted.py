@@ -12,7 +12,7 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.adequacy import Adequacy
-from surae.inference.assessment import Assessment
+from surae.inference.assessment import Assessment, assess
 from surae.inference.parameter import ParameterEstimate
 from surae.inference.saved.fit_json import save_fit
 from surae.inference.uncertainty.covariance import Covariance
@@ -55,6 +55,16 @@ class Fit(Tabular):
             Some thirty lines.
         """
         return self.as_table().text()
+
+    def reassess(self) -> "Fit":
+        """The same fit as this version of surae judges it; `load` keeps what its file says.
+
+        Returns
+        -------
+        Fit
+            Its values are the same.
+        """
+        return Fit(self.result, assess(self.result, alternatives=True), self.quality)
 
     @property
     def plot(self) -> Plots:

@@ -1,16 +1,17 @@
 """Fits: made from recordings, read from a file."""
 
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
 from surae.api.fitted import Fit
 from surae.api.recordings import AnyRecording, check_for, explained, read_in, several
 from surae.base.errors import InputError
-from surae.base.files import PathLike
+from surae.base.files import PathLike, shown
 from surae.base.progress import SearchProgress
 from surae.base.setting import takes
 from surae.inference import make_problem, solve
-from surae.inference.assessment import assess
+from surae.inference.assessment import assess, outdated
 from surae.inference.saved.fit_json import load_saved
 from surae.inference.starts import Follow
 from surae.model import ModelOptions
@@ -111,7 +112,10 @@ def fit_inputs(
 
 
 def load(path: PathLike) -> Fit:
-    """Read a fit that was saved; equal to the one saved.
+    """Read a fit that was saved; equal to the one saved, its verdicts as they were given.
+
+    Where this version would judge otherwise, a warning and `Assessment.differs` say so;
+    `Fit.reassess` renews the verdicts.
 
     Parameters
     ----------
@@ -133,4 +137,7 @@ def load(path: PathLike) -> Fit:
     >>> surae.load("fit.json").values["l0_tri"]
     """
     saved = load_saved(path)
-    return Fit(saved.result, assess(saved.result, alternatives=True), saved.quality)
+    if saved.assessment.differs:
+        text = f"{shown(path)}: {outdated(saved.assessment)}"
+        warnings.warn(text, stacklevel=2)
+    return Fit(saved.result, saved.assessment, saved.quality)

@@ -8,6 +8,7 @@ from numbers import Integral, Real
 from types import NoneType, UnionType
 from typing import Any, TypeVar, get_args, get_origin
 
+from surae.base.docstrings import docstring
 from surae.base.errors import InputError
 from surae.base.names import Names
 
@@ -165,7 +166,7 @@ def takes(*requests: Any, defaults: bool = True) -> Callable[[F], F]:
         ]  # fmt: skip
         vars(function)["__signature__"] = signature(function).replace(parameters=[*own, *added])
         text = "\n".join(_described(each, keywords=True, without=there) for each in requests)
-        function.__doc__ = (function.__doc__ or "").replace("    {settings}", text)
+        function.__doc__ = docstring(function).replace("    {settings}", text)
         return function
 
     return decorate

@@ -6,10 +6,12 @@ line on stderr: exit 2 for wrong use or input, 1 when the computation failed, 13
 stopped it.
 """
 
+import inspect
 import io
 import os
 import signal
 import sys
+import warnings
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -18,6 +20,7 @@ from typing import NoReturn
 import click
 
 from surae._version import __version__
+from surae.base.docstrings import docstring
 from surae.base.errors import InputError, SuraeError
 from surae.cli.progress import StoppedError
 
@@ -46,6 +49,7 @@ COMMANDS = {
     "live": ("surae-workbench[live]", "Record, show and judge trials as they are measured."),
     "serve": ("surae-workbench", "Open the workbench in the browser."),
     "project": ("surae-workbench", "Copy or check a project of the workbench."),
+    "reassess": ("surae.cli.reassess", "Judge a saved fit as this version does."),
     "validate": ("surae.cli.validate", "Predict other recordings with the parameters of a fit."),
 }
 
@@ -63,6 +67,8 @@ class _Lazy(click.Group):
         if not home.startswith("surae."):
             return _offered(cmd_name, home)
         command: click.Command = import_module(home).command
+        if command.help is None and command.callback is not None:  # python -OO
+            command.help = inspect.cleandoc(docstring(command.callback))
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -101,6 +107,7 @@ def main() -> NoReturn:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without … or ×
+    warnings.showwarning = lambda said, *_args, **_more: click.echo(f"surae: {said}", err=True)
     try:
         code = group.main(arguments, prog_name="surae", standalone_mode=False)
         sys.stdout.flush()

@@ -9,6 +9,7 @@ import click
 
 from surae import api
 from surae.base import names
+from surae.base.docstrings import docstring
 from surae.base.errors import InputError
 from surae.base.files import shown
 from surae.base.setting import Setting, default_of, kind_of, settings_of
@@ -286,7 +287,7 @@ def settings_options(*requests: Any) -> Callable[[F], F]:
             used = {n: v for n, v in own.items() if v not in (None, (), {})}
             return function(**values, options=used)
 
-        command.__doc__ = function.__doc__
+        command.__doc__ = docstring(function)
         known = list(getattr(function, "__click_params__", []))
         for option in reversed(options):
             option(command)

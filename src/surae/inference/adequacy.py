@@ -11,6 +11,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from surae.base.records import OrNaN
 from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.fascicles import fascicles_of
@@ -56,7 +57,7 @@ class Adequacy:
     grade: Grade  #: ``inadequate`` withholds every claim; ``doubtful`` asks for caution.
     reasons: tuple[str, ...]  #: Sentences, the gravest first; empty for an adequate fit.
     #: Centred R² over all recordings, 100·(1 − Σe²/Σ(T − T̄)²) [%]; NaN without a finite torque.
-    r2: float
+    r2: OrNaN
 
 
 def judge_adequacy(result: FitResult) -> Adequacy:

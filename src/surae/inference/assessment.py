@@ -51,7 +51,7 @@ class RecordingQuality(Comparable):
     fascicles: tuple[FascicleQuality, ...] = ()
 
 
-@filed("robust", rmse="rmse_Nm", covariance="correlation")
+@filed("robust", "differs", rmse="rmse_Nm", covariance="correlation")
 @dataclass(frozen=True, slots=True, eq=False)
 class Assessment(Comparable):
     """What a fit is worth."""
@@ -78,6 +78,8 @@ class Assessment(Comparable):
     adequacy: Adequacy  #: Whether the fit is good enough for any of this to mean something.
     #: What `model="auto"` found of the laboratory; empty for a named model.
     nuisances: Mapping[str, ParameterEstimate] = field(default_factory=dict)
+    #: Where this version judges otherwise than the file that the verdicts are read from.
+    differs: tuple[str, ...] = ()
 
 
 @one_blas_thread()
@@ -241,6 +243,14 @@ def _parameters(
             verdict, note, again, repeatable, budget,
         )  # fmt: skip
     return parameters
+
+
+def outdated(assessment: Assessment) -> str:
+    """How this version would judge a fit that was read, in a sentence; empty where as it did."""
+    if not assessment.differs:
+        return ""
+    text = "; ".join(assessment.differs)
+    return f"Judged by this version of surae {text}; surae reassess renews what the file says."
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,10 +37,11 @@ from surae.inference.learning import (
 )
 from surae.inference.least_squares import Outcome
 from surae.inference.noise import NoiseModel
+from surae.inference.observed import Observed
 from surae.inference.population import WIDENED, wide_priors
 from surae.inference.posterior import LogPosterior, Point
 from surae.inference.problem import MASSES, FitProblem
-from surae.inference.result import TENDONS, FitResult
+from surae.inference.result import TENDONS, FitResult, Stage, Start
 from surae.inference.summed import summed
 from surae.model import get_model, with_optional
 from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
@@ -154,23 +155,26 @@ class _Search:
         self._weights = _weights(problem)
         self._perfect = problem.settings.nuisances == NONE
         self._still = self._perfect  #: Whether nothing is to differ from moment to moment.
-        self._starts: list[tuple[Point, dict[str, float]]] = []
+        self._met: list[tuple[float, Start]] = []  #: −2 ln p of each start's end, and the start.
+        self._observed: list[Observed] = []  #: What has been simulated so far.
+        self._stages: list[Stage] = []
 
     def result(self) -> FitResult:
         """Search, choose, and sum up."""
         values, noise = self._first()
-        self._say(1)
+        self._stage("from each start, without departures", 1, min(self._met)[0])
         simplest, most = self._simplest()
         chosen = self._choose(values, noise)
+        self._stage("with the departures that the data ask for", 2, chosen[1].cost)
         share = followed(*chosen[:2])
         if share < most - _LESS:
             # latents have taken what parameters can follow: without them, and from where these do
             self._still = True
             again = self._choose(simplest, noise)
+            self._stage("again, from the simplest member", 2, again[1].cost)
             if (other := followed(*again[:2])) > share:
                 chosen, share = again, other
-        self._say(2)
-        result = summed(*chosen, self._inputs, self._original, self._starts)
+        result = summed(*chosen, self._inputs, self._original, self._met, self._stages)
         if share >= most - _LESS or result.status == "failed":
             return result
         message = (
@@ -203,9 +207,17 @@ class _Search:
             starts=(replace(plain.starts[0], outcome=str(Outcome.INTERRUPTED)),),
         )
 
-    def _say(self, stage: int) -> None:
-        if self._progress is not None and self._starts:
-            self._progress(stage, 2, min(point.cost for point, _ in self._starts))
+    @property
+    def _evaluations(self) -> int:
+        """Simulations with derivatives so far, of all recordings together."""
+        simulated = sum(observed.simulated for observed in self._observed)
+        return simulated // len(self._inputs)
+
+    def _stage(self, name: str, number: int, cost: float) -> None:
+        before = sum(stage.evaluations for stage in self._stages)
+        self._stages.append(Stage(name, self._evaluations - before, float(cost)))
+        if self._progress is not None:
+            self._progress(number, 2, min(self._met)[0])
 
     def _posterior(
         self, groups: Sequence[str], rate_hz: float, noise: Sequence[NoiseModel],
@@ -242,9 +254,11 @@ class _Search:
             options=self._options, inputs=inputs,
         )  # fmt: skip
         priors = self._leg(problem) | {n: _searched(n, b) for n, b in beliefs.items()}
-        return LogPosterior(
+        made = LogPosterior(
             problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz
         )
+        self._observed.append(made.observed)
+        return made
 
     def _thinned(self, recording: ModelInputs, rate_hz: float) -> ModelInputs:
         """The recording as a stage of the search reads it."""
@@ -274,7 +288,8 @@ class _Search:
             noise = _white(self._original, _TEMPERS[0])
             post = self._posterior((), _RATES[0], noise, _NEARLY_NONE, post)
             given = {"tau_rel": relaxation, "k_rel": _RELAXED, **self._original.settings.start}
-            point = post.descend(post.start(given), evaluations=10, tolerance=0.3)
+            begin, before = post.start(given), self._evaluations
+            point = post.descend(begin, evaluations=10, tolerance=0.3)
             post = post.having(noise=_white(self._original, _TEMPERS[1]))
             point = post.descend(point.z, point.c, evaluations=10, tolerance=0.3)
             post = post.having(sizes=_BEGIN)
@@ -286,8 +301,16 @@ class _Search:
                 recording.n * np.log(noise.variance)
                 for recording, noise in zip(post.problem.inputs, post.noise, strict=True)
             )
-            self._starts.append((replace(point, cost=spent), post.by_name(point.z)))
-            met.append((spent, self._starts[-1][1], post.noise))
+            first, last = ({n: by[n] for n in post.problem.free}
+                           for by in map(post.by_name, (begin, point.z)))  # fmt: skip
+            outcome = Outcome.CONVERGED if point.rested else Outcome.ITERATIONS
+            sse = sum(
+                float(np.sum(post.observed.residual(point.z, *no, i) ** 2))
+                for i, no in enumerate(zip(post.still(), post.expected(), strict=True))
+            )
+            start = Start(first, last, sse, str(outcome), self._evaluations - before)
+            self._met.append((float(spent), start))
+            met.append((spent, post.by_name(point.z), post.noise))
         return min(met, key=lambda each: each[0])[1:]
 
     def _learnt(

@@ -60,6 +60,7 @@ class Point:
     w: tuple[FloatArray, ...]  #: Fast gains of each recording; empty where they are left out.
     cost: float  #: −2 ln p there, but for a constant.
     blocks: tuple[Block, ...] = field(repr=False)  #: The normal equations there.
+    rested: bool = False  #: Whether a descent ended here because nothing was to be gained.
 
     def latents_at(self, z: FloatArray) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
         """Latents, then fast gains, as the normal equations have them where parameters are z."""
@@ -225,7 +226,7 @@ class LogPosterior(Coordinates):
         self.observed.anew()
         blocks = self.blocks(z, c, w)
         cost = sum(b.cost for b in blocks) + self.prior_cost(z)
-        damping, growth = 1e-3, 2.0
+        damping, growth, rested = 1e-3, 2.0, False
         for _ in range(evaluations):
             H, g = self.reduced(blocks)
             H = H + np.diag(self.weight**2)
@@ -236,7 +237,7 @@ class LogPosterior(Coordinates):
             d = box_quadratic(A + damping * np.eye(len(z)), b, *room)
             gain = predicted_gain(A, b, d)
             latent_gain = sum(x.latent_gain for x in blocks)
-            if gain + latent_gain < tolerance:
+            if rested := bool(gain + latent_gain < tolerance):
                 break
             new = self.curved(z, d / scale)
             trial_c, trial_w = Point(z, c, w, cost, blocks).latents_at(new)
@@ -252,9 +253,9 @@ class LogPosterior(Coordinates):
                 growth = 2.0
             else:
                 damping, growth = damping * growth, growth * 2.0
-                if damping > 1e8:
+                if rested := damping > 1e8:
                     break
-        return Point(z, c, w, cost, blocks)
+        return Point(z, c, w, cost, blocks, rested)
 
     def held(self, j: int, at: float, near: Point, *, evaluations: int, tolerance: float) -> Point:
         """The mode with a coordinate held, from a point nearby that predicts the others."""

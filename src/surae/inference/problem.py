@@ -31,7 +31,7 @@ from surae.signals.inputs import check_estimable
 MASSES = (0.0, 25.8)
 
 
-@filed("spec", "inputs", "base", "lower", "upper")
+@filed("spec", "inputs", "lower", "upper")
 @dataclass(frozen=True, slots=True, eq=False)
 class FitProblem(Comparable):
     """A least-squares problem over the free parameters of one model and one or more recordings."""

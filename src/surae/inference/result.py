@@ -24,9 +24,20 @@ class Start(Comparable):
     #: `initial`, `values`: free parameters at the start and at the end.
     initial: Mapping[str, float]
     values: Mapping[str, float]
-    sse: OrInfinite  #: Sum of squared residuals at the end, weighted and with priors [Nm²].
+    #: Sum of squared residuals at the end, weighted and with priors [Nm²]; of `auto`, of thinned
+    #: recordings and the parameters alone.
+    sse: OrInfinite
     outcome: str  #: Why the iteration ended.
     iterations: int  #: Evaluations of the model and its Jacobian.
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """One stage of a search."""
+
+    name: str  #: What was searched, in words.
+    evaluations: int  #: Of the model and its derivatives, over all recordings.
+    cost: float  #: −2 ln p where it ended, but for a constant of the stage.
 
 
 @filed(scale="scale_Nm", share="share_below_half")
@@ -96,6 +107,7 @@ class Family(Comparable):
     #: Of each recording, in the order of the problem's; empty for a single one.
     recordings: tuple[OfRecording, ...] = ()
     films: tuple[NoiseModel, ...] = ()  #: Noise of the films, recording after recording.
+    stages: tuple[Stage, ...] = ()  #: How the mode was found; empty in files of before.
 
 
 @filed("problem", "values", "residuals")

@@ -18,15 +18,26 @@ from surae.inference.laplace import (
 )
 from surae.inference.posterior import LogPosterior, Point
 from surae.inference.problem import FitProblem
-from surae.inference.result import Candidate, Family, FitResult, OfRecording, Start, at_bounds
+from surae.inference.result import (
+    Candidate,
+    Family,
+    FitResult,
+    OfRecording,
+    Stage,
+    Start,
+    at_bounds,
+)
 from surae.model.laboratory import COMPLIANT, group_of
 from surae.signals import ModelInputs
+
+#: Ends of starts agree whose −2 ln p differ by less.
+_ALIKE = 2.0
 
 
 def summed(
     post: LogPosterior, point: Point, scored: tuple[Subset, ...], names: tuple[str, ...],
     inputs: tuple[ModelInputs, ...], original: FitProblem,
-    met: Sequence[tuple[Point, dict[str, float]]],
+    met: Sequence[tuple[float, Start]], stages: Sequence[Stage],
 ) -> FitResult:  # fmt: skip
     """The fit at a mode, and what makes it unsure.
 
@@ -53,10 +64,7 @@ def summed(
     finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
     bound = [n for n in at_bounds(problem, values, of_family=True) if group_of(n) is None]
     status = "failed" if not finite else "at-bounds" if bound else "converged"
-    free = {name: values[name] for name in problem.free}
-    initial = dict(zip(problem.free, problem.start.tolist(), strict=True))
-    ends = [free, *({n: by.get(n, free[n]) for n in free} for _, by in met[1:])]
-    best = min(end.cost for end, _ in met)
+    best = min(cost for cost, _ in met)
     kept = [scored[0], *(s for s in scored[1:6] if s.weight > UNSUPPORTED)]
     chosen, *others = (Candidate(COMPLIANT, s.groups, s.evidence, s.weight, {}) for s in kept)
     return FitResult(
@@ -67,8 +75,8 @@ def summed(
         residuals=residuals,
         sse=sse,
         R=read_only(_factor(covariance, sse, problem) if finite else covariance * np.nan),
-        starts=tuple(Start(initial, end, sse, "converged", 1) for end in ends),
-        agreeing=int(sum(end.cost - best < 2.0 for end, _ in met)),
+        starts=tuple(start for _, start in met),
+        agreeing=sum(cost - best < _ALIKE for cost, _ in met),
         seed=original.settings.seed,
         seconds=0.0,
         versions=versions(),
@@ -83,6 +91,7 @@ def summed(
             sizes=FrozenDict({**post.sizes, "drive": post.fast or 0.0}),
             population=FrozenDict({n: post.priors[n] for n in post.names if not group_of(n)}),
             recordings=_each(post, point, change) if len(inputs) > 1 else (),
+            stages=tuple(stages),
         ),
     )  # fmt: skip
 

@@ -141,7 +141,7 @@ def quantities_of(
     place = Path(path)
     try:
         saved = load_saved(fit_in(place) if place.is_dir() else place)
-        result = saved.result
+        result, assessment = saved.result, saved.assessment
         if priors is not None:
             known = {
                 name: (float(pair[0]), float(pair[1]))
@@ -152,7 +152,8 @@ def quantities_of(
                 result.problem.settings, priors={**result.problem.settings.priors, **known}
             )
             result = solve(make_problem(result.problem.inputs, settings))
-        brought = quantities(result, assess(result), angles)
+            assessment = assess(result, alternatives=True)
+        brought = quantities(result, assessment, angles)
     except SuraeError as error:
         return {"error": str(error)}
     return dict(to_plain(brought))

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from surae.base.docstrings import docstring
 from surae.measures import active, passive
 from surae.measures.leg import GROUPS, Leg
 
@@ -70,7 +71,7 @@ class Definition:
         return f"{self.name}@{point:g}{self.at}" if self.at else self.name
 
     def _paragraphs(self) -> list[str]:
-        text = (self.compute.__doc__ or "").strip()
+        text = docstring(self.compute).strip()
         if self.of:
             text = text.format(group=self.of, **_WORDS[self.of])
         return [" ".join(part.split()) for part in text.split("\n\n")]

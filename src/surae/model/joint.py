@@ -5,7 +5,7 @@ lengthens as the angle rises, `tib` its antagonist, whatever the joint calls the
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -81,8 +81,8 @@ class Joint:
         """The channels, of TA, GL, SOL, GM, that stand for no muscle."""
         return tuple(i for i, muscle in enumerate(self.muscles) if not muscle)
 
-    def worded(self, text: str, language: str = "en") -> str:
-        """A text about the ankle in the words of this joint.
+    def worded(self, text: str, language: str = "en", given: Iterable[str] = ()) -> str:
+        """A text about the ankle in the words of this joint; what users gave stays as it is.
 
         Raises
         ------
@@ -97,7 +97,10 @@ class Joint:
             )
         own = _words(self) if language == "en" else self.words[language]
         own = {word.lower(): instead for word, instead in own.items()}
-        return _pattern(language).sub(lambda match: _as(match[0], own[match[0].lower()]), text)
+        kept = tuple(sorted({name for name in given if name}, key=len, reverse=True))
+        return _pattern(language, kept).sub(
+            lambda match: _as(match[0], own[match[0].lower()]) if match["word"] else match[0], text
+        )
 
 
 def _words(joint: Joint) -> dict[str, str]:
@@ -150,10 +153,11 @@ ANKLE = Joint(
 
 
 @cache
-def _pattern(language: str) -> re.Pattern[str]:
-    """The ankle's words in a language; the title of the thesis stays."""
+def _pattern(language: str, kept: tuple[str, ...]) -> re.Pattern[str]:
+    """The ankle's words in a language, or a text that stays, as the thesis's title does."""
     words = sorted(_words(ANKLE) if language == "en" else ANKLE.words[language], key=len)
-    return re.compile(rf"(?<!Estimating )\b({'|'.join(reversed(words))})\b", re.IGNORECASE)
+    stays = "|".join(map(re.escape, ("Estimating ankle", *kept)))
+    return re.compile(rf"{stays}|\b(?P<word>{'|'.join(reversed(words))})\b", re.IGNORECASE)
 
 
 def read_joint(path: PathLike) -> Joint:

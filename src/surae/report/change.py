@@ -11,7 +11,7 @@ from surae.measures.measured import torque_curve
 from surae.report import block
 from surae.report.cards import AssessedFit, change_card, differing, light, reason_of, sides
 from surae.report.figures.leg import visits_figure
-from surae.report.joint import relabelled, reworded
+from surae.report.joint import given_in, relabelled, reworded
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import compared, visit_angle
 from surae.report.output import Report
@@ -53,8 +53,9 @@ def change_report(
         language=language,
     )
     joint = fits[1][0].problem.options.anatomy
-    document = reworded(joint, document, language)
-    return Report(document, relabelled(joint, [("visits", drawn)], language))
+    given = given_in(*(result for result, _ in (*fits, *baselines)))
+    document = reworded(joint, document, given, language)
+    return Report(document, relabelled(joint, [("visits", drawn)], given, language))
 
 
 def _every(change: Change, at: float, _: Words) -> block.Section:

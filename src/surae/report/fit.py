@@ -22,7 +22,7 @@ from surae.report.figures.research import (
 )
 from surae.report.figures.tendon import film_figure, tendon_figure
 from surae.report.figures.torque import predictions_figure, torque_figure
-from surae.report.joint import relabelled, reworded
+from surae.report.joint import given_in, relabelled, reworded
 from surae.report.laboratory import family_section, laboratory_section, trials_section
 from surae.report.output import Report
 from surae.report.parameters import parameters_section, shown_parameters
@@ -98,7 +98,8 @@ def fit_report(
     joint = result.problem.options.anatomy
     if isinstance(result.problem.options.geometry, GeometryTable):
         figures = chain(figures, [("geometry", geometry_figure(result.problem.options, GROUPS))])
-    return Report(reworded(joint, document), relabelled(joint, figures), traces)
+    given = given_in(result, more=[p.name for p in predictions])
+    return Report(reworded(joint, document, given), relabelled(joint, figures, given), traces)
 
 
 def predictions_report(assessment: Assessment, predictions: Sequence[Prediction]) -> Report:

@@ -111,11 +111,12 @@ def fit_settings(result: FitResult) -> list[tuple[str, str]]:
         ("Samples and estimated parameters", f"{problem.n} and {len(problem.free)}"),
         ("Wall time of the fit", f"{significant(result.seconds, 2)} s"),
     ]
-    if result.family is None:
-        count = len(result.starts)
-        text = f"{result.agreeing} of {count} reach the best minimum; seed {result.seed}"
-        one = "only one: whether its minimum is the best one was not looked into"
-        facts.append(("Starts", text if count > 1 else one))
+    count = len(result.starts)
+    text = f"{result.agreeing} of {count} reach the best minimum; seed {result.seed}"
+    one = "only one: whether its minimum is the best one was not looked into"
+    facts.append(("Starts", text if count > 1 else one))
+    for stage in () if result.family is None else result.family.stages:
+        facts.append((f"Search {stage.name}", f"{stage.evaluations} evaluations"))
     for request in (problem.settings, problem.options):
         for each, record in settings_of(type(request)):
             value = getattr(request, each.name)

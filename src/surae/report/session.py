@@ -18,7 +18,7 @@ from surae.report.figures.cohort import trials_figure
 from surae.report.figures.research import budget_figure
 from surae.report.figures.tendon import film_figure
 from surae.report.figures.torque import fit_figure
-from surae.report.joint import relabelled, reworded
+from surae.report.joint import given_in, relabelled, reworded
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import LegAnswers, leg_answers
 from surae.report.output import Report
@@ -92,8 +92,13 @@ def session_report(
         language=language,
     )
     anatomy = ANKLE if shown is None else shown[0].problem.options.anatomy
-    document = reworded(anatomy, document, language)
-    own = dict(relabelled(anatomy, figures.items(), language)).items()
+    told = leg.session
+    given = given_in(
+        *([] if shown is None else [shown[0]]),
+        more=[told.name, told.condition, told.notes, *(trial.name for trial in told.trials)],
+    )
+    document = reworded(anatomy, document, given, language)
+    own = dict(relabelled(anatomy, figures.items(), given, language)).items()
     traces = () if leg.joint is None or language != "en" else traces_of(leg.joint[0])
     return Report(document, own, traces)
 

@@ -7,11 +7,12 @@ from dataclasses import replace
 from surae.base.formatting import estimate, of_interval, percentage, significant
 from surae.base.tables import TextTable
 from surae.inference import Assessment, FitResult
+from surae.inference.assessment import outdated
 from surae.measures.compute import judged_measures, points
 from surae.measures.spread import spread_of
 from surae.measures.table import LEADING
 from surae.report.budget import what_would_help
-from surae.report.joint import reworded
+from surae.report.joint import given_in, reworded
 from surae.report.laboratory import family_text
 from surae.report.parameters import repeatable, shown_parameters
 from surae.report.provenance import emphasis_text
@@ -43,11 +44,12 @@ def fit_table(result: FitResult, assessment: Assessment, width: int = 100) -> Te
             f"{words.mark} {words.sentence}",
             *(f"  – {reason}" for reason in words.reasons),
             *_leading(result, assessment),
+            *filter(None, [outdated(assessment)]),
         ),
         below=tuple("\n".join(group) for group in groups if group),
         numbers=("value", "95 % interval"),
     )
-    table = reworded(result.problem.options.anatomy, table)
+    table = reworded(result.problem.options.anatomy, table, given_in(result))
     return replace(table, below=tuple(_folded(table.below, width)))
 
 

@@ -3,6 +3,7 @@
 from surae.base.formatting import percentage
 from surae.inference import Assessment, FitResult, Interval
 from surae.inference.adequacy import Adequacy, Grade
+from surae.inference.assessment import outdated
 from surae.report import block
 from surae.report.provenance import emphasis_text
 
@@ -47,7 +48,7 @@ def summary(result: FitResult, assessment: Assessment) -> tuple[str, ...]:
     """What to know before the numbers are used, one paragraph an entry."""
     if result.status == "failed":
         return (FAILED,)
-    texts = [emphasis_text(result, assessment)]
+    texts = [outdated(assessment), emphasis_text(result, assessment)]
     if result.family is None and len(result.starts) > 1 and result.agreeing == 1:
         texts.append(
             f"Only one of {len(result.starts)} starts reached this solution. There may be a better "

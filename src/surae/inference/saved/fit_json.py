@@ -6,7 +6,7 @@ saw of each recording.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -19,12 +19,17 @@ from surae.base.frozen import FrozenDict
 from surae.base.records import FORMAT, check_format, encode, from_plain, read_json, to_plain
 from surae.base.units import FloatArray
 from surae.inference import LOSSES, FitProblem, FitResult, Start
-from surae.inference.assessment import Assessment
+from surae.inference.adequacy import Adequacy
+from surae.inference.assessment import Assessment, assess
+from surae.inference.parameter import Interval, ParameterEstimate
 from surae.model import ModelOptions, check_value, get_model, with_optional
 from surae.model.sources import SOURCES
 from surae.quality.finding import Quality
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
+
+#: Part of an interval's width by which its ends may differ and are the same.
+_ALIKE = 0.005
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +37,7 @@ class SavedFit:
     """What a FIT.json holds."""
 
     result: FitResult  #: The fit.
+    assessment: Assessment  #: What it is worth, by the verdicts of the file.
     quality: tuple[Quality, ...]  #: What was found in each recording; empty where nobody looked.
 
 
@@ -89,6 +95,17 @@ class _Left:
     n: int | None = None  #: Number of samples.
 
 
+@dataclass(frozen=True, slots=True)
+class _Judged:
+    """What was judged when the fit was made."""
+
+    parameters: Mapping[str, ParameterEstimate]
+    adequacy: Adequacy
+    interval: Interval
+    interval_note: str
+    nuisances: Mapping[str, ParameterEstimate] = field(default_factory=FrozenDict)
+
+
 @filed(inputs="traces", left="traces")
 @dataclass(frozen=True, slots=True)
 class _File:
@@ -111,9 +128,47 @@ def load_saved(path: PathLike) -> SavedFit:
     check_format(data, path)
     try:
         file = from_plain(_File, data)
-        return SavedFit(_result(file, data), file.findings)
+        result = _result(file, data)
+        return SavedFit(result, _as_judged(assess(result, alternatives=True), data), file.findings)
     except InputError as error:
         raise InputError(f"{shown(path)}: {error}; fit again where this is damaged") from None
+
+
+def _as_judged(now: Assessment, data: Mapping[str, Any]) -> Assessment:
+    """The verdicts of the file; and where this version's, `now`, are others."""
+    if "adequacy" not in data or not all("ci95" in p for p in data["parameters"].values()):
+        return now  # older files have none
+    differs, moved = [], []
+    tables: dict[str, dict[str, Any]] = {}
+    for kind, fresh in (("parameters", now.parameters), ("nuisances", now.nuisances)):
+        if list(data.get(kind, {})) != list(fresh):
+            raise InputError(f"{kind}: others than the fit has")
+        tables[kind] = {
+            n: {**data[kind][n], "name": n, "meaning": p.meaning, "group": p.group}
+            for n, p in fresh.items()
+        }
+    saved = from_plain(_Judged, {**data, **tables})
+    if saved.adequacy.grade != now.adequacy.grade:
+        differs.append(f"the fit is {now.adequacy.grade}, not {saved.adequacy.grade}")
+    own = {**saved.parameters, **saved.nuisances}
+    for name, p in {**now.parameters, **now.nuisances}.items():
+        if p.verdict != own[name].verdict:
+            differs.append(f"{name} is {p.verdict}, not {own[name].verdict}")
+        elif not _alike(p.ci95, own[name].ci95):
+            moved.append(name)
+    if moved:
+        differs.append(f"the intervals of {', '.join(moved)} are others")
+    return replace(
+        now, parameters=saved.parameters, nuisances=saved.nuisances, adequacy=saved.adequacy,
+        interval=saved.interval, interval_note=saved.interval_note, differs=tuple(differs),
+    )  # fmt: skip
+
+
+def _alike(one: tuple[float, float] | None, other: tuple[float, float] | None) -> bool:
+    """Whether ends of intervals differ by no more than a hundredth of a half-width."""
+    if one is None or other is None:
+        return one == other
+    return max(abs(a - b) for a, b in zip(one, other, strict=True)) <= _ALIKE * (one[1] - one[0])
 
 
 def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
@@ -131,18 +186,19 @@ def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
         raise InputError("no recording, start or free parameter")
     for parameter in spec.parameters:
         check_value(parameter, values[parameter.name], spec)
-    initial = starts[0].initial
-    if not set(free) <= set(initial):
-        raise InputError("starts.all[0].initial: a free parameter is missing")
     problem = {
         "spec": spec,
         "inputs": file.inputs,
         "free": free,
-        "base": np.array([initial[n] if n in free else values[n] for n in spec.names]),
         "lower": np.array([table[name].lower for name in free]),
         "upper": np.array([table[name].upper for name in free]),
         "settings": file.settings or _settings(file, free, data),
     }
+    if "base" not in data:  # older files have it as the first start
+        initial = starts[0].initial
+        if not set(free) <= set(initial):
+            raise InputError("starts.all[0].initial: a free parameter is missing")
+        problem["base"] = np.array([initial[n] if n in free else values[n] for n in spec.names])
     found = {
         "problem": from_plain(FitProblem, {**data, **problem}),
         "values": values,
@@ -195,6 +251,7 @@ def _check(result: FitResult) -> None:
     problem, outliers, family = result.problem, result.outliers, result.family
     p, inputs = len(problem.free), problem.inputs
     shapes: list[tuple[str, FloatArray, tuple[int, ...]]] = [("R", result.R, (p, p))]
+    shapes.append(("base", problem.base, (len(problem.spec.names),)))
     for i, (recording, residual) in enumerate(zip(inputs, result.residuals, strict=True)):
         n = recording.n
         arrays = [(f.name, getattr(recording, f.name)) for f in fields(recording)]
