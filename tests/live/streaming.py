@@ -127,12 +127,13 @@ class Sender:
 class Quick:
     """A judge that says at once that all is well, and what it was asked."""
 
-    def __init__(self, **how: object) -> None:
-        pass
+    def __init__(self, **_: object) -> None:
+        self.arguments: dict = {}
 
     def call(self, _: str, arguments: dict) -> End:
-        said = {"findings": [], "verdict": "keep", "advice": "", "use": "fit", **arguments}
-        return End("done", said)
+        self.arguments = arguments
+        said = {"findings": [], "verdict": "keep", "advice": "", "use": "fit"}
+        return End("done", {**said, "effort": arguments.get("asked"), **arguments})
 
     def close(self) -> None:
         pass

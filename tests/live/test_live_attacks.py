@@ -480,9 +480,10 @@ def test_a_target_that_finds_no_room_ends_no_trial(judged_at_once, monkeypatch) 
         assert room.start() == 1
         assert room.begin is not None
         told = room.stop().result(20)
+        target = room.trials._judge.arguments["target"]
     finally:
         room.close()
-    assert (told["verdict"], told["target"]) == ("keep", None)
+    assert (told["verdict"], target) == ("keep", None)
 
 
 KILLED = """
@@ -520,7 +521,8 @@ def test_a_program_that_is_killed_within_a_trial_keeps_what_it_was(lsl, judged_a
         assert "trial 1 broke off" in again.broken[0]
     finally:
         again.close()
-    assert (told["effort"], told["verdict"], told["state"]) == ("maximal", "keep", "judged")
+    assert (told["effort_asked"], told["verdict"], told["state"]) == ("maximal", "keep", "judged")
+    assert [mark["text"] for mark in told["marks"]] == ["cough"]
     assert (columns(file)["dev: angle"] == 1.0).all()
 
 

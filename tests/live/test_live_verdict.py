@@ -154,8 +154,9 @@ def test_efforts_that_were_asked_for_are_told_to_the_judge_and_to_the_joint_fit(
         for effort in ("maximal", "passive", None):
             number = trials.start(**({} if effort is None else {"effort": effort}))
             Path(trials.path(number, ".h5")).write_bytes(b"a recording")
-            told = trials.stop().result(20)
+            trials.stop().result(20)
         waited(lambda: trials.session.get("trials") == [1, 2, 3])
+        told = trials._judge.arguments
     finally:
         trials.close()
     asked = {"trial-01": "maximal", "trial-02": "passive"}
@@ -269,7 +270,7 @@ def test_a_trial_that_is_judged_when_all_ends_is_judged_at_the_next_start(
         made(trials)
     assert GOING.wait(20.0)
     trials.close()
-    assert "verdict" not in trials.trials[1]
+    assert trials.trials[1].verdict is None
     monkeypatch.setattr("surae_workbench.live.trials.Child", Quick)
     again = Trials(tmp_path, joint=False)
     try:

@@ -24,6 +24,7 @@ from surae.api import (
 from surae.base.errors import SuraeError
 from surae.base.files import write_atomic
 from surae.base.frozen import read_only
+from surae_workbench.live.record import counted
 
 if TYPE_CHECKING:
     from surae.api import Measure, ParameterEstimate
@@ -74,14 +75,15 @@ def judge(
     efforts: Mapping[str, str] | None = None,
     target: str | None = None,
     begin: float = 0.0,
+    asked: str | None = None,
 ) -> dict[str, Any]:
     """Read, check and, where it moves, fit a trial; write it as our HDF5.
 
     `earlier` are recordings of the session's other trials: what is rest and what is effort shows in
     them. `mapping` is the file of the session's mapping, `target` that of what was asked for, which
-    began at `begin` [s] from the first sample, the recording's time 0; `efforts` were asked for in
-    this trial and the others, by name, as `surae.session` takes them. Said are findings, use,
-    grade, vaf, reasons, verdict, advice; None for what there is not, with `why`.
+    began at `begin` [s] from the first sample, the recording's time 0; `efforts` are those of the
+    others by name, as `surae.session` takes them, `asked` the one asked for in this trial. Said is
+    a `record.Judgement`; None for what there is not, with `why`.
     """
     recording = replace(read(file, mapping=mapping), name=Path(output).stem)
     if begin:  # times are those that the operator saw: from where the target began
@@ -96,6 +98,12 @@ def judge(
     commanded = None if target is None else commanded_file(target)
     quality = api.check(recording, commanded=commanded)
     trial = _session([recording, *earlier], efforts)[recording.name]
+    judged = trial.effort  # by the signals alone: what was asked for would be believed
+    effort = counted(asked, judged)
+    if effort is not None and effort != judged:
+        trial = _session([recording, *earlier], {**(efforts or {}), recording.name: effort})[
+            recording.name
+        ]
     if not trial.moves:
         quality = replace(
             quality, findings=tuple(f for f in quality.findings if f.code not in _OF_MOVEMENT)
@@ -103,7 +111,8 @@ def judge(
     judgement: dict[str, Any] = {
         "findings": quality.as_dict()["findings"],
         "seconds": max(float(c.time[-1] - c.time[0]) for c in recording.channels.values()),
-        "use": trial.use, "effort": trial.effort, "why": trial.problem or trial.why,
+        "use": trial.use, "effort_judged": judged, "effort": effort,
+        "why": trial.problem or trial.why,
         "grade": None, "vaf": None, "reasons": [],
     }  # fmt: skip
     if trial.use == "fit":

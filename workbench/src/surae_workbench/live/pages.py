@@ -103,7 +103,7 @@ class ServedRoom:
             "curve": _curve(room.trajectory),
             "folder": trials.folder.name,
             "rehearsal": room.laboratory is not None,
-            "trials": [trials.trials[number] for number in sorted(trials.trials)],
+            "trials": [trials.trials[number].shown() for number in sorted(trials.trials)],
             "session": trials.session,
             "asked": room.asked,
             "moves": f"{room.device.name}, {low:.0f}° to {high:.0f}°",

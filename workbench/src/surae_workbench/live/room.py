@@ -21,8 +21,9 @@ from surae.api import (
     smooth_step,
     write_protocol_csv,
 )
+from surae.base.cleaning import cleaned
 from surae.base.errors import InputError, SuraeError
-from surae.base.files import PathLike, shown
+from surae.base.files import PathLike
 from surae.base.frozen import read_only
 from surae_workbench.live import rehearsal
 from surae_workbench.live.laboratory import Laboratory
@@ -116,23 +117,23 @@ class Room:
         with self._lock:
             if self.trials.running is not None:
                 raise InputError("a trial is running; stop it before another protocol is loaded")
-            effort = None
             if path is None and protocol.get("profile") == MAXIMUM:
-                trajectory, name, effort = _maximum(self.range), MAXIMUM, "maximal"
+                trajectory, name = _maximum(self.range), MAXIMUM
             elif path is None:
                 settings = Protocol(
                     device=self.device, range_of_motion=self.range, rate_hz=_RATE, **protocol
                 )
                 trajectory = generate(settings)
                 name = f"{protocol.get('profile', '')} {protocol.get('task', '')}".strip()
-                effort = "passive" if protocol.get("task") == "passive" else None
             else:
                 trajectory, name = read_protocol(path), name or Path(path).stem
             write_protocol_csv(trajectory, self._file)
             self.trajectory = trajectory
-            self.asked = {"protocol": shown(name), "seconds": float(trajectory.time[-1])}
-            if effort is not None:
-                self.asked["effort"] = effort
+            effort = "maximal" if trajectory.settings.task == "maximal" else "active"
+            self.asked = {
+                "protocol": cleaned(name), "seconds": float(trajectory.time[-1]),
+                "effort": effort if trajectory.effort.any() else "passive",
+            }  # fmt: skip
             self.target.load(trajectory)
             self._go_back()
             self._tell("protocol", self.asked)

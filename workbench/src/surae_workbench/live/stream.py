@@ -1,15 +1,25 @@
 """A stream that is recorded: what it says of itself, and how it does."""
 
 import math
+import re
 from dataclasses import dataclass, field
 from typing import Any
+from xml.etree import ElementTree
+from xml.sax.saxutils import escape, unescape
 
 import numpy as np
 
+from surae.base.cleaning import cleaned
 from surae.base.units import FloatArray
 
 #: LSL's names of the formats of numbers, by the number that LSL gives them; 3 are words.
 _FORMATS = {1: "float32", 2: "float64", 3: "text", 4: "int32", 5: "int16", 6: "int8", 7: "int64"}
+_LSL_FORMATS = {**_FORMATS, 2: "double64", 3: "string"}
+#: Letters of a description, and of a text in it that is shown nowhere; larger is not kept.
+_XML, _TEXT = 2**20, 4000
+#: An element with nothing but text, and letters by their number in it.
+_ELEMENT = re.compile(r"<(\w+)>([^<>]*)</\1\s*>")
+_NUMBERED = re.compile(r"&#(x[0-9a-fA-F]{1,6}|[0-9]{1,7});")
 #: No clock has counted for longer than this [s]: 3,000 years.
 _AGE = 1e11
 
@@ -53,22 +63,38 @@ class Stream:
     def of(cls, number: int, info: Any) -> "Stream":
         """A stream as LSL describes it."""
         count = info.channel_count()
-        labels, units = info.get_channel_labels() or [], info.get_channel_units() or []
+        labels, units = ([cleaned(text or "") for text in (texts or [])[:count]] for texts in (
+            info.get_channel_labels(), info.get_channel_units()))  # fmt: skip
+        labels += [""] * (count - len(labels))
         rate = float(info.nominal_srate())
         kind = info.channel_format()
-        return cls(
+        stream = cls(
             number=number,
-            name=info.name(),
-            kind=info.type(),
-            host=info.hostname(),
-            labels=[
-                (labels[i] if i < len(labels) else None) or f"channel {i + 1}" for i in range(count)
-            ],
-            units=[(units[i] if i < len(units) else None) or "" for i in range(count)],
+            name=cleaned(info.name()),
+            kind=cleaned(info.type()),
+            host=cleaned(info.hostname()),
+            labels=[label or f"channel {i}" for i, label in enumerate(labels, 1)],
+            units=[*units, *[""] * (count - len(units))],
             rate_hz=rate if math.isfinite(rate) and rate > 0 else 0.0,
             words=_FORMATS.get(kind) == "text",
-            xml=info.as_xml(),
+            xml="",
             format=kind,
+        )
+        stream.xml = _cleaned_xml(info.as_xml()) or stream.described()
+        return stream
+
+    def described(self) -> str:
+        """What readers need of it, as LSL's XML: for one whose own is none."""
+        each = [
+            f"<channel><label>{escape(label)}</label><unit>{escape(unit)}</unit></channel>"
+            for label, unit in zip(self.labels, self.units, strict=True)
+        ]
+        kind = _LSL_FORMATS[self.format]
+        return (
+            f'<?xml version="1.0"?><info><name>{escape(self.name)}</name><type>{escape(self.kind)}'
+            f"</type><channel_count>{len(self.labels)}</channel_count><nominal_srate>"
+            f"{self.rate_hz!r}</nominal_srate><channel_format>{kind}</channel_format><desc>"
+            f"<channels>{''.join(each)}</channels></desc></info>"
         )
 
     @property
@@ -90,7 +116,7 @@ class Stream:
     @property
     def columns(self) -> list[str]:
         """Its channels as the reader of XDF calls them."""
-        return [f"{self.name}: {label}" for label in self.labels]
+        return [f"{self.name}: {label}" if self.name else label for label in self.labels]
 
     def mended(self, stamps: FloatArray, now: float) -> FloatArray:
         """Time stamps, those that are none replaced by what their neighbours or our time say."""
@@ -121,3 +147,28 @@ class Stream:
             else 1e3 * self.offset_s,
             "age_s": None if self.last_s is None else max(now - self.last_s, 0.0),
         }  # fmt: skip
+
+
+def _cleaned_xml(text: str) -> str:
+    """A stream's own description, its texts cleaned; empty where that is no XML of ours."""
+    if len(text) > _XML or "<!" in text:
+        return ""
+
+    def clean(found: re.Match[str]) -> str:
+        name, said = found.groups()
+        plain = _NUMBERED.sub(_letter, unescape(said, {"&quot;": '"', "&apos;": "'"}))
+        kept = cleaned(plain, 200 if name in ("name", "type", "label", "unit") else _TEXT)
+        return f"<{name}>{escape(kept)}</{name}>"
+
+    made = _ELEMENT.sub(clean, text)
+    try:
+        ElementTree.fromstring(made)
+    except (ElementTree.ParseError, ValueError, RecursionError):
+        return ""
+    return made
+
+
+def _letter(found: re.Match[str]) -> str:
+    digits = found[1]
+    number = int(digits[1:], 16) if digits[0] == "x" else int(digits)
+    return chr(number) if number < 0x110000 else "?"

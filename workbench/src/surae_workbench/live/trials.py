@@ -16,25 +16,24 @@ from collections.abc import Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import Any, Literal, TypedDict
+from typing import Any, TypedDict
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ValidationError
 
 from surae.api import ROLES
+from surae.base.cleaning import cleaned
 from surae.base.database import lock
 from surae.base.errors import InputError, SuraeError
-from surae.base.files import PathLike, is_link, read_bytes, shown, write_atomic, write_json
+from surae.base.files import PathLike, is_link, shown, write_atomic
 from surae.base.units import FACTORS, kind
 from surae.base.units import plain as plain_unit
 from surae.processes import Child, End
+from surae_workbench.live.record import MOST, Judgement, Record, read_record, repaired, said_in
 from surae_workbench.live.recorder import Recorder, Show, Tell
 from surae_workbench.live.stream import Stream
 from surae_workbench.live.target import KIND
 from surae_workbench.live.xdf import mended_xdf
-from surae_workbench.web.rows import plain
 
-#: The JSON of a trial, its findings and reasons take far less [bytes].
-_LARGEST = 4 * 2**20
 #: After the end of a trial, the samples of its last moments are waited for so long at most [s].
 _LATE = 0.25
 #: A trial is held against so many others at most: it must not be judged later and later.
@@ -86,8 +85,8 @@ class Trials:
         self._pending: Future[None] | None = None
         self._tried: list[int] = []
         self._closed = False
-        self._lock = threading.Lock()
-        self.trials: dict[int, dict[str, Any]] = {}
+        self._lock, self._writing = threading.Lock(), threading.Lock()
+        self.trials: dict[int, Record] = {}
         #: What is to be said of trials that broke off or are damaged, and are judged now.
         self.broken: list[str] = []
         self.running: int | None = None
@@ -115,8 +114,10 @@ class Trials:
         if joint and self.trials:  # what was known before this start is known again
             self._ask_together()
 
-    def start(self, **about: Any) -> int:
-        """Begin a trial; what is known `about` it is kept. Returns its number."""
+    def start(
+        self, protocol: str | None = None, seconds: float | None = None, effort: str | None = None
+    ) -> int:
+        """Begin a trial, of which this is asked. Returns its number."""
         with self._lock:
             if self.running is not None:
                 raise InputError(f"trial {self.running} is running; stop it first")
@@ -130,35 +131,48 @@ class Trials:
                 except FileExistsError:
                     number += 1
             self.running, self._begun = number, self.recorder.clock()
-            self.trials[number] = {
-                "trial": number, "state": "recording", "began": _now(), **about, "marks": [],
-            }  # fmt: skip
-            self._keep(number)  # what was asked for is known after a crash, too
-        self.recorder.note("start", trial=number, **about)
-        self._tell("trial", self.trials[number])
+            record = self.trials[number] = Record.of(
+                trial=number, state="recording", began=_now(), protocol=protocol,
+                seconds_asked=seconds, effort_asked=effort,
+            )  # fmt: skip
+            about = {"protocol": record.protocol, "seconds": seconds, "effort": effort}
+            # What was asked for is known after a crash, too: by the recording itself.
+            self.recorder.note("start", trial=number, began=record.began, **about)
+            self._keep(number)
+        self._tell("trial", record.shown())
         return number
 
     def take(self, path: Path) -> int:
         """Take a file that was recorded otherwise as a trial, and judge it. Returns its number."""
         with self._lock:
             number = self._free()
-            self.trials[number] = {
-                "trial": number, "state": "being judged", "began": _now(), "protocol": path.name,
-                "file": str(path), "marks": [],
-            }  # fmt: skip
+            record = self.trials[number] = Record.of(
+                trial=number, state="being judged", began=_now(), protocol=path.name,
+                file=str(path),
+            )  # fmt: skip
             self._drop_together()
             self._keep(number)
-        self._tell("trial", self.trials[number])
+        self._tell("trial", record.shown())
         self.verdicts[number] = self._work.submit(self._judged, number, None, time.monotonic())
         return number
 
     def mark(self, text: str = "") -> None:
         """Write a mark down, at this moment."""
-        number = self.running
+        number, text = self.running, cleaned(text)
+        if number is not None and len(self.trials[number].marks) >= MOST:
+            raise InputError(f"this trial has {MOST} marks; begin another one")
         self.recorder.note("mark", text=text)
         if number is not None:
-            at = self.recorder.clock() - self._begun
-            self.trials[number]["marks"].append({"at": round(at, 3), "text": text})
+            at = round(self.recorder.clock() - self._begun, 3)
+            self._write(number, marks=lambda record: [*record.marks, {"at": at, "text": text}])
+
+    def alarm(self, at: float | None, code: str, role: str | None, text: str) -> None:
+        """Write down what goes wrong within the trial."""
+        number = self.running
+        if number is not None and len(self.trials[number].alarms) < MOST:
+            about = {"at": at, "code": code, "role": role, "text": text}
+            self.recorder.note("alarm", **about)
+            self._write(number, alarms=lambda record: [*record.alarms, about])
 
     def stop(self, begin: float | None = None) -> "Future[dict[str, Any]]":
         """End the trial and have it judged; the future holds what is said of it.
@@ -175,8 +189,7 @@ class Trials:
         while not self.recorder.arrived(now) and time.monotonic() < ended + _LATE:
             time.sleep(0.005)
         origin = self.recorder.turn(self._between())
-        self.trials[number]["state"] = "being judged"
-        self._tell("trial", self.trials[number])
+        self._tell("trial", self._write(number, state="being judged").shown())
         late = None if begin is None or origin is None else begin - origin
         self.verdicts[number] = self._work.submit(self._judged, number, late, ended)
         return self.verdicts[number]
@@ -204,10 +217,18 @@ class Trials:
                 self._made = text
         return own if own.exists() else None
 
+    def _write(self, number: int, **changes: Any) -> Record:
+        """Change a trial's record; a function gets the record as it is now."""
+        with self._writing:
+            record = self.trials[number]
+            changes = {k: v(record) if callable(v) else v for k, v in changes.items()}
+            self.trials[number] = record.but(**changes)
+            return self.trials[number]
+
     def _judged(self, number: int, begin: float | None, ended: float | None) -> dict[str, Any]:
         """Judge a trial in the child, keep and tell what it says."""
         trial = self.trials[number]
-        source = Path(trial["file"]) if "file" in trial else self.path(number, ".xdf")
+        source = Path(trial.file) if trial.file else self.path(number, ".xdf")
         while not self.recorder.whole(source) and not self._closed:  # there is room on the disk
             time.sleep(0.05)
         try:
@@ -217,33 +238,37 @@ class Trials:
         else:
             end = self._judge.call("surae_workbench.live.judge:judge", arguments)
             if self._closed and end.how != "done":  # nothing is on disk: the next start judges it
-                return trial
+                return trial.shown()
             judgement = end.value if end.how == "done" else {"why": end.message}
             if end.how in ("failed", "killed"):  # our mistake, not the trial's
                 judgement |= {"verdict": "look", "advice": f"It could not be judged: {end.message}"}
+        judgement = {k: v for k, v in judgement.items() if k in Judgement.model_fields}
         if "findings" not in judgement:
-            judgement = {
-                "findings": [], "grade": None, "vaf": None, "reasons": [], "verdict": "repeat",
-                "advice": judgement["why"], **judgement,
-            }  # fmt: skip
-        if "split" in trial:
-            judgement |= {"verdict": "repeat", "advice": trial["split"]}
-        trial |= judgement
-        output = self.folder / f"trial-{number:02d}.h5"
-        trial["recording"] = str(output if output.exists() else source)
-        trial["state"] = "judged"
-        if ended is not None:
-            trial["seconds_to_verdict"] = round(time.monotonic() - ended, 3)
+            judgement = {"verdict": "repeat", "advice": judgement["why"], **judgement}
+        if trial.split is not None or self.trials[number].split is not None:
+            judgement |= {"verdict": "repeat", "advice": self.trials[number].split}
+        output = self.path(number, ".h5")
+        about = {
+            "state": "judged",
+            "recording": str(output if output.exists() else source),
+            "seconds_to_verdict": None if ended is None else round(time.monotonic() - ended, 3),
+        }
+        try:
+            trial = self._write(number, **judgement, **about)
+        except ValidationError:  # our mistake: what is said of a trial has one form
+            why = "what was said of it could not be kept; report it"
+            trial = self._write(number, **about, verdict="look", advice=why)
         self._keep(number)
-        self._tell("trial", trial)
+        self._tell("trial", trial.shown())
         if self.joint:
             self._ask_together()
-        return trial
+        return trial.shown()
 
     def _arguments(self, number: int, source: Path, begin: float | None) -> dict[str, Any]:
         """What the judge needs; InputError where nothing can be judged."""
-        mapping = self._mapping if "file" in self.trials[number] else self.mapping
-        if mapping is None and "file" not in self.trials[number]:
+        taken = self.trials[number].file is not None
+        mapping = self._mapping if taken else self.mapping
+        if mapping is None and not taken:
             raise InputError("the streams do not say which channel is which; give a --mapping")
         target = self.path(number, "-target.csv")
         return {
@@ -251,7 +276,8 @@ class Trials:
             "output": str(self.path(number, ".h5")),
             "earlier": self._others(number),
             "mapping": None if mapping is None else str(mapping),
-            "efforts": self._efforts([number, *self.trials]),
+            "asked": self.trials[number].effort_asked,
+            "efforts": self._efforts(n for n in list(self.trials) if n != number),
             "target": None if begin is None or not target.exists() else str(target),
             "begin": begin or 0.0,
         }
@@ -260,19 +286,20 @@ class Trials:
         """Pass on what happens; a stream that changed within a trial spoils it."""
         number = self.running
         if event == "layout" and data["split"] and number is not None:
-            self.trials[number]["split"] = (
+            what = (
                 f"Within the trial {data['stream']} {data['remark']}. Only what came before is in "
                 "the recording: record the trial again."
             )
+            self._write(number, split=what)
         self._told(event, data)
 
     def _keep(self, number: int) -> None:
         """Write down what is known of a trial."""
         try:
-            write_json(self.path(number, ".json"), self.trials[number])
+            self.trials[number].write(self.path(number, ".json"))
         except (OSError, SuraeError) as error:
             note = f"its state is not on disk ({error}); the next start judges it again"
-            self.trials[number]["note"] = note
+            self._write(number, note=note)
 
     def _others(self, number: int) -> list[str]:
         """Recordings of other trials that were not spoilt: maxima, and the newest."""
@@ -280,19 +307,16 @@ class Trials:
             other
             for other, trial in sorted(self.trials.items())
             if other != number
-            and trial.get("verdict") in ("keep", "look")
+            and trial.verdict in ("keep", "look")
             and self.path(other, ".h5").exists()
         ]
-        good.sort(key=lambda other: self.trials[other].get("effort") == "maximal")
+        good.sort(key=lambda other: self.trials[other].effort == "maximal")
         return [str(self.path(other, ".h5")) for other in good[-_EARLIER:]]
 
     def _efforts(self, numbers: Iterable[int]) -> dict[str, str]:
-        """The efforts that were asked for, by the name of the recording."""
-        return {
-            self.path(number, "").stem: str(self.trials[number]["effort"])
-            for number in numbers
-            if "effort" in self.trials[number]
-        }
+        """The efforts that were asked for and made, by the name of the recording."""
+        told = {n: self.trials[n].told_effort for n in numbers}
+        return {self.path(n, "").stem: effort for n, effort in told.items() if effort}
 
     def _ask_together(self) -> None:
         """Have all trials fitted together, after a fit that is at work."""
@@ -314,9 +338,9 @@ class Trials:
         worth = [
             number
             for number, trial in sorted(self.trials.items())
-            if trial.get("verdict") in ("keep", "look") and self.path(number, ".h5").exists()
+            if trial.verdict in ("keep", "look") and self.path(number, ".h5").exists()
         ]
-        moving = [number for number in worth if self.trials[number].get("use") == "fit"]
+        moving = [number for number in worth if self.trials[number].use == "fit"]
         if not moving or worth == self._tried:
             return
         self._tried = worth
@@ -347,22 +371,29 @@ class Trials:
         unjudged = []
         for number in self._numbers("trial"):
             row, source = self.path(number, ".json"), self.path(number, ".xdf")
-            trial = _trial_of(row, number)
             note = f"trial {number} broke off; what had arrived is kept"
-            if trial is None and row.exists():
+            try:
+                trial = read_record(row, number)
+            except InputError:  # of a newer surae, which reads it
+                raise
+            except ValueError:
+                trial = repaired(row, number, source)
                 _set_aside(row)
                 note = f"trial {number}: {row.name} is damaged, and was set aside"
-            elif trial is None and not source.exists():
-                continue  # a target's file alone
-            if trial is None or not trial.keys() & {"verdict", "file"}:
-                trial = {"trial": number, "marks": [], **(trial or {}), "note": note}
+            else:
+                if trial is None and not source.exists():
+                    continue  # a target's file alone
+                trial = trial or repaired(row, number, source)
+            if trial.verdict is None and trial.file is None:
                 if source.exists():
-                    trial |= {"state": "broken off", "lost_bytes": mended_xdf(source)}
+                    lost = mended_xdf(source)
+                    known = {k: v for k, v in said_in(source).items() if not getattr(trial, k)}
+                    trial = trial.but(state="broken off", lost_bytes=lost, note=note, **known)
                     self.broken.append(f"{note}, and judged now")
                 else:
                     advice = f"{note}, and its recording is not there: record it again"
-                    trial |= {"state": "judged", "verdict": "repeat", "advice": advice}
-            if "verdict" not in trial:
+                    trial = trial.but(state="judged", verdict="repeat", note=note, advice=advice)
+            if trial.verdict is None:
                 unjudged.append(number)
             self.trials[number] = trial
         return unjudged
@@ -435,37 +466,3 @@ def mapping_of(streams: list[Stream]) -> str:
 
 def _now() -> str:
     return time.strftime("%Y-%m-%dT%H:%M:%S%z")
-
-
-class _Trial(BaseModel):
-    """Nothing is taken for what it is not; what a newer surae adds is left as it is."""
-
-    model_config = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
-
-    trial: int
-    state: str
-    marks: list[dict[str, Any]]
-    effort: Literal["maximal", "passive"] | None = None
-    protocol: str | None = None
-    file: str | None = Field(None, min_length=1)
-    note: str | None = None
-    verdict: Literal["keep", "look", "repeat"] | None = None
-    why: str | None = None
-    advice: str | None = None
-    grade: str | None = None
-    vaf: float | None = None
-    findings: list[dict[str, Any]] = []
-    reasons: list[str] = []
-
-
-def _trial_of(path: Path, number: int) -> dict[str, Any] | None:
-    """A trial of before, by its number; None where there is no file, or it is damaged."""
-    try:
-        text = read_bytes(path, _LARGEST).decode()
-        trial = plain(text)
-        json.dumps(trial, ensure_ascii=False).encode()  # half a character is no text
-        known = _Trial.model_validate(trial)
-    except (InputError, ValueError):
-        return None
-    graded = known.grade is None or known.vaf is not None
-    return dict(trial) if known.trial == number and graded else None

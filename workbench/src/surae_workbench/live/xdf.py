@@ -5,10 +5,12 @@ A chunk is written in one go and unbuffered, so that it survives the end of this
 a valid file: `mended_xdf` cuts off the chunk that was being written.
 """
 
+import json
 import os
 import struct
 import uuid
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -133,6 +135,33 @@ def mended_xdf(path: Path) -> int:
             file.truncate(at)
             os.fsync(file.fileno())
     return len(torn)
+
+
+def events_in(path: Path) -> Iterator[tuple[float, dict[str, Any]]]:
+    """What a recorder wrote down in a file, stream 1 of it, each with its stamp [s]."""
+    with path.open("rb") as file:
+        end = file.seek(xdf_end(file) if file.read(len(_MAGIC)) == _MAGIC else 0)
+        at = file.seek(len(_MAGIC))
+        while at < end:
+            head = file.read(15)  # width, length, tag, stream: of chunks as we write them
+            width = head[0]
+            length = int.from_bytes(head[1 : 1 + width], "little")
+            if head[1 + width :][:6] == struct.pack("<HI", _SAMPLES, 1):
+                file.seek(at + 1 + width + 6)
+                with suppress(struct.error, ValueError, RecursionError):
+                    yield from _events(file.read(length - 6))
+            at = file.seek(at + 1 + width + length)
+
+
+def _events(samples: bytes) -> Iterator[tuple[float, dict[str, Any]]]:
+    """Samples of one word each, which is an event as JSON."""
+    place = 5
+    while place < len(samples):
+        stamp, size = struct.unpack_from("<xdxI", samples, place)
+        place += 14 + size
+        event = json.loads(samples[place - size : place])
+        if isinstance(event, dict):
+            yield stamp, event
 
 
 def _chunk(tag: int, content: bytes) -> bytes:
