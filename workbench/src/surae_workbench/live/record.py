@@ -21,7 +21,7 @@ from surae_workbench.live.xdf import events_in
 from surae_workbench.web.rows import plain
 
 #: Layout of a record; raised when an older surae could not read it. Records without one are older.
-FORMAT = 1
+FORMAT: Literal[1] = 1
 #: Marks and alarms that a trial keeps at most, letters of a text, and bytes of a record.
 MOST, _TEXT, _LARGEST = 2000, 2000, 64 * 2**20
 #: Texts that name files, which must be found again to the letter.

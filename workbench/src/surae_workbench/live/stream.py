@@ -15,8 +15,11 @@ from surae.base.units import FloatArray
 #: LSL's names of the formats of numbers, by the number that LSL gives them; 3 are words.
 _FORMATS = {1: "float32", 2: "float64", 3: "text", 4: "int32", 5: "int16", 6: "int8", 7: "int64"}
 _LSL_FORMATS = {**_FORMATS, 2: "double64", 3: "string"}
-#: Letters of a description, and of a text in it that is shown nowhere; larger is not kept.
-_XML, _TEXT = 2**20, 4000
+#: Letters of a description, of a name in it, and of a text that is shown nowhere. A reader calls a
+#: column by two names, in a line of 200.
+_XML, _NAME, _TEXT = 2**20, 90, 4000
+#: A stream of whose name nothing can be shown.
+_NAMELESS = "stream"
 #: An element with nothing but text, and letters by their number in it.
 _ELEMENT = re.compile(r"<(\w+)>([^<>]*)</\1\s*>")
 _NUMBERED = re.compile(r"&#(x[0-9a-fA-F]{1,6}|[0-9]{1,7});")
@@ -63,15 +66,15 @@ class Stream:
     def of(cls, number: int, info: Any) -> "Stream":
         """A stream as LSL describes it."""
         count = info.channel_count()
-        labels, units = ([cleaned(text or "") for text in (texts or [])[:count]] for texts in (
+        labels, units = ([cleaned(text or "", _NAME) for text in (texts or [])[:count]] for texts in (
             info.get_channel_labels(), info.get_channel_units()))  # fmt: skip
         labels += [""] * (count - len(labels))
         rate = float(info.nominal_srate())
         kind = info.channel_format()
         stream = cls(
             number=number,
-            name=cleaned(info.name()),
-            kind=cleaned(info.type()),
+            name=cleaned(info.name(), _NAME) or _NAMELESS,
+            kind=cleaned(info.type(), _NAME),
             host=cleaned(info.hostname()),
             labels=[label or f"channel {i}" for i, label in enumerate(labels, 1)],
             units=[*units, *[""] * (count - len(units))],
@@ -116,7 +119,7 @@ class Stream:
     @property
     def columns(self) -> list[str]:
         """Its channels as the reader of XDF calls them."""
-        return [f"{self.name}: {label}" if self.name else label for label in self.labels]
+        return [f"{self.name}: {label}" for label in self.labels]
 
     def mended(self, stamps: FloatArray, now: float) -> FloatArray:
         """Time stamps, those that are none replaced by what their neighbours or our time say."""
@@ -157,7 +160,8 @@ def _cleaned_xml(text: str) -> str:
     def clean(found: re.Match[str]) -> str:
         name, said = found.groups()
         plain = _NUMBERED.sub(_letter, unescape(said, {"&quot;": '"', "&apos;": "'"}))
-        kept = cleaned(plain, 200 if name in ("name", "type", "label", "unit") else _TEXT)
+        kept = cleaned(plain, _NAME if name in ("name", "type", "label", "unit") else _TEXT)
+        kept = kept or (_NAMELESS if name == "name" and said else "")
         return f"<{name}>{escape(kept)}</{name}>"
 
     made = _ELEMENT.sub(clean, text)
