@@ -66,8 +66,8 @@ class Stream:
     def of(cls, number: int, info: Any) -> "Stream":
         """A stream as LSL describes it."""
         count = info.channel_count()
-        labels, units = ([cleaned(text or "", _NAME) for text in (texts or [])[:count]] for texts in (
-            info.get_channel_labels(), info.get_channel_units()))  # fmt: skip
+        given = info.get_channel_labels(), info.get_channel_units()
+        labels, units = ([cleaned(t or "", _NAME) for t in (each or [])[:count]] for each in given)
         labels += [""] * (count - len(labels))
         rate = float(info.nominal_srate())
         kind = info.channel_format()
