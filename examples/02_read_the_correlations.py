@@ -17,7 +17,7 @@ fit = surae.fit(virtual_trial(virtual_subject(seed=1), generate(protocol)), "mus
 
 names = fit.covariance.names
 figure, axes = plt.subplots(figsize=(6, 5), layout="constrained")
-image = axes.imshow(fit.correlation, cmap="PuOr", vmin=-1, vmax=1)
+image = axes.imshow(fit.covariance.correlation, cmap="PuOr", vmin=-1, vmax=1)
 axes.set_xticks(range(len(names)), names, rotation=90)
 axes.set_yticks(range(len(names)), names)
 figure.colorbar(image, label="Correlation [-]")
@@ -27,10 +27,7 @@ plt.show()
 # The strongest pairs:
 
 pairs = [
-    (abs(fit.correlation[i, j]), a, b)
-    for i, a in enumerate(names)
-    for j, b in enumerate(names)
-    if i < j
+    (abs(fit.correlation.loc[a, b]), a, b) for i, a in enumerate(names) for b in names[i + 1 :]
 ]
 for size, a, b in sorted(pairs, reverse=True)[:4]:
     print(f"{a} and {b}: {size:.2f}")

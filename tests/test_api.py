@@ -66,6 +66,13 @@ def test_the_contract_s_example(fit):
     assert fit.vaf > 99.9
     k = len(fit.covariance.names)
     assert fit.correlation.shape == (k, k)
+    assert (
+        fit.correlation.loc["k_tri", "x0_tri"]
+        == fit.covariance.correlation[
+            fit.covariance.names.index("k_tri"), fit.covariance.names.index("x0_tri")
+        ]
+    )
+    assert fit["l0_tri"] is p
     assert fit.covariance.matrix.shape == (k, k)
     assert fit.ipde > 0
     assert fit.status in ("converged", "at-bounds")

@@ -86,3 +86,23 @@ def test_a_prediction_that_overflows(run, files, edit_fit) -> None:
     done = run("validate", "f.json", "trial.csv", "--output", "v.json")
     refused(done, "trial.csv", "overflows", code=1)
     assert not (files / "v.json").exists()
+
+
+def test_one_mapping_describes_what_is_predicted(run, files, second) -> None:
+    names, *rows = second.read_text(encoding="utf-8").splitlines()
+    roles = [name.rpartition("_") for name in names.split(",")[1:]]
+    foreign = ["time_s", *(f"c{i}" for i, _ in enumerate(roles))]
+    text = "\n".join([",".join(foreign), *rows])
+    (files / "foreign.csv").write_text(text, encoding="utf-8")
+    mapping = [
+        f'channels.{role} = {{ column = "c{i}", unit = "{unit}" }}'
+        for i, (role, _, unit) in enumerate(roles)
+    ]
+    (files / "map.toml").write_text("\n".join(mapping), encoding="utf-8")
+    vafs = []
+    for file, more in (("second half.csv", ()), ("foreign.csv", ("--mapping", "map.toml"))):
+        done = run("validate", "fit.json", file, *more, "--output", "v.json")
+        assert (done.code, done.err) == (0, "")
+        content = json.loads((files / "v.json").read_text(encoding="utf-8"))
+        vafs.append(content["recordings"][0]["vaf"])
+    assert vafs[0] == vafs[1]

@@ -257,3 +257,37 @@ def test_everything_that_is_given_back_says_in_a_few_lines_what_it_is(fit, trial
 def leg_again(fit):
     """The same fit, another object."""
     return surae.Fit(fit.result, fit.assessment)
+
+
+def test_names_lead_to_parameters_and_channels_and_slips_to_the_nearest(fit, trial):
+    assert fit["l0_tri"] is fit.parameters["l0_tri"]
+    assert trial["angle"] is trial.channels["angle"]
+    for get, says in (
+        (lambda: fit["l0_try"], "did you mean 'l0_tri'"),
+        (lambda: trial["anlge"], "did you mean 'angle'"),
+        (lambda: surae.fit(trial, "musle"), "did you mean 'muscle'"),
+        (lambda: surae.fit(trial, "muscle", fixed={"l0_try": 0.1}), "did you mean 'l0_tri'"),
+    ):
+        with pytest.raises(InputError, match=says):
+            get()
+    with pytest.raises(InputError, match="'qqq'; it has"):
+        fit["qqq"]
+
+
+def test_correlations_have_labels(fit):
+    names = fit.covariance.names
+    assert list(fit.correlation.columns) == list(fit.correlation.index) == list(names)
+    assert np.array_equal(fit.correlation.to_numpy(), fit.covariance.correlation)
+    assert fit.correlation.loc["k_tri", "x0_tri"] == fit.correlation.loc["x0_tri", "k_tri"]
+
+
+def test_a_part_of_a_recording_has_its_clock_and_predicts_alone(fit, trial):
+    part = trial.crop(3.0, 9.0)
+    inside = (trial["torque"].time >= 3.0) & (trial["torque"].time <= 9.0)
+    assert np.array_equal(part["torque"].values, trial["torque"].values[inside])
+    assert part["torque"].time[0] >= 3.0
+    assert part.emg == trial.emg
+    (predicted,) = surae.validate(fit, trial)
+    assert predicted.vaf == surae.validate(fit, [trial])[0].vaf
+    with pytest.raises(InputError, match=r"no two samples between 900 and 901 s; it lasts from"):
+        trial.crop(900.0, 901.0)

@@ -8,7 +8,7 @@ from typing import Any
 
 from surae.api.fitted import Fit
 from surae.api.fitting import load
-from surae.api.recordings import AnyRecording, as_in_fit
+from surae.api.recordings import AnyRecording, as_in_fit, several
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.progress import NamedProgress, Progress
@@ -25,7 +25,7 @@ from surae.measures.cohort import Cohort, borrowed, pool
 from surae.measures.members import measured, read_table, refitted
 from surae.measures.quantity import common_end, quantities
 from surae.runner import Engine
-from surae.signals import ModelInputs, Weighting, weighted
+from surae.signals import Weighting, weighted
 from surae.trials.folder import fit_in
 
 #: Angles of changes by default [deg].
@@ -272,7 +272,7 @@ def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any)
 
 def validate(
     fitted: Fit,
-    recordings: Sequence[AnyRecording],
+    recordings: AnyRecording | Sequence[AnyRecording],
     *,
     prepared: bool | None = None,
     weights: Weighting | Sequence[Weighting] | None = None,
@@ -283,7 +283,7 @@ def validate(
     ----------
     fitted : Fit
         Where the parameters come from.
-    recordings : sequence of Recording, ModelInputs or path
+    recordings : Recording, ModelInputs or path, or sequence of them
         With their measured torque.
     prepared : bool, optional
         Whether their signals are used as they are; by default as they were in the fit.
@@ -300,7 +300,7 @@ def validate(
     --------
     >>> surae.validate(surae.load("fit.json"), ["other.csv"])[0].adequacy.grade
     """
-    inputs: Sequence[ModelInputs] = as_in_fit(fitted.result.problem, recordings, prepared)
+    inputs = as_in_fit(fitted.result.problem, several(recordings), prepared)
     return predict_others(fitted.result, inputs if weights is None else weighted(inputs, weights))
 
 

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 from surae.api.plots import Plots, numbered
 from surae.api.recordings import AnyRecording, as_in_fit
 from surae.api.simulation import parts_of, tendon_of
+from surae.base.errors import InputError
 from surae.base.files import PathLike
+from surae.base.formatting import nearest
 from surae.base.tables import Tabular, TextTable
-from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.adequacy import Adequacy
 from surae.inference.assessment import Assessment, assess
@@ -19,6 +20,7 @@ from surae.inference.uncertainty.covariance import Covariance
 from surae.inference.validation import Prediction, predict_others
 from surae.model import TendonState, TorqueParts
 from surae.quality import Quality
+from surae.recording.frames import library
 from surae.settings import FitSettings
 
 if TYPE_CHECKING:
@@ -119,6 +121,22 @@ class Fit(Tabular):
 
         return gaussian_data(self.result, self.assessment, draws, seed)
 
+    def __getitem__(self, name: str) -> ParameterEstimate:
+        """A parameter or nuisance by name: ``fit["l0_tri"].ci95``.
+
+        Raises
+        ------
+        InputError
+            The fit has none of that name.
+        """
+        both = {**self.parameters, **self.nuisances}
+        if name not in both:
+            raise InputError(
+                f"this fit has no parameter {name!r}{nearest(name, both)}; it has: "
+                f"{', '.join(both)}"
+            )
+        return both[name]
+
     @property
     def parameters(self) -> Mapping[str, ParameterEstimate]:
         """Every parameter of the model by name: value, sem, ci95, verdict and more."""
@@ -165,9 +183,13 @@ class Fit(Tabular):
         return self.assessment.vaf_weighted
 
     @property
-    def correlation(self) -> FloatArray:
-        """Correlation of the estimates named in `covariance.names`, shape (k, k)."""
-        return self.assessment.covariance.correlation
+    def correlation(self) -> Any:
+        """Correlation of the estimates as a pandas DataFrame: ``.loc["k_tri", "x0_tri"]``.
+
+        Without pandas, `covariance` has names and matrix.
+        """
+        known, table = self.covariance, library("pandas", "a table of correlations")
+        return table.DataFrame(known.correlation, index=known.names, columns=known.names)
 
     @property
     def covariance(self) -> Covariance:

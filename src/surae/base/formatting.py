@@ -1,7 +1,7 @@
 """Numbers as text: as many digits as the standard error allows, powers of ten in print style."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from surae.base.normal import NORMAL, standard_error_of
@@ -158,6 +158,14 @@ def listed(words: Sequence[str], last: str = "and") -> str:
     """Words as a sentence has them: ``a, b and c``."""
     *others, end = words
     return f"{', '.join(others)} {last} {end}" if others else end
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """The known name that a misspelt one is nearest to, as the end of a sentence; or nothing."""
+    from difflib import get_close_matches
+
+    near = get_close_matches(name.lower(), known, n=1, cutoff=0.6)
+    return f" (did you mean {near[0]!r}?)" if near else ""
 
 
 def open_ends(interval: Sequence[float | None] | None) -> str:

@@ -22,6 +22,7 @@ import click
 from surae._version import __version__
 from surae.base.docstrings import docstring
 from surae.base.errors import InputError, SuraeError
+from surae.base.formatting import nearest
 from surae.cli.progress import StoppedError
 
 #: Command → its module, or the distribution that offers it as an entry point of the group
@@ -62,8 +63,9 @@ class _Lazy(click.Group):
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        del ctx
-        home, _ = COMMANDS.get(cmd_name, ("", ""))
+        if cmd_name not in COMMANDS:
+            ctx.fail(f"there is no command {cmd_name!r}{nearest(cmd_name, COMMANDS)}")
+        home, _ = COMMANDS[cmd_name]
         if not home.startswith("surae."):
             return _offered(cmd_name, home)
         command: click.Command = import_module(home).command

@@ -12,6 +12,7 @@ from surae.base import names
 from surae.base.docstrings import docstring
 from surae.base.errors import InputError
 from surae.base.files import shown
+from surae.base.formatting import nearest
 from surae.base.setting import Setting, default_of, kind_of, settings_of
 
 if TYPE_CHECKING:
@@ -136,7 +137,13 @@ class OneOf(click.Choice):  # type: ignore[type-arg]  # generic since click 8.2 
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Give the name."""
-        return value if value in self.known else super().convert(value, param, ctx)
+        if value in self.known:
+            return value
+        try:
+            return super().convert(value, param, ctx)
+        except click.BadParameter as error:
+            text = f"{error.message.rstrip('.')}{nearest(str(value), self.known)}."
+            raise click.BadParameter(text, ctx, param) from None
 
 
 def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, Any]:

@@ -7,7 +7,7 @@ import click
 
 from surae import api
 from surae.base.files import shown, write_json
-from surae.cli.options import EXCLUDE
+from surae.cli.options import EXCLUDE, MAPPING, corrections
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line, show_predictions
@@ -16,18 +16,21 @@ from surae.cli.screen import show_files, show_line, show_predictions
 @click.command("validate")
 @click.argument("fitted", metavar="FIT.json")
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
+@MAPPING
+@corrections
 @click.option("--prepared/--unprepared", default=None,
               help="Signals as they are, or filtered; by default as in the fit.")  # fmt: skip
 @EXCLUDE
 @click.option("--output", metavar="V.json", help="Write the figures.")
 @click.option("--report", metavar="V.html", help="Write the fit's report with the predictions.")
 def command(
-    fitted: str, recordings: tuple[str, ...], prepared: bool | None,
+    fitted: str, recordings: tuple[str, ...], mapping: str | None, prepared: bool | None,
     exclude: tuple[tuple[float, float, float], ...], output: str | None, report: str | None,
+    corrections: dict[str, Any],
 ) -> None:  # fmt: skip
     """Predict the torque of other recordings with the parameters of a fit."""
     api.check_report(report)
-    measured = [api.read(path) for path in recordings]
+    measured = [api.read(path, mapping=mapping, **corrections) for path in recordings]
     check_outputs(
         {"--output": output, "--report": report},
         [fitted, *(f.path for recording in measured for f in recording.files)],

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from surae.base.errors import InputError
+from surae.base.formatting import nearest
 from surae.base.frozen import Comparable
 from surae.base.names import ELSEWHERE
 from surae.base.plugins import Extended, plugins
@@ -143,7 +144,10 @@ def check_names(names: Mapping[str, object] | tuple[str, ...], spec: ModelSpec) 
     for name in names:
         if name not in spec.names:
             known = ", ".join(spec.names)
-            raise InputError(f"model {spec.name!r} has no parameter {name!r}; it has: {known}")
+            raise InputError(
+                f"model {spec.name!r} has no parameter {name!r}{nearest(name, spec.names)}; "
+                f"it has: {known}"
+            )
 
 
 def check_value(parameter: Parameter, value: float, spec: ModelSpec) -> None:
@@ -223,5 +227,7 @@ def get_model(name: str) -> ModelSpec:
     if name not in MODELS:
         if name in ELSEWHERE:
             raise InputError(f"model {name} is not installed; run pip install {ELSEWHERE[name]}")
-        raise InputError(f"unknown model {name!r}; known models: {', '.join(MODELS)}")
+        raise InputError(
+            f"unknown model {name!r}{nearest(name, MODELS)}; known models: {', '.join(MODELS)}"
+        )
     return MODELS[name]

@@ -1,13 +1,14 @@
 """A recording as measured: channels with their own time axes, in SI units, never changed."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy.typing as npt
 
 from surae.base.errors import InputError
 from surae.base.files import shown
+from surae.base.formatting import nearest
 from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.records import FileName
 from surae.base.units import SI, FloatArray, kind
@@ -122,6 +123,53 @@ class Recording:
                     f"{self.where}: {emg[0].role} is in {emg[0].unit!r} but {channel.role} in "
                     f"{channel.unit!r}; give all EMG in volts or all normalised ('1')"
                 )
+
+    def __getitem__(self, role: str) -> Channel:
+        """The channel of a role: ``rec["angle"].values``.
+
+        Raises
+        ------
+        InputError
+            The recording has no such channel.
+        """
+        if role not in self.channels:
+            raise InputError(
+                f"{self.where} has no channel {role!r}{nearest(role, self.channels)}; it has: "
+                f"{', '.join(self.channels)}"
+            )
+        return self.channels[role]
+
+    def crop(self, start: float, end: float) -> "Recording":
+        """The part between two times, whose clock goes on as it was.
+
+        Parameters
+        ----------
+        start, end : float
+            First and last time that are kept [s].
+
+        Returns
+        -------
+        Recording
+            All else as in this one.
+
+        Raises
+        ------
+        InputError
+            A channel has fewer than two samples there.
+        """
+        kept = {}
+        for role, channel in self.channels.items():
+            inside = (channel.time >= start) & (channel.time <= end)
+            if inside.sum() < 2:
+                raise InputError(
+                    f"{self.where}: {role} has no two samples between {start:g} and {end:g} s; it "
+                    f"lasts from {channel.time[0]:g} to {channel.time[-1]:g} s"
+                )
+            kept[role] = replace(
+                channel, time=read_only(channel.time[inside]),
+                values=read_only(channel.values[inside]),
+            )  # fmt: skip
+        return replace(self, channels=kept)
 
     @property
     def signals(self) -> Mapping[str, Channel]:

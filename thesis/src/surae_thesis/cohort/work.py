@@ -146,7 +146,7 @@ def fit_record(
         },
         "correlation": {
             "names": list(fit.covariance.names),
-            "matrix": np.round(fit.correlation, 6).tolist(),
+            "matrix": np.round(fit.covariance.correlation, 6).tolist(),
         },
         "predicted": [
             {"protocol": protocol, "repetition": r, "vaf": _predicted(fit, inputs)}
