@@ -198,13 +198,15 @@ def test_channels_that_cannot_be_used_say_why(tmp_path):
     remarks = {channel.column: channel.remark for channel in inspection.channels}
     assert "not a number" in remarks["note"]
     assert "2 columns have this name" in remarks["TA"]
-    assert "emg_ta" in inspection.missing
+    assert inspection.unusable == {"emg_ta": "'TA': 2 columns have this name: rename one"}
+    assert "emg_ta" not in inspection.missing
 
 
 def test_samples_that_are_no_numbers_are_counted(tmp_path):
     (tmp_path / "t.csv").write_text("time_s,angle_rad\n0,1\n1,nan\n2,3\n", encoding="utf-8")
     channel = inspect(tmp_path / "t.csv").channels[0]
-    assert channel.remark == "1 samples are no finite numbers"
+    assert channel.remark == "row 3: nan is not a finite number (1 unreadable sample, 2 s)"
+    assert not channel.usable
     assert (channel.low, channel.high) == (1.0, 3.0)
 
 

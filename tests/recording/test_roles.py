@@ -73,10 +73,23 @@ def test_a_vague_name_is_only_possible(name, unit, roles):
 
 
 @pytest.mark.parametrize(
-    ("name", "unit"), [("TA", "g"), ("TA", "Nm"), ("Angle", "Nm"), ("Torque", "N"), ("SOL", "deg")]
+    ("name", "unit", "role", "confidence"),
+    [
+        ("TA", "g", "emg_ta", "possible"),
+        ("TA", "Nm", "emg_ta", "possible"),
+        ("SOL", "deg", "emg_sol", "possible"),
+        ("Angle", "Nm", "angle", "possible"),
+        ("Torque", "N", "torque", "likely"),
+        ("Ankle Torque", "N", "torque", "likely"),
+        ("Ankle Torque", "gibberish", "torque", "named"),
+        ("Ankle Torque", "N-m", "torque", "named"),
+        ("Ankle Torque", "Nm/kg", "torque", "named"),
+        ("EMG SOL", "counts", "emg_sol", "named"),
+    ],
 )
-def test_a_unit_that_cannot_be_rules_a_role_out(name, unit):
-    assert guess_role(name, unit) is None
+def test_a_unit_that_is_not_known_or_anothers_never_takes_a_role_away(name, unit, role, confidence):
+    guess = guess_role(name, unit)
+    assert (guess.roles, guess.confidence) == ((role,), confidence)
 
 
 def test_an_uncalibrated_sensor_keeps_its_role_and_asks_for_its_scale():

@@ -1,6 +1,13 @@
-"""The one table of units: every quantity that enters is converted to SI here and nowhere else."""
+"""The one table of units: every quantity that enters is converted to SI here and nowhere else.
+
+What is written otherwise (foot-pounds, revolutions) pint reads, which is loaded only then.
+"""
 
 import math
+import re
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -30,17 +37,41 @@ FACTORS: dict[str, dict[str, float]] = {
 _SPELLINGS = {
     "°/s": "deg/s", "rad/s^2": "rad/s2", "radian": "rad", "radians": "rad",
     **dict.fromkeys(("degree", "degrees", "°"), "deg"),
-    **dict.fromkeys(("°/s2", "deg/s^2", "°/s^2"), "deg/s2"),
-    **dict.fromkeys(("n.m", "n·m", "n m", "n*m", "newton meter"), "Nm"),
-    **dict.fromkeys(("n.mm", "n·mm", "n mm", "n*mm", "ntmm"), "Nmm"),
-    "volt": "V", "volts": "V", "millivolt": "mV", "millivolts": "mV", "microvolt": "uV",
-    "microvolts": "uV",
-    **dict.fromkeys(("millimeter", "millimeters", "millimetre", "millimetres"), "mm"),
+    **dict.fromkeys(("°/s2", "deg/s^2", "°/s^2", "deg/s²", "°/s²"), "deg/s2"),
+    **dict.fromkeys(("newtonmeter", "newtonmetre", "newtonm", "nmeter"), "Nm"),
+    **dict.fromkeys(("newtonmillimeter", "newtonmillimetre", "ntmm"), "Nmm"),
+    "volt": "V", "millivolt": "mV", "microvolt": "uV",
+    **dict.fromkeys(("millimeter", "millimetre"), "mm"),
     **dict.fromkeys(("sec", "second", "seconds"), "s"),
     **dict.fromkeys(("msec", "millisecond", "milliseconds"), "ms"),
 }  # fmt: skip
 #: Kind of signal by the first word of roles that have a second.
 _KINDS = {"emg": "emg", "fascicle": "length", "pennation": "angle", "second": "angle"}
+#: What may stand between the parts of a unit, and what makes them others.
+_JOINED, _BETWEEN = re.compile(r"[\s.·⋅*×_-]"), re.compile(r"\s*[\s.·⋅*×_-]\s*")
+_PER_KG = re.compile(r"(.+?)\s*(?:/\s*kg|per kg|[ .·*]?kg\s*(?:\^?-1|⁻¹))(?: ?bm| ?bw)?")
+_PERCENT = re.compile(r"(?:%|percent|per cent)[\s_]*(?:of )?(?:mvi?c|max(?:imum)?)?|mvi?c ?%")
+#: Units of what no channel here is, known without pint, and those that say a kind alone.
+_KINDS_ALONE = dict.fromkeys(
+    ("n", "g", "kg", "hz", "m/s^2", "m/s2", "m/s²", "dps", "°c", "pa", "bar"), "other"
+) | dict.fromkeys(("a.u.", "a.u", "au", "arbitrary units", "arb. units"), "emg")
+#: What pint is asked: words of systems that laboratories use, and no numbers.
+_READABLE = re.compile(
+    r"(?:(?:k?n|k?nc?m|k?newton|(?:ft|in)lbf?|lbf?|pound|ft|foot|feet|in|inch|inche|kgf|kg|kilogram|ozf?|"
+    r"ounce|dyne?|force|[cmkd]?m|(?:centi|milli|kilo)?met(?:er|re)|[kmun]?v|(?:nano|milli|kilo)?volt"
+    r"|turn|rev|revolution|mrad|milliradian|grad|gon|arcmin|rpm|rad|deg|degree|min|minute|h|us|"
+    r"microsecond|s)s?(?:[\s.·⋅*×_/-]+|$))+"
+)
+#: What is written as one word, and what pint calls otherwise.
+_ONE_WORD, _REVOLUTION = (
+    re.compile(r"^(ft|in|k?N)(lbf?|c?m)s?$", re.I),
+    re.compile(r"^revs?$", re.I),
+)
+_LONGEST = 30
+_PINT = {
+    "newton * meter": "torque", "kilogram * meter": "torque", "volt": "emg", "meter": "length",
+    "second": "time",
+}  # fmt: skip
 _KNOWN = {unit.casefold(): unit for units in FACTORS.values() for unit in units}
 
 
@@ -52,7 +83,68 @@ def plain(text: str) -> str:
 def spelled(text: str) -> str | None:
     """Our spelling of a unit as a file spells it; None where it is none that is known here."""
     folded = plain(text.strip()).casefold()
-    return _KNOWN.get(_SPELLINGS.get(folded, folded).casefold())
+    for each in (folded, _JOINED.sub("", folded), _JOINED.sub("", folded).removesuffix("s")):
+        if (known := _KNOWN.get(_SPELLINGS.get(each, each).casefold())) is not None:
+            return known
+    return None
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """What a file's unit is in ours."""
+
+    kind: str  #: A kind of signal in `FACTORS`; ``"other"`` for a unit of none of them.
+    unit: str = ""  #: One of `FACTORS`; empty where the numbers aren't in any.
+    scale: float = 1.0  #: What the file's numbers are multiplied by to be in it.
+    per_kg: bool = False  #: Whether that is still to be multiplied by the body's mass [kg].
+
+
+def stated(text: str | None) -> Stated | None:
+    """What a unit, as a file spells it, says of the signal; None where it says nothing known."""
+    folded = plain((text or "").strip()).casefold()
+    if match := _PER_KG.fullmatch(folded):
+        whole = stated(match[1])
+        return None if whole is None else Stated(whole.kind, whole.unit, whole.scale, True)
+    if _PERCENT.fullmatch(folded):
+        return Stated("emg", "1", 0.01)
+    if unit := spelled(folded):
+        return Stated(next(sort for sort, units in FACTORS.items() if unit in units), unit)
+    if folded in _KINDS_ALONE:
+        return Stated(_KINDS_ALONE[folded])
+    readable = len(folded) <= _LONGEST and _READABLE.fullmatch(folded)
+    return _by_pint(plain((text or "").strip())) if readable else None
+
+
+@cache
+def _by_pint(text: str) -> Stated | None:
+    """A unit of other systems, as pint's registry has it; a pound times a length is a torque."""
+    import pint
+
+    registry = _registry()
+    text = _REVOLUTION.sub("turn", _ONE_WORD.sub(r"\1*\2", text))
+    for spelling in (text, text.lower()):
+        try:
+            one: Any = registry.parse_expression(_BETWEEN.sub("*", spelling))
+            for factor, unit in ((1.0, "newton * meter"), (9.80665, "kilogram * meter"),
+                                 (1.0, "volt"), (1.0, "meter"), (1.0, "second")):  # fmt: skip
+                if one.is_compatible_with(unit):
+                    sort = _PINT[unit]
+                    return Stated(sort, SI[sort], float(one.to(unit).magnitude) * factor)
+            if "radian" in f"{one.to_base_units().units}":
+                speed = one.is_compatible_with("radian / second")
+                sort = "angular_velocity" if speed else "angle"
+                return Stated(sort, SI[sort], float(one.to_base_units().magnitude))
+            return Stated("other")
+        except (pint.errors.PintError, AttributeError, TypeError, ValueError, ArithmeticError):
+            continue  # pint raises what its parser does
+    return None
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry()
 
 
 def kind(role: str) -> str:

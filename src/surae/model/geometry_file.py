@@ -65,7 +65,7 @@ def geometry_of_text(name: str, text: str) -> GeometryTable:
 
 def geometry_of(source: Source) -> GeometryTable:
     """The geometry in a CSV; see `read_geometry`."""
-    table = delimited.open_table(source, timed=False)
+    table = delimited.open_table(source)
     where, name = source.shown, Path(source.path).name
     angles, seconds = (
         [n for n in table.names if n in (f"{of}_rad", f"{of}_deg")]

@@ -7,10 +7,10 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.frozen import freeze
-from surae.base.units import FACTORS, SI, kind, plain, spelled, to_si
+from surae.base.units import FACTORS, SI, FloatArray, Stated, kind, plain, spelled, stated, to_si
 from surae.recording.recording import FILM_ROLES, Channel
 from surae.recording.roles import heading_unit
-from surae.recording.table import Column, Table, check_finite, check_samples
+from surae.recording.table import Column, IndexArray, Table, check_finite, check_samples
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +27,7 @@ class Scaling:
     scale: float = 1.0
     offset: float = 0.0
     offset_note: str = ""
+    bridge_s: float = 0.0  #: Longest gap [s] that a straight line fills.
 
     def describe(self) -> str:
         """What is applied, for the channel's source."""
@@ -46,11 +47,10 @@ def written_unit(table: Table, name: str, role: str | None = None) -> str | None
     return table.units.get(name) or of_kind or heading_unit(name)
 
 
-def stated_unit(table: Table, role: str, name: str) -> str | None:
-    """The unit that the file itself states for a column used as `role`; None if it is unknown."""
-    text = written_unit(table, name, role)
-    unit = None if text is None else spelled(text)
-    return unit if unit in FACTORS[kind(role)] else None
+def stated_unit(table: Table, role: str, name: str) -> Stated | None:
+    """What the file itself states a column used as `role` to be in; None where that is unknown."""
+    own = stated(written_unit(table, name, role))
+    return own if own is not None and own.kind == kind(role) and own.unit else None
 
 
 def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str) -> str:
@@ -59,23 +59,63 @@ def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str
     It is refused where neither says it, it isn't known, or the two disagree. An EMG described as
     ``"1"`` has been normalised by its user and may disagree.
     """
-    stated = stated_unit(table, role, name)
+    own, text = stated_unit(table, role, name), written_unit(table, name, role)
+    ours = own is not None and own.scale == 1.0 and not own.per_kg
     if unit is None:
-        if stated is None:
-            allowed = ", ".join(FACTORS[kind(role)])
-            raise InputError(
-                f"{where}: unit is missing and {table.file} states none for column {name!r}; "
-                f"write one of: {allowed}"
-            )
-        return stated
-    unit = plain(unit)
-    to_si(role, unit, where)
-    if stated is not None and unit not in (stated, "1"):
+        if own is not None and ours:
+            return own.unit
+        says = "states none" if text is None else f"says {text!r}"
+        means = f": unit = {own.unit!r}, scale = {own.scale:.6g}" if own is not None else ""
+        means += " times the body's mass in kg" if own is not None and own.per_kg else ""
+        allowed = ", ".join(FACTORS[kind(role)])
         raise InputError(
-            f"{where}: unit {unit!r} contradicts {table.file}, which states {stated!r} for column "
-            f"{name!r}; write {stated!r}, with a scale if the file is wrong"
+            f"{where}: unit is missing and {table.file} {says} for column {name!r}; "
+            f"write {means[2:] or f'one of: {allowed}'}"
+        )
+    unit = spelled(unit) or plain(unit)
+    to_si(role, unit, where)
+    if own is not None and ours and unit not in (own.unit, "1"):
+        raise InputError(
+            f"{where}: unit {unit!r} contradicts {table.file}, which states {own.unit!r} for "
+            f"column {name!r}; write {own.unit!r}, with a scale if the file is wrong"
         )
     return unit
+
+
+@dataclass(frozen=True, slots=True)
+class Gaps:
+    """Samples that are no numbers, in a signal with such on either side."""
+
+    lost: IndexArray  #: Their places.
+    count: int  #: Number of stretches of them.
+    longest_s: float  #: Time from the last number before the longest of them to the next [s].
+
+    @property
+    def text(self) -> str:
+        """How many they are."""
+        n, longest = len(self.lost), self.longest_s
+        several = f" in {self.count} gaps, the longest" if self.count > 1 else ","
+        ms = f"{longest:.3g} s" if longest >= 1.0 else f"{1e3 * longest:.3g} ms"
+        return f"{n} unreadable {'samples' if n > 1 else 'sample'}{several} {ms}"
+
+    def bridged(self, time: FloatArray, values: FloatArray) -> FloatArray:
+        """The signal with a straight line over each."""
+        good = np.delete(np.arange(len(values)), self.lost)
+        whole = values.copy()
+        whole[self.lost] = np.interp(time[self.lost], time[good], values[good])
+        return freeze(whole)
+
+
+def gaps_of(time: FloatArray, values: FloatArray) -> Gaps | None:
+    """The gaps of a signal; None where there are none, or not between numbers."""
+    if values.ndim != 1 or len(time) != len(values):
+        return None
+    lost = np.flatnonzero(~np.isfinite(values))
+    if not len(lost) or lost[0] == 0 or lost[-1] == len(values) - 1:
+        return None
+    first = lost[np.diff(lost, prepend=-2) > 1]
+    last = lost[np.diff(lost, append=len(values) + 1) > 1]
+    return Gaps(lost, len(first), float(np.max(time[last + 1] - time[first - 1])))
 
 
 def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channel:
@@ -88,7 +128,13 @@ def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channe
             times, raw = freeze(times[kept]), freeze(raw[kept])
             position = lambda index: column.position(int(kept[index]))  # noqa: E731
     names = (f"column {column.time_name!r}", shown)
-    check_samples(times, raw, where=table.file, names=names, position=position)
+    gaps = gaps_of(times, raw) if scaling.bridge_s else None
+    filled = "" if gaps is None else f", {gaps.text} bridged by straight lines"
+    if gaps is not None and gaps.longest_s <= scaling.bridge_s:
+        raw = gaps.bridged(times, raw)
+    check_samples(
+        times, raw, where=table.file, names=names, position=position, reason=column.reason
+    )
     factor = scaling.sign * to_si(role, scaling.unit, f"{table.file}: {shown}")
     values = raw
     with np.errstate(over="ignore", invalid="ignore"):
@@ -102,5 +148,5 @@ def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channe
         check_finite(values, where=table.file, name=f"{shown} scaled to SI", position=position)
     remark = f"; {text}" if (text := table.remarks.get(column.name)) else ""
     si_unit = "1" if scaling.unit == "1" else SI[kind(role)]
-    source = f"{Path(table.file).name}: {column.name} {scaling.describe()}{remark}"
+    source = f"{Path(table.file).name}: {column.name} {scaling.describe()}{filled}{remark}"
     return Channel(role, times, freeze(values), si_unit, source)

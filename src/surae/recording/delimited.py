@@ -35,10 +35,10 @@ _WITH_COMMA = re.compile(_CELL % rb",", re.MULTILINE)
 _WITH_POINT = re.compile(_CELL % rb"\.", re.MULTILINE)
 
 
-def open_table(source: Source, *, timed: bool = True) -> Table:
-    """Read the header of a CSV file, which has a column of times unless `timed` is false.
+def open_table(source: Source) -> Table:
+    """Read the header of a CSV file.
 
-    Text with no header, no time, or a comment that sets what isn't known is refused.
+    Text with no header, or a comment that sets what isn't known, is refused.
     """
     source.require_text()
     head = _header(source)
@@ -49,7 +49,7 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
             "comment must name them (time_s, angle_rad, ...)"
         )
     time, factor = "", 1.0
-    if timed or any(map(is_time, head.names)):
+    if any(map(is_time, head.names)) or any(name.startswith("time_") for name in head.names):
         time, factor = time_column(head.names, where)
     if (unit := head.units.get(time)) is not None:
         factor = FACTORS["time"].get(spelled(unit) or "", factor)
@@ -167,10 +167,7 @@ def time_column(names: Sequence[str], where: str) -> tuple[str, float]:
                 f"{where}, column {name!r}: unit {name[5:]!r} is not known for time; "
                 f"use {' or '.join(TIMES)}"
             )
-    raise InputError(
-        f"{where}: missing column time_s (or time_ms); columns found: {some(names)}; a recording "
-        "is a CSV with such columns, or a TOML mapping of other files"
-    )
+    return "", 1.0
 
 
 def _numeric(cell: str) -> bool:

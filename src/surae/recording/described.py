@@ -15,8 +15,11 @@ from surae.base.files import shown
 from surae.base.frozen import FrozenDict
 from surae.base.records import brief
 from surae.base.setting import setting
-from surae.recording.recording import ROLES
+from surae.recording.recording import MUSCLES, ROLES
 
+#: Longest gap that a straight line may fill [s]: what passes the filter of an envelope (2.7 Hz)
+#: unseen, and is no part of a movement.
+LONGEST_BRIDGE_S = 0.05
 EFFORTS = ("passive", "active", "maximal")
 #: A setting that whoever uses it knows by its name.
 Setting = str | bool | int | float | tuple[str | bool | int | float, ...]
@@ -43,6 +46,9 @@ class MappedChannel:
     time: str | None = setting(None, "The column with its times, where it has a clock of its own.")
     start_s: float | None = setting(None, "Or the time of its first sample.")
     rate_hz: float | None = setting(None, "And its samples a second.")
+    bridge_s: float = setting(
+        0.0, "Longest gap [s] of samples that cannot be read which a straight line may fill."
+    )
 
     def __post_init__(self) -> None:
         """Refuse what contradicts itself."""
@@ -57,6 +63,11 @@ class MappedChannel:
         if isinstance(self.zero, tuple) and self.zero[1] <= self.zero[0]:
             start, end = self.zero
             raise InputError(f"zero: {start:g} to {end:g} s is no stretch of time")
+        if not 0.0 <= self.bridge_s <= LONGEST_BRIDGE_S:
+            raise InputError(
+                f"bridge_s is {self.bridge_s:g}; a straight line may fill {LONGEST_BRIDGE_S:g} s "
+                "at most"
+            )
         if self.rate_hz is not None and self.rate_hz <= 0.0:
             raise InputError(f"rate_hz is {self.rate_hz:g}; it must be above 0")
         if self.time is not None and (self.start_s, self.rate_hz) != (None, None):
@@ -92,6 +103,10 @@ class MappedRecording(TrialDescription):
     swap: tuple[str, ...] | tuple[tuple[str, str], ...] = setting(
         (), 'Two muscles whose electrodes were exchanged, as `["ta", "sol"]`, or several pairs.'
     )
+    open: tuple[str, ...] = setting(
+        (), "Signals that the files hold but that are not settled: nothing is read before each is "
+        "a channel, left out by its weight in `fixed`, or taken out of this list.",
+    )  # fmt: skip
     channels: Mapping[str, MappedChannel] = setting(
         FrozenDict, "A table for each signal: `[channels.angle]`, `[channels.torque]`, …"
     )
@@ -106,6 +121,14 @@ class MappedRecording(TrialDescription):
                 raise InputError(
                     f"channels: key {brief(role)} is not known; use: {', '.join(ROLES)}"
                 )
+        weights = {f"emg_{muscle}": f"g{i}" for i, muscle in enumerate(MUSCLES, start=1)}
+        settled = {*self.channels, *(r for r, weight in weights.items() if weight in self.fixed)}
+        if left := [role for role in self.open if role not in settled]:
+            known = f", or fix its weight ({weights[left[0]]} = 0.0)" if left[0] in weights else ""
+            raise InputError(
+                f"open: {', '.join(left)} {'are' if len(left) > 1 else 'is'} in the files but not "
+                f"settled; complete [channels.{left[0]}]{known}, or take it out of `open`"
+            )
         if "angle" not in self.channels:
             raise InputError("channels.angle is missing; every recording needs the angle")
 

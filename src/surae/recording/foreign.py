@@ -34,7 +34,8 @@ class Parsed:
 
     name: str  #: Its name in the file.
     values: npt.NDArray[Any]  #: Its samples, shape (n,).
-    #: First instant [s] and rate [Hz], or the time of every sample [s], shape (n,).
+    #: First instant [s] and rate [Hz], or the time of every sample [s], shape (n,); with the rate
+    #: 0 there are none, and its samples are counted.
     time: tuple[float, float] | FloatArray
     unit: str = ""  #: As the file spells it, empty where it states none.
     remark: str = ""  #: What a user should know of it.
@@ -86,6 +87,9 @@ def foreign_table(source: Source, format_name: str, module: str) -> Table:
         if column.refused:
             raise InputError(f"{source.shown}: column {name!r}: {column.refused}")
         at: Any = column.time
+        if not isinstance(at, int) and at[1] == 0.0:
+            counted = instants(0.0, 1.0, len(column.values))
+            return Column(name, counted, as_read_only(column.values), "", sample)
         time = (
             times[at]
             if isinstance(at, int)
@@ -94,7 +98,8 @@ def foreign_table(source: Source, format_name: str, module: str) -> Table:
         return Column(name, time, as_read_only(column.values), column.time_name, sample)
 
     return Table(
-        source.shown, format_name, tuple(column.name for column in columns), "time",
+        source.shown, format_name, tuple(column.name for column in columns),
+        "time" if any(isinstance(c.time, int) or c.time[1] for c in columns) else "",
         lambda wanted: {name: loaded(name) for name in wanted},
         units={name: column.unit for name, column in by_name.items() if column.unit},
         remarks={name: column.remark for name, column in by_name.items() if column.remark},

@@ -23,7 +23,7 @@ from surae.recording import (
     xdf,
 )
 from surae.recording.source import Source
-from surae.recording.table import Column, Table
+from surae.recording.table import Column, Table, some
 
 
 @runtime_checkable
@@ -73,7 +73,7 @@ def data_files(folder: PathLike) -> list[Path]:
 def open_table(source: Source, *, timed: bool = True) -> Table:
     """The columns of a data file in any supported format.
 
-    A CSV without a column of times is read too where `timed` is false: its rows are then counted.
+    A table without times is read too where `timed` is false: its rows are then counted.
 
     Raises
     ------
@@ -81,7 +81,14 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
         The file is of no supported format or its header is wrong.
     """
     form = next((form for form in chain(FORMATS, _plugins()) if form.recognises(source)), None)
-    table = form.open_table(source) if form else delimited.open_table(source, timed=timed)
+    table = form.open_table(source) if form else delimited.open_table(source)
+    if timed and not table.time_name:
+        row = "" if table.header is None else f"row {table.header}: "
+        raise InputError(
+            f"{source.shown}: {row}missing column time_s (or time_ms); columns found: "
+            f"{some(table.names)}; a recording is a CSV with such columns, or a TOML mapping of "
+            "other files, which may say rate_hz and start_s"
+        )
     if len(table.names) > _MOST:
         raise InputError(
             f"{source.shown}: {len(table.names)} columns, more than the {_MOST} that are read; "

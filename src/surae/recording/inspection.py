@@ -1,5 +1,6 @@
 """What data files hold, which channel seems to be which signal, and what is left to say."""
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +13,8 @@ from surae.base.files import PathLike, paths_of, shown
 from surae.base.frozen import FrozenDict
 from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
-from surae.recording.channels import stated_unit, written_unit
+from surae.recording.channels import gaps_of, stated_unit, written_unit
+from surae.recording.described import LONGEST_BRIDGE_S
 from surae.recording.emg_kind import Look, contradiction, look_of, relation
 from surae.recording.formats import open_table
 from surae.recording.reading import is_mapping
@@ -44,6 +46,7 @@ class InspectedChannel:
     unit: str | None = None  #: The unit that the file states, in its own spelling.
     #: That unit as a mapping writes it for the guessed role; None where it is unknown.
     known_unit: str | None = None
+    scale: float = 1.0  #: What its numbers are multiplied by to be in `known_unit`.
     n: int | None = None  #: Number of samples; None where the channel cannot be read.
     rate_hz: float | None = None  #: Sampling rate [Hz]; None where time steps differ.
     #: `start_s`, `end_s`: times of the first and last sample [s].
@@ -55,7 +58,10 @@ class InspectedChannel:
     guess: Guess | None = None  #: What it seems to be.
     look: Look | None = None  #: What its samples look like as an EMG.
     remark: str = ""  #: What to know of it; why it cannot be used.
-    usable: bool = True  #: Whether a mapping can name it.
+    usable: bool = True  #: Whether a mapping can name it as it is.
+    #: Longest gap [s] that a straight line would have to fill for it to be usable; 0 where
+    #: that would not do.
+    bridge_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -65,7 +71,8 @@ class Inspection(Tabular):
     channels: tuple[InspectedChannel, ...]  #: Every channel, file by file.
     formats: Mapping[str, str]  #: Format by file.
     roles: Mapping[str, InspectedChannel]  #: The one channel of each role that was found.
-    #: Roles of which several channels, or only a vague one, could be it: the user decides.
+    #: Roles that several channels, only a vague one, or one that is there but unusable could be:
+    #: the user decides, and a mapping is not read before.
     open: Mapping[str, tuple[InspectedChannel, ...]]
     missing: tuple[str, ...]  #: Roles of angle, torque and EMG of which there is no channel.
     side: Side | None = None  #: The leg.
@@ -75,6 +82,15 @@ class Inspection(Tabular):
     emg_rule: str = ""  #: Why; empty where there is no EMG.
     direction: str = ""  #: How the torque goes with the angle, where it does.
     advice: tuple[str, ...] = ()  #: What to do, one line each.
+
+    @property
+    def unusable(self) -> Mapping[str, str]:
+        """Why what is there cannot be used, by role: none of its channels can as they are."""
+        return {
+            role: f"{some([several[0].column])}: {several[0].remark}"
+            for role, several in self.open.items()
+            if not any(channel.usable for channel in several)
+        }
 
     def as_table(self) -> TextTable:
         """The channels as a table, then what was found and what is left to say.
@@ -188,7 +204,7 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
 
 
 def _opened(path: PathLike) -> Table:
-    """A data file's table, of a film also without times; a mapping is none."""
+    """A data file's table, also without times if a channel is one of ours; a mapping is none."""
     source = open_source(path)
     if is_mapping(source):
         raise InputError(
@@ -197,8 +213,8 @@ def _opened(path: PathLike) -> Table:
         )
     table = open_table(source, timed=False)
     guesses = [guess_role(name, written_unit(table, name)) for name in table.names]
-    filmed = any({*guess.roles} & {*FILM_ROLES} for guess in guesses if guess is not None)
-    return table if table.time_name or filmed else open_table(source)
+    # What has neither times nor a signal's name is no recording.
+    return table if table.time_name or any(guesses) else open_table(source)
 
 
 def _described(path: str, table: Table, name: str, column: Column | InputError) -> InspectedChannel:
@@ -209,30 +225,43 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
     remarks = [
         table.remarks.get(name, "") if usable else f"{count} columns have this name: rename one"
     ]
+    guess = guess_role(name, unit)
     if isinstance(column, InputError):
         reason = str(column).removeprefix(f"{table.file}: ").removeprefix(f"column {name!r}: ")
         remark = "; ".join(filter(None, (reason, *remarks)))
-        return InspectedChannel(path, name, unit, remark=remark, usable=False)
-    finite = column.values[np.isfinite(column.values)]
+        return InspectedChannel(path, name, unit, guess=guess, remark=remark, usable=False)
+    role = guess.roles[0] if guess else None
+    finite, bridge_s = column.values[np.isfinite(column.values)], 0.0
     if wrong := len(column.values) - len(finite):
-        remarks.insert(0, f"{wrong} samples are no finite numbers")
+        first = int(np.argmin(np.isfinite(column.values)))
+        why = column.reason(first) if column.reason else ""
+        why = why or f"{column.values[first]} is not a finite number"
+        if role in FILM_ROLES:  # whose tracker may have lost frames
+            remarks.insert(0, f"{wrong} samples are no finite numbers")
+        else:
+            usable = False
+            gaps = gaps_of(column.time, column.values)
+            what = f"{wrong} of {len(column.values)} samples" if gaps is None else gaps.text
+            remarks.insert(0, f"{column.position(first)}: {why} ({what})")
+            if gaps is not None and gaps.longest_s <= LONGEST_BRIDGE_S and column.time_name:
+                bridge_s = math.ceil(1e3 * gaps.longest_s) / 1e3
     sampling = Sampling(len(column.time))
-    if table.time_name:
+    if column.time_name:
         sampling = sampling_of(column.time)
     else:
         remarks.insert(0, "no times: give start_s and rate_hz")
-    guess = guess_role(name, unit) if usable else None
-    role = guess.roles[0] if guess else None
     if role is not None:  # a file may state one unit for all signals of a kind
         unit = written_unit(table, name, role)
     emg = role is not None and role.startswith("emg_")
-    known_unit = None if role is None else stated_unit(table, role, name)
+    known = None if role is None else stated_unit(table, role, name)
+    settled = known is not None and not known.per_kg
+    known_unit, scale = (known.unit, known.scale) if known is not None and settled else (None, 1.0)
     end_s = None if sampling.start_s is None else float(column.time[-1])
     low, high = (float(finite.min()), float(finite.max())) if len(finite) else (None, None)
     return InspectedChannel(
-        path, name, unit, known_unit, sampling.n, sampling.rate_hz, sampling.start_s, end_s,
+        path, name, unit, known_unit, scale, sampling.n, sampling.rate_hz, sampling.start_s, end_s,
         low, high, guess, look_of(column.time, column.values) if emg else None,
-        "; ".join(filter(None, remarks)), usable and sampling.n > 1,
+        "; ".join(filter(None, remarks)), usable and sampling.n > 1, bridge_s,
     )  # fmt: skip
 
 
@@ -260,9 +289,14 @@ def _of_their_joint(channels: Sequence[InspectedChannel]) -> list[InspectedChann
     return judged
 
 
-def _plain_candidates(channels: Sequence[InspectedChannel], role: str) -> list[InspectedChannel]:
+def _plain_candidates(
+    channels: Sequence[InspectedChannel], role: str, *, usable: bool = True
+) -> list[InspectedChannel]:
     """The channels whose name says this role most plainly, vague ones left out."""
-    candidates = [c for c in channels if c.usable and c.guess is not None and c.guess.role == role]
+    candidates = [
+        c for c in channels
+        if c.usable is usable and c.guess is not None and c.guess.role == role
+    ]  # fmt: skip
     for confidence in CONFIDENCES[:-1]:
         level = [c for c in candidates if c.guess is not None and c.guess.confidence == confidence]
         if level:
@@ -294,9 +328,12 @@ def _assigned(
     assigned = {role: several[0] for role, several in plain.items() if len(several) == 1}
     open_roles = {role: several for role, several in plain.items() if len(several) > 1}
     for role in ROLES:
-        vague = tuple(c for c in fitting if c.usable and c.guess and role in c.guess.roles)
-        if vague and not plain[role]:
-            open_roles[role] = vague
+        if plain[role]:
+            continue
+        vague = [c for c in fitting if c.usable and c.guess and role in c.guess.roles]
+        unusable = _plain_candidates(fitting, role, usable=False)
+        if vague or unusable:
+            open_roles[role] = (*unusable, *vague)
     return assigned, open_roles
 
 
@@ -332,8 +369,12 @@ def _advice(inspection: Inspection) -> Iterator[str]:
     together: dict[tuple[int, ...], list[str]] = {}
     for role, candidates in inspection.open.items():
         together.setdefault(tuple(map(id, candidates)), []).append(role)
+    for role, reason in inspection.unusable.items():
+        yield f"{role} is there, but unusable: {reason}; settle it in the mapping"
     for roles in together.values():
         candidates = inspection.open[roles[0]]
+        if roles[0] in inspection.unusable:
+            continue
         sides = {c.guess.side for c in candidates if c.guess is not None}
         todo = "choose in the mapping"
         if sides == {"left", "right"}:

@@ -111,8 +111,9 @@ class Description:
         where, table = self.source.shown, dict(self.toml)
         if trial is not None:
             table.pop("name", None)
-        if trial in self.trials:
-            where += f": trials.{shown(trial)}"
+            table["trials"] = {}
+        if trial in self.toml.get("trials", ()):
+            where += f": trials.{shown(str(trial))}"
             table |= self._merged(self.toml["trials"][trial], where)
         for key in ("name", "date"):
             if isinstance(table.get(key), datetime.date):  # which TOML writes without quotes
@@ -129,6 +130,7 @@ class Description:
         if not isinstance(own, dict):
             raise InputError(f"{where} is {brief(own)}; write what differs, as torque.sign = -1")
         merged, channels = {}, dict(self.toml["channels"])
+        opened = self.toml.get("open", ())
         for key, value in own.items():
             both = isinstance(value, dict) and isinstance(self.toml.get(key), dict)
             if key in _OF_A_TRIAL:
@@ -138,6 +140,7 @@ class Description:
                 raise InputError(f"{where}: key {brief(key)} is not known; use: {known}")
             elif value is False:  # this trial has no such channel
                 channels.pop(key, None)
+                merged["open"] = [role for role in merged.get("open", opened) if role != key]
             elif isinstance(value, dict):
                 channels[key] = {**channels.get(key, {}), **value}
             else:
@@ -231,11 +234,11 @@ class _Reader:
         for role, own in described.items():
             table = tables[role]
             unit = settle_unit(table, role, own.column, own.unit, self._at(role))
-            column = _timed(own, columns[table.file], table)
+            column = _timed(own, columns[table.file], table, self._at(role))
             offset, note = own.offset, ""
             if own.zero is not None:
                 offset, note = self._zero(role, own, own.zero, column, unit)
-            scaling = Scaling(unit, own.sign, own.scale, offset, note)
+            scaling = Scaling(unit, own.sign, own.scale, offset, note, own.bridge_s)
             channels[role] = channel(role, column, scaling, table)
         return channels
 
@@ -283,11 +286,6 @@ class _Reader:
             except InputError as error:
                 raise InputError(f"{where}: {error}") from None
         table = self.opened[path][1]
-        if not table.time_name and own.rate_hz is None and own.time is None:
-            raise InputError(
-                f"{where}: {table.file} has no column of times: give start_s, when the recording's "
-                "clock shows its first sample, and rate_hz, its samples a second"
-            )
         count = table.names.count(own.column)
         if count > 1:
             raise InputError(
@@ -337,7 +335,7 @@ class _Reader:
         return -mean, f"zero {mean:.4g} ± {abs(own.scale) * float(values.std()):.2g} of {origin}"
 
 
-def _timed(own: MappedChannel, columns: Mapping[str, Column], table: Table) -> Column:
+def _timed(own: MappedChannel, columns: Mapping[str, Column], table: Table, where: str) -> Column:
     """A channel's column, with the times of its own clock where it has one."""
     column = columns[own.column]
     if own.time is not None and own.time in columns:
@@ -348,6 +346,11 @@ def _timed(own: MappedChannel, columns: Mapping[str, Column], table: Table) -> C
         return replace(column, time=seconds, time_name=own.time)
     if own.rate_hz is not None:
         return replace(column, time=instants(own.start_s or 0.0, own.rate_hz, len(column.time)))
+    if not column.time_name:
+        raise InputError(
+            f"{where}: {table.file} has no times of {own.column!r}: give start_s, when the "
+            "recording's clock shows its first sample, and rate_hz, its samples a second"
+        )
     if own.start_s is not None and len(column.time):
         return replace(column, time=as_read_only(column.time - column.time[0] + own.start_s))
     return column

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from surae.base.files import PathLike, shown
-from surae.base.units import FACTORS, kind
+from surae.base.units import FACTORS, kind, stated
 from surae.recording.described import toml_value
 from surae.recording.inspection import InspectedChannel, Inspection
 from surae.recording.recording import FILM_ROLES, MUSCLES, ROLES
@@ -83,6 +83,10 @@ def mapping_text(
         muscles = ", ".join(silent)
         lines.append(f"# check: no EMG of {muscles}: right only while these muscles are silent")
         lines.append(f"fixed = {{ {weights} }}")
+    if unsettled := [role for role in ROLES[:6] if role in open_roles]:
+        lines.append("# In the files, but not settled: nothing is read before each is a channel")
+        lines.append("# below, is left out by a weight in fixed = { … }, or is taken out here.")
+        lines.append(f"open = [{', '.join(map(toml_value, unsettled))}]")
     if "torque" in roles and inspection.formats[roles["torque"].file] == "OpenSim":
         lines.append("# check: moments of inverse dynamics hold no inertia and weight of the foot:")
         lines.append("# then put m = 0.0 into fixed = { … }")
@@ -90,7 +94,11 @@ def mapping_text(
         if role in roles:
             lines += ["", *_entry(role, roles[role], inspection, folder, files)]
         elif role in open_roles:
-            lines += ["", f"# {role} is open: choose one, and take the # away from its lines."]
+            if (reason := inspection.unusable.get(role)) is not None:
+                lines += ["", f"# {role} is there, but unusable: {_line(reason)}."]
+                lines.append("# Correct the file, or take the # away from what helps:")
+            else:
+                lines += ["", f"# {role} is open: choose one, and take the # away from its lines."]
             for channel in open_roles[role]:
                 entry = _entry(role, channel, inspection, folder, files)
                 lines += [f"# {line}" for line in entry]
@@ -143,6 +151,11 @@ def _entry(
         lines.append(
             "# rate_hz = 30.0  # frames a second; or time = its column of times on that clock"
         )
+    if channel.bridge_s:
+        lines.append(f"bridge_s = {channel.bridge_s:g}  # a straight line over each such gap")
+    if not channel.rate_hz and "no times" in channel.remark and role not in FILM_ROLES:
+        lines.append("# start_s = 0.0")
+        lines.append("# rate_hz = 1000.0  # state it: samples a second")
     # Of many trials each has its own; the preparation takes it away.
     if files is None and channel.look and channel.look.offset and inspection.emg == "raw":
         lines.append(f"offset = {channel.look.offset!r}  # check: {channel.look.rule}")
@@ -154,6 +167,9 @@ def _unit_lines(role: str, channel: InspectedChannel, *, opensim: bool) -> list[
     sort, unit, look = kind(role), channel.unit, channel.look
     if (known := channel.known_unit) is not None:
         lines = [f"unit = {toml_value(known)}  # as the file states"]
+        if channel.scale != 1.0:
+            lines = [f"unit = {toml_value(known)}", f"scale = {channel.scale!r}  # check: the file "
+                     f"says {_line(unit or '')}"]  # fmt: skip
         if sort == "emg" and channel.high is not None and channel.low is not None and known != "1":
             peak = max(abs(channel.high), abs(channel.low)) * FACTORS["emg"][known]
             if peak > _AMPLIFIED_V:
@@ -165,8 +181,6 @@ def _unit_lines(role: str, channel: InspectedChannel, *, opensim: bool) -> list[
         return lines
     if unit is None and sort == "torque" and opensim:
         return ['unit = "Nm"  # check: the file states none; moments of OpenSim are in Nm']
-    if sort == "emg" and unit in ("%", "%MVC", "%mvc"):
-        return ['unit = "1"  # check: the file says %', "scale = 0.01"]
     normalised = _NORMALISED[0] <= (channel.high or 0.0) <= _NORMALISED[1]
     if sort == "emg" and unit is None and look and look.kind == "envelope" and normalised:
         return [
@@ -177,8 +191,13 @@ def _unit_lines(role: str, channel: InspectedChannel, *, opensim: bool) -> list[
     first, *others = FACTORS[sort]
     known_units = ", ".join((first, *others))
     lines = [f"# unit = {toml_value(first)}  # state it: {known_units} ({states})"]
-    if unit_is_volts(unit) and sort != "emg":
+    said = stated(unit)
+    if said is not None and said.per_kg:
+        lines.append(f"# scale = {70 * said.scale:g}  # the body's mass [kg]: the file's is per kg")
+    elif unit_is_volts(unit) and sort != "emg":
         lines.append("# scale = 1.0  # from the sensor's volts to that unit")
+    elif sort == "torque" and said is not None and said.kind == "other":
+        lines.append("# scale = 1.0  # a force? its lever arm [m]; a slip in the heading? then 1")
     return lines
 
 

@@ -19,8 +19,8 @@ capitals. In this order:
    role, but the channels that could be one.
 6. A unit of torque or angle alone: *possible*; never written into a mapping as if it were known.
 
-The words ``r``, ``right``, ``l``, ``left`` say the side. A unit that cannot be the role's (``g``
-for an EMG) rules it out.
+The words ``r``, ``right``, ``l``, ``left`` say the side. A unit that cannot be the role's (``N``
+for a torque) makes it less certain, and an EMG only *possible*; it must be said what it is.
 """
 
 import re
@@ -29,7 +29,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from surae.base.errors import InputError
-from surae.base.units import FACTORS, kind, plain, spelled, to_si
+from surae.base.units import FACTORS, kind, plain, spelled, stated, to_si
 from surae.recording.recording import FILMED, MUSCLE_NAMES, MUSCLES, ROLES
 
 #: Column names of the time, and their factor to seconds.
@@ -149,12 +149,6 @@ _OF_OTHER_JOINTS = {
     **dict.fromkeys(("glut", "gluteus", "gmax", "gmed", "glmax", "glmed"), "hip"),
 }
 
-#: Units that show what kind of signal it is, though not its factor, in small letters.
-_UNIT_KINDS = {
-    **dict.fromkeys(("nm/kg", "nmm/kg", "n.m/kg", "n.mm/kg"), "torque"),
-    **dict.fromkeys(("%", "%mvc", "a.u.", "au"), "emg"),
-}
-
 _CAMEL = re.compile(
     r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])"
 )
@@ -190,11 +184,11 @@ class Guess:
 def guess_role(name: str, unit: str | None = None) -> Guess | None:
     """Guess a channel's role from its name and the unit that its file states.
 
-    None: nothing in the name is of the ankle, or the unit rules out what it says.
+    None: nothing in the name is of the ankle.
     """
     if plain(name) in NAMES:
-        role, stated = NAMES[plain(name)]
-        return Guess((role,), "stated", f"{role} in {stated}: a name of surae's own format")
+        role, own = NAMES[plain(name)]
+        return Guess((role,), "stated", f"{role} in {own}: a name of surae's own format")
     words = words_of(name)
     word = _first(words, _SIDES)
     side = _SIDES[word] if word else None
@@ -209,9 +203,12 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
     roles, confidence, rule = match
     emg = roles[0].startswith("emg_")
     if suggested is not None and all(kind(role) != suggested for role in roles):
-        if emg or not unit_is_volts(unit):
-            return None
-        rule += "; in volts: give the sensor's scale"
+        if unit_is_volts(unit):
+            rule += "; in volts: give the sensor's scale"
+        else:
+            rule += f"; but its unit {unit} is none of {'EMG' if emg else roles[0]}"
+            vague = emg or (confidence != "named" and suggested != "other")
+            confidence = "possible" if vague else "likely"
     if (coordinate := _COORDINATE.fullmatch(name)) is not None and not emg:
         if coordinate[1] != "X":
             confidence, rule = "possible", f"{rule}, but not its first coordinate"
@@ -258,13 +255,9 @@ def words_of(name: str) -> tuple[str, ...]:
 
 
 def unit_kind(unit: str | None) -> str | None:
-    """The kind of signal that has this unit, None where it is missing or of none of them."""
-    if unit is None:
-        return None
-    known = spelled(unit)
-    if known is None:
-        return _UNIT_KINDS.get(unit.strip().casefold(), "other")
-    return next(sort for sort, units in FACTORS.items() if known in units)
+    """The kind of signal that has this unit, None where it is missing or no unit known here."""
+    known = stated(unit)
+    return None if known is None else known.kind
 
 
 def heading_unit(name: str) -> str | None:

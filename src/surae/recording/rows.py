@@ -3,7 +3,7 @@
 import csv
 import re
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
 
@@ -15,8 +15,6 @@ from surae.base.units import FloatArray
 from surae.recording.source import Source
 from surae.recording.table import Column, some
 
-#: Columns of ours whose tracker may have lost a frame, which leaves its cell blank.
-_MAY_LACK = ("fascicle_", "pennation_")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 
 
@@ -34,8 +32,8 @@ class Rows:
     def load(self, wanted: Sequence[int]) -> FloatArray:
         """Read the columns with these indices, each as one row of the result.
 
-        They are not checked for finiteness. A row with more or fewer cells than the header is
-        refused; cells in other columns may hold anything.
+        What is no number is NaN; `reason` says what stands there. A row with more or fewer cells
+        than the header is refused.
         """
         first = next(self._numbered(), None)
         if first is None:
@@ -64,11 +62,31 @@ class Rows:
         first = {name: index for index, name in reversed(list(enumerate(self.names)))}
         timed = (time,) if time else ()
         data = self.load([first[name] for name in (*timed, *wanted)])
+        if time and (wrong := np.flatnonzero(np.isnan(data[0]))).size:
+            at = int(wrong[0])
+            if why := self.reason(first[time])(at):
+                where = f"{self.source.shown}: column {time!r}, {self.position(at)}"
+                raise InputError(f"{where}: {why}")
         seconds = read_only(data[0] * factor if time else np.arange(data.shape[1]))
         return {
-            name: Column(name, seconds, read_only(values), time, self.position)
+            name: Column(
+                name, seconds, read_only(values), time, self.position, self.reason(first[name])
+            )
             for name, values in zip(wanted, data[len(timed) :], strict=True)
         }
+
+    def reason(self, column: int) -> Callable[[int], str]:
+        """Why a sample of a column is no number."""
+
+        def why(index: int) -> str:
+            _, line = next(islice(self._numbered(), index, None))
+            try:
+                as_number(self._with_point(split(line, self.delimiter)[column]))
+            except ValueError as error:
+                return str(error)
+            return ""
+
+        return why
 
     def position(self, index: int) -> str:
         """The line number of a sample: ``"row 12"``."""
@@ -108,14 +126,9 @@ class Rows:
                 )
             for values, index in zip(columns, wanted, strict=True):
                 try:
-                    cell = self._with_point(cells[index])
-                    lost = not cell and self.names[index].startswith(_MAY_LACK)
-                    values.append(np.nan if lost else as_number(cell))
-                except ValueError as error:
-                    raise InputError(
-                        f"{self.source.shown}: column {some([self.names[index]])}, row {number}: "
-                        f"{error}"
-                    ) from None
+                    values.append(as_number(self._with_point(cells[index])))
+                except ValueError:
+                    values.append(np.nan)
         return np.array(columns, dtype=np.float64)
 
 

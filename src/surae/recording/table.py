@@ -39,6 +39,7 @@ def check_samples(
     where: str,
     names: tuple[str, str],
     position: Position = sample,
+    reason: "Callable[[int], str] | None" = None,
 ) -> None:
     """Check that a signal has two finite samples or more, at times that increase.
 
@@ -54,8 +55,8 @@ def check_samples(
     if len(time) < 2:
         count = "one sample" if len(time) else "no samples"
         raise InputError(f"{where}: {names[1]} has {count}; at least two are needed")
-    for name, array in zip(names, (time, values), strict=True):
-        check_finite(array, where=where, name=name, position=position)
+    check_finite(time, where=where, name=names[0], position=position)
+    check_finite(values, where=where, name=names[1], position=position, reason=reason)
     stuck = np.flatnonzero(time[1:] <= time[:-1])
     if stuck.size:
         index = int(stuck[0]) + 1
@@ -65,14 +66,21 @@ def check_samples(
         )
 
 
-def check_finite(values: FloatArray, *, where: str, name: str, position: Position = sample) -> None:
+def check_finite(
+    values: FloatArray,
+    *,
+    where: str,
+    name: str,
+    position: Position = sample,
+    reason: "Callable[[int], str] | None" = None,
+) -> None:
     """Check that all of `values` are finite numbers; the message names the first that isn't."""
     wrong = np.flatnonzero(~np.isfinite(values))
     if wrong.size:
         index = int(wrong[0])
-        raise InputError(
-            f"{where}: {name}, {position(index)}: {values[index]} is not a finite number"
-        )
+        why = (reason(index) if reason else "") or f"{values[index]} is not a finite number"
+        more = f"; {len(wrong) - 1} more like it" if len(wrong) > 1 else ""
+        raise InputError(f"{where}: {name}, {position(index)}: {why}{more}")
 
 
 def rounding(time: FloatArray, coarsest: float) -> float | None:
@@ -97,6 +105,9 @@ class Column:
     values: FloatArray  #: The signal, neither converted nor checked, shape (n,).
     time_name: str  #: What the file calls its times.
     position: Position  #: Where a sample is in the file, for messages.
+    #: Why a sample of `values` is not a number, where the file holds something else in its place;
+    #: empty where it says so itself.
+    reason: Callable[[int], str] | None = None
 
 
 @dataclass(frozen=True, slots=True)
