@@ -55,6 +55,23 @@ def test_true_measures_are_what_the_robot_reads_when_all_has_relaxed() -> None:
     assert 10 in MEASURED_AT
 
 
+def test_isometric_trials_hold_eight_angles_and_one_muscle_at_a_time_pulls_alone() -> None:
+    one = leg("a", 3)
+    held = one.record(1, 64.0, "isometric")
+    still = np.abs(np.gradient(held.plate, held.step)) < 1e-9
+    angles = np.unique(np.round(np.degrees(held.plate[still & (held.times > 2)]), 3))
+    assert angles.size == 8
+    assert np.ptp(angles) > 0.9 * np.degrees(np.ptp(one.subject.range))
+    assert held.effort.max(axis=1).min() > 0.1
+    alone = one.record(1, 35.0, "alone")
+    for row in range(4):
+        strong = alone.effort[row] > 0.9 * alone.effort[row].max()
+        others = np.delete(np.arange(4), row)
+        share = alone.effort[others] / alone.effort[others].max(axis=1, keepdims=True)
+        assert share[:, strong].max() < 0.4
+    assert np.ptp(one.record(1, 35.0, "maximal").torque) > np.ptp(alone.torque)
+
+
 def test_what_a_family_changes_the_meaning_of_has_no_truth_but_a_reason() -> None:
     truth = truth_of("b", 1, 1)
     assert truth["parameters"]["g2"] is None

@@ -275,7 +275,7 @@ def _start(
     times: Array, subject: Subject, mounting: Mounting, rng: np.random.Generator, kind: str
 ) -> Run:
     angle = angles(rng, times, *subject.range, kind)
-    active = effort(rng, times, kind == "active")
+    active = effort(rng, times, kind)
     arms = subject.geometry.arm(np.zeros(1))[:, 0]
     peak = np.array([subject.torque[1] / arms[1], *[subject.torque[0] / arms[0]] * 3])
     gains = np.array([subject.values[name] for name in ("g1", "g2", "g3", "g4")])

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from ankle_legs import __version__
+from ankle_legs.movement import KINDS
 
 
 def _trials(text: str) -> tuple[int, ...]:
@@ -35,9 +36,10 @@ def _parser() -> argparse.ArgumentParser:
     make.add_argument("--seconds", type=float, default=35.0, help="a trial's length (default: 35)")
     make.add_argument(
         "--kind",
-        choices=("active", "passive", "curve"),
+        choices=KINDS,
         default="active",
-        help="active: with efforts; passive: moved alike, at rest; curve: long holds, at rest",
+        help="active: with efforts; passive: moved alike, at rest; curve: long holds, at rest; "
+        "isometric: eight angles held with efforts; alone: one muscle after another; maximal",
     )
     make.add_argument("--raw", action="store_true", help="raw EMG at 1024 Hz")
     make.add_argument("--film", action="store_true", help="filmed fascicles too, and a mapping")

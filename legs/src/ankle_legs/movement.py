@@ -8,6 +8,7 @@ from ankle_legs.muscle import Array
 
 RATE = 128  # samples a second
 FINE = 16  # steps of the integration a sample
+KINDS = ("active", "passive", "curve", "isometric", "alone", "maximal")
 
 
 def fine_times(seconds: float) -> Array:
@@ -24,7 +25,8 @@ def _smooth(u: Array) -> Array:
 def angles(rng: np.random.Generator, times: Array, low: float, high: float, kind: str) -> Array:
     """Return the angle [rad]: ramps, holds and a chirp, in an order and at speeds of their own.
 
-    ``kind`` is "active" or "passive" (both move alike) or "curve": a ladder of long holds.
+    ``kind`` is "active" or "passive" (both move alike), "curve" (a ladder of long holds),
+    "isometric" (eight angles held, in an order of their own), or "alone" and "maximal" (one held).
     """
     angle = np.full(times.size, low)
     here, now = low, float(rng.uniform(1.0, 2.0))
@@ -40,6 +42,16 @@ def angles(rng: np.random.Generator, times: Array, low: float, high: float, kind
         for target in np.linspace(low, high, steps)[1:]:
             now += (end - 8) / steps - 1.0
             go(float(target), 1.0)
+        return angle
+
+    if kind in ("alone", "maximal"):
+        return np.asarray(angle + 0.5 * span)
+    if kind == "isometric":
+        levels = rng.permutation(8) / 7
+        each = (end - now) / 8
+        for i, level in enumerate(levels):
+            now = 1.0 + i * each
+            go(low + (0.03 + 0.94 * float(level)) * span, 1.0)
         return angle
 
     def now_wait(least: float, most: float) -> None:
@@ -79,15 +91,20 @@ def angles(rng: np.random.Generator, times: Array, low: float, high: float, kind
     return angle
 
 
-def effort(rng: np.random.Generator, times: Array, active: bool) -> Array:
+def effort(rng: np.random.Generator, times: Array, kind: str) -> Array:
     """Return the effort of the four muscles (ta, gl, sol, gm), 0 to 1 of the leg's own peak.
 
-    Bursts alternate between the groups; now and then both pull. The triceps's three muscles share
-    each burst differently.
+    Active: bursts alternate between the groups; now and then both pull. The triceps's three muscles
+    share each burst differently. Isometric: it fluctuates. Alone: one muscle after another pulls,
+    the others help a little. Maximal: the groups pull as strongly as they can.
     """
     level = np.zeros((4, times.size))
-    if not active:
+    if kind in ("passive", "curve"):
         return level
+    if kind == "isometric":
+        return _fluctuating(rng, times)
+    if kind in ("alone", "maximal"):
+        return _one_at_a_time(rng, times, 1.0 if kind == "maximal" else 0.6)
     now, end = float(rng.uniform(4.0, 7.0)), float(times[-1])
     group = int(rng.integers(2))
     while now < end - 1:
@@ -109,3 +126,43 @@ def effort(rng: np.random.Generator, times: Array, active: bool) -> Array:
             group = 1 - group
         now += seconds + float(rng.uniform(0.2, 1.2))
     return np.clip(level, 0, 1.2)
+
+
+def _fluctuating(rng: np.random.Generator, times: Array) -> Array:
+    """Return efforts that wander and rest by turns, now of the calf and now of the tibialis."""
+    level = np.zeros((4, times.size))
+    knots = np.arange(0, times[-1] + 3, 0.5)
+    for rows, share in ((slice(0, 1), 0.7), (slice(1, 4), 0.9)):
+        course = np.interp(times, knots, rng.uniform(0, 1, knots.size))
+        works = _smooth(
+            np.interp(times, knots, np.repeat(rng.integers(0, 2, knots.size), 4)[: knots.size])
+        )
+        shares = np.ones(1) if rows.stop == 1 else np.array([0.2, 0.55, 0.25])
+        own = 1 + 0.2 * np.array(
+            [np.interp(times, knots, rng.normal(size=knots.size)) for _ in shares]
+        )
+        level[rows] = share * course * works * shares[:, None] * own
+    return np.clip(level, 0, 1.2)
+
+
+def _one_at_a_time(rng: np.random.Generator, times: Array, size: float) -> Array:
+    """Return three contractions of each muscle, or of each group where they are maximal."""
+    level, groups = (
+        np.zeros((4, times.size)),
+        [[0], [1], [2], [3]] if size < 1 else [[0], [1, 2, 3]],
+    )
+    shares = np.array([1.0, 0.2, 0.55, 0.25])
+    each = (times[-1] - 1) / (3 * len(groups))
+    for i in range(3 * len(groups)):
+        rows = groups[i // 3]
+        now, seconds = 1 + i * each, min(0.75 * each, 3.0)
+        burst = _smooth((times - now) / 0.4) * _smooth((now + seconds - times) / 0.4)
+        burst = burst * size * rng.uniform(0.85, 1.0)
+        helps = rng.uniform(
+            0.0, 0.12, 4
+        )  # who contracts one muscle does not quite leave the others
+        if rows == [0]:
+            helps[1:] *= 0.4
+        for row in range(4):
+            level[row] += shares[row] * burst * (1.0 if row in rows else helps[row])
+    return level
