@@ -18,6 +18,8 @@ if TYPE_CHECKING:  # what computes comes when it is needed: help reads the field
 
 #: Starts of a fit unless it says otherwise: the default start and seven random ones.
 STARTS = 8
+#: Standard deviation of an angle's zero [deg]: foot plates, malleoli and shoes are 3 to 5° off.
+_ZERO = 2.5
 #: More starts than these are slips of the keyboard.
 _MOST_STARTS = 10_000
 
@@ -138,6 +140,13 @@ class FitSettings:
         label="The geometry’s file is", words={"generic": "of a generic model",
         "person": "of this person"},
     )  # fmt: skip
+    angle_zero_sd: float | None = setting(
+        None, "How far the angle's zero may be from the ankle's [deg], foot perpendicular to "
+        "shank, one standard deviation: every measure at a stated angle has it in its interval. By "
+        "default 2.5, or 0 where `angle_zero` is given.", least=0.0, most=20.0, metavar="DEG",
+        help="How far the angle's zero may be off, one standard deviation.  [default: 2.5]",
+        label="Zero of the angle ± [°]",
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         """Freeze what was given, and refuse what no model could mean."""
@@ -155,8 +164,9 @@ class FitSettings:
                     for k, v in value.items()
                 )
                 object.__setattr__(self, name, frozen)
-            elif kind == "whole":
-                object.__setattr__(self, name, checked(name, value, record, whole=True))
+            elif kind in ("whole", "number") and value is not None:
+                whole = kind == "whole"
+                object.__setattr__(self, name, checked(name, value, record, whole=whole))
             elif record.choices and each.default in (None, names.GEOMETRY_OF[0]) and value not in (
                 None, *record.choices
             ):  # fmt: skip
@@ -209,6 +219,13 @@ class FitSettings:
                 others = ", ".join((*_OPTIONS, *known))
                 raise InputError(f"unknown option {name!r}; known options: {others}")
         return replace(base, **given, options=replace(options, **switches))
+
+    @property
+    def zero_sd(self) -> float:
+        """How far the angle's zero may be off, one standard deviation [deg]."""
+        if self.angle_zero_sd is None:
+            return 0.0 if "angle_zero" in self.fixed else _ZERO
+        return self.angle_zero_sd
 
     @property
     def parameters(self) -> frozenset[str]:

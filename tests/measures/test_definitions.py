@@ -10,7 +10,7 @@ from scipy import optimize, signal
 
 from surae.base.errors import InputError
 from surae.measures import DEFINITIONS, measures_of_values
-from surae.measures.leg import Leg, NotDefinedError
+from surae.measures.leg import ZERO, Leg, NotDefinedError
 from surae.measures.passive import tendon_secant
 from surae.model import ModelOptions, get_model, with_optional
 from surae.studies import virtual_subject
@@ -175,7 +175,9 @@ def test_the_end_of_the_range_is_where_it_was_moved_to(compliant) -> None:
     rise = both(p, high) - both(p, low)
     truth = {
         "end_torque": both(p, high), "end_stiffness": (both(p, high) - both(p, high - 10.0)) / 10.0,
-        "torque_rise": rise, "slack_before_end_tri": high - slack,
+        "end_stiffness_tib": (torque(p, "tib", high - 10.0) - torque(p, "tib", high)) / 10.0,
+        "end_torque_tri": torque(p, "tri", high), "torque_rise": rise,
+        "slack_before_end_tri": high - slack,
         "optimum_before_end_tri": high - optimal_angle(p, "tri"),
         "optimum_before_end_tib": optimal_angle(p, "tib") - low,
     }  # fmt: skip
@@ -189,6 +191,39 @@ def test_the_end_of_the_range_is_where_it_was_moved_to(compliant) -> None:
         if each.name == "end_torque":  # at an end that another session has
             assert each.value(leg, 5.0) == pytest.approx(both(p, 5.0), rel=5e-3)
             assert each.span(leg, 5.0) == (5.0, 5.0)
+
+
+@pytest.mark.parametrize("off", [0.0, 0.06])
+def test_stiffness_is_of_the_joint_and_not_of_its_muscles_alone(off) -> None:
+    """Tissue beside the muscles, and a zero of the angle that is not the ankle's own."""
+    p = {n: v for n, v in random_leg(2).items() if not n.startswith(("dlt", "pt"))}
+    tissue = {"joint_stiffness": 2.0, "joint_torque": 0.3, "joint_damping": 0.2}
+    spec = with_optional(get_model("muscle"), [*p, *tissue])
+    whole = dict(zip(spec.names, spec.vector(p | tissue, ModelOptions()).tolist(), strict=True))
+    leg = Leg(spec, ModelOptions(), {**whole, ZERO: off}, moved=(-40.0, 15.0))
+
+    def joint(degrees: float) -> float:
+        shown = degrees + np.degrees(off)
+        return both(p, shown) + 2.0 * (np.radians(shown) + 0.26) + 0.3
+
+    told = {each.name: each for each in DEFINITIONS}
+    wanted = {
+        "passive_torque": joint(10.0), "passive_stiffness": slope(joint, 10.0),
+        "passive_torque_tri": torque(p, "tri", 10.0 + np.degrees(off)),
+        "neutral_angle": optimize.brentq(joint, -60, 40), "joint_stiffness": np.radians(2.0),
+    }  # fmt: skip
+    for name, value in wanted.items():
+        assert told[name].value(leg, 10.0) == pytest.approx(value, rel=5e-3), name
+    end = 15.0 - np.degrees(off)
+    assert told["end_torque"].value(leg, np.inf) == pytest.approx(joint(end), rel=1e-6)
+    plain = Leg(spec, ModelOptions(), {**whole, "joint_damping": 0.0, ZERO: off})
+    lost = [1e-3 * told["dissipated_energy"].value(each, 0.0) for each in (leg, plain)]
+    assert lost[0] - lost[1] == pytest.approx(0.2 * np.radians(10) * np.radians(60), rel=0.03)
+    slow = told["slow_torque"].value(leg, 10.0) - told["slow_torque"].value(plain, 10.0)
+    assert slow == pytest.approx(0.2 * np.radians(5), rel=0.01)
+    bare = Leg(get_model("muscle"), ModelOptions(), p)
+    with pytest.raises(NotDefinedError, match="no tissue beside"):
+        told["joint_stiffness"].value(bare, 0.0)
 
 
 @pytest.mark.parametrize("compliant", [False, True])

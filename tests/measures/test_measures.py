@@ -9,9 +9,12 @@ import pytest
 import surae
 from surae.base.errors import InputError
 from surae.inference import Verdict
-from surae.measures import measures_of_values
+from surae.measures import DEFINITIONS, measures_of_values
+from surae.measures.leg import leg_of
 from surae.measures.spread import spread_of
+from surae.model import ModelOptions, get_model, with_optional
 from surae.protocol import Protocol, generate
+from surae.settings import FitSettings
 from surae.studies import virtual_subject, virtual_trial
 
 
@@ -30,9 +33,17 @@ def told(fitted):
     return fitted(1)[0].measures([0.0, 10.0, 45.0])
 
 
+def over_the_range(fit: surae.Fit, truth: dict[str, float]) -> dict[str, float]:
+    """What is true over the range that was moved."""
+    spec, options = with_optional(get_model("muscle-tendon"), truth), ModelOptions()
+    values = dict(zip(spec.names, spec.vector(truth, options).tolist(), strict=True))
+    leg = replace(leg_of(fit.result), spec=spec, options=options, values=values)
+    return {d.name: d.value(leg, np.inf) for d in DEFINITIONS if d.span}
+
+
 def test_a_richer_leg_is_known_by_its_measures(fitted, told) -> None:
     _, truth = fitted(1)
-    true = measures_of_values(truth, "muscle-tendon")
+    true = measures_of_values(truth, "muscle-tendon") | over_the_range(fitted(1)[0], truth)
     identified = [m for m in told.values() if m.verdict is Verdict.IDENTIFIED and m.name in true]
     comparable = [m for m in identified if not m.name.startswith("torque_per_emg")]
     assert len(comparable) >= 10
@@ -53,6 +64,41 @@ def test_stiffness_is_far_better_known_than_what_it_is_made_of(fitted, told) -> 
 def test_a_saved_fit_has_the_same_measures(fitted, told, tmp_path) -> None:
     fitted(1)[0].save(tmp_path / "fit.json")
     assert surae.load(tmp_path / "fit.json").measures([0.0, 10.0, 45.0]) == told
+
+
+def zero_known(fit: surae.Fit, sd: float) -> surae.Fit:
+    """The same fit where the laboratory says how its angle's zero was set."""
+    problem = fit.result.problem
+    settings = replace(problem.settings, angle_zero_sd=sd)
+    return replace(fit, result=replace(fit.result, problem=replace(problem, settings=settings)))
+
+
+def half(m) -> float:
+    return (m.ci95[1] - m.ci95[0]) / 2.0
+
+
+def test_the_zero_of_the_angle_is_in_what_is_told_at_an_angle_and_in_nothing_else(fitted) -> None:
+    fit, _ = fitted(1)
+    usual, known = fit.measures(), zero_known(fit, 0.0).measures()
+    twice = zero_known(fit, 5.0).measures()
+    for name in ("passive_torque@10deg", "passive_stiffness@10deg", "neutral_angle"):
+        assert usual[name].value == known[name].value
+        more, most = (half(m[name]) ** 2 - half(known[name]) ** 2 for m in (usual, twice))
+        assert most == pytest.approx(4.0 * more, rel=0.05), name
+        assert more > 0.1 * half(known[name]) ** 2, name
+    for name in ("end_torque", "end_stiffness", "torque_rise", "slack_before_end_tri",
+                 "optimum_before_end_tri", "bandwidth", "tissue_share"):  # fmt: skip
+        assert half(usual[name]) == pytest.approx(half(known[name]), rel=0.05), name
+    more = half(usual["neutral_angle"]) ** 2 - half(known["neutral_angle"]) ** 2
+    assert more**0.5 == pytest.approx(1.96 * 2.5, rel=0.01)
+
+
+def test_an_angle_zero_that_is_given_is_believed() -> None:
+    assert FitSettings().zero_sd == 2.5
+    assert FitSettings(fixed={"angle_zero": 0.02}).zero_sd == 0.0
+    assert FitSettings(fixed={"angle_zero": 0.02}, angle_zero_sd=1.0).zero_sd == 1.0
+    with pytest.raises(InputError, match="angle_zero_sd is -1"):
+        FitSettings(angle_zero_sd=-1.0)
 
 
 def test_what_was_not_measured_is_not_identified(told) -> None:
@@ -83,7 +129,8 @@ def test_a_measure_of_fixed_parameters_has_no_interval() -> None:
 
 
 def test_a_measure_that_bends_has_the_interval_of_legs_that_the_data_allow(noisy) -> None:
-    fit, name = surae.fit(noisy, "muscle", starts=1, quality=()), "passive_stiffness_tib@10deg"
+    fit = surae.fit(noisy, "muscle", starts=1, quality=(), angle_zero_sd=0.0)
+    name = "passive_stiffness_tib@10deg"
     bent, spread = fit.measures()[name], spread_of(fit.result, fit.assessment)
     legs = (dict(zip(spread.names, leg, strict=True)) for leg in spread.draws(1000, seed=1))
     allowed = [measures_of_values(leg, "muscle", only=[name])[name] for leg in legs]

@@ -187,7 +187,11 @@ def test_drives_are_data_of_the_model(name) -> None:
     everything = with_optional(spec, [group[0] for group in OPTIONAL.values()])
     own = [p for p in OPTIONAL_PARAMETERS if spec.parent or p.name not in OPTIONAL["curves"]]
     assert everything.parameters == (*spec.parameters, *own)
-    linear = (*added, "torque_zero", *OPTIONAL["plate"]) if spec.linear else ()
+    linear = (
+        (*added, "torque_zero", *OPTIONAL["plate"], *OPTIONAL["joint_spring"], "joint_damping")
+        if spec.linear
+        else ()
+    )
     assert everything.linear == (*spec.linear, *linear)
 
 

@@ -34,6 +34,9 @@ VALUES = {
     "plate_inertia": 0.03,
     "plate_cos": 2.0,
     "plate_sin": -3.0,
+    "joint_stiffness": 2.1,
+    "joint_torque": 0.4,
+    "joint_damping": 0.25,
     "plate_give": 7e-4,
     "arm_scale_tri": 0.05,
     "arm_scale_tib": -0.06,
@@ -147,6 +150,20 @@ def test_rows_of_some_are_those_of_all(name, inputs) -> None:
         columns = [spec.names.index(model) for model in chosen if model in spec.names]
         rows = simulator.torque_jacobian(p, columns)[1]
         np.testing.assert_allclose(rows, everything[columns], rtol=1e-12, atol=1e-12)
+
+
+@every_model
+def test_tissue_of_the_joint_is_a_spring_and_a_damper_and_counts_as_tissue(name, inputs) -> None:
+    values = {"joint_stiffness": 2.1, "joint_torque": 0.4, "joint_damping": 0.25}
+    simulator, p, _ = tied(name, inputs, **values)
+    by_hand = 2.1 * (inputs.angle + 0.26) + 0.4 + 0.25 * inputs.velocity
+    np.testing.assert_allclose(simulator.torque(p) - torque(name, inputs), by_hand, atol=1e-10)
+    parts = simulator.parts(p)
+    np.testing.assert_allclose(parts.joint, by_hand, atol=1e-12)
+    muscles = parts.tissue_tri + parts.tissue_tib
+    np.testing.assert_allclose(parts.tissue, muscles + by_hand, atol=1e-10)
+    assert "joint_Nm" in parts.columns()
+    assert "joint_Nm" not in tied(name, inputs)[0].parts(tied(name, inputs)[1]).columns()
 
 
 @every_model

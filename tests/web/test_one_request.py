@@ -78,6 +78,7 @@ REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
             "geometry_of": "person",
         },
     ),
+    "angle_zero_sd": ({"angle_zero_sd": 1.0}, "--angle-zero-sd 1", {"angle_zero_sd": 1.0}),
 }
 
 

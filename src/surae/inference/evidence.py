@@ -79,6 +79,22 @@ class Subset:
     variance: FloatArray  #: Of each of them, shape (q,).
 
 
+def with_likely(
+    scored: tuple[Subset, ...], asks: str, beside: str, likely: float
+) -> tuple[Subset, ...]:
+    """The sets, the best first that has a group whose probability is above `likely`.
+
+    Of a group `asks` that is left out no interval has anything; one `beside` it that does nearly
+    the same is in as well where it is as likely, so that the data decide between the two.
+    """
+    weight = {g: sum(s.weight for s in scored if g in s.groups) for g in (asks, beside)}
+    there = {group for group, each in weight.items() if each > likely}
+    if asks not in there:
+        return scored
+    chosen = next(s for s in scored if there <= {*s.groups})
+    return chosen, *(s for s in scored if s is not chosen)
+
+
 def subsets(
     laplace: LaplaceApproximation,
     groups: Mapping[str, Sequence[int]],

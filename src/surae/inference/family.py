@@ -22,7 +22,7 @@ from surae.base.frozen import FrozenDict
 from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
 from surae.inference.coordinates import is_straight
-from surae.inference.evidence import Subset, subsets
+from surae.inference.evidence import Subset, subsets, with_likely
 from surae.inference.film import names_of_film
 from surae.inference.fit import fit_problem
 from surae.inference.interrupt import postponed_interrupt
@@ -78,6 +78,9 @@ _FOLLOWED = 0.8
 _LESS = 0.005
 #: Odds beforehand that a leg or laboratory has a departure.
 _ODDS = 0.3
+#: Probability from which the joint's spring, of which the ankle's stiffness is made, is in, and a
+#: plate beside it, whose weight goes with the angle as the spring does.
+_LIKELY = 0.1
 #: How far EMG at rest may be from what is expected, in standard deviations.
 _REST = 6.0
 #: Bounds that are wider than those of a named model's search.
@@ -362,6 +365,7 @@ class _Search:
                 off[j] = self._beliefs[name].off
         odds = dict.fromkeys(possible, _ODDS)
         scored = subsets(full.laplace(point), positions, off, odds=odds)
+        scored = with_likely(scored, "spring", "plate", _LIKELY)
         own = self._posterior(scored[0].groups, _RATES[1], full.noise, full.sizes, full)
         own = own.having(fast=full.fast)
         best = own.descend(

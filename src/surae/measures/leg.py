@@ -20,6 +20,7 @@ from surae.model.contraction import FECC, MVSH, force_length
 from surae.model.equilibrium import solve
 from surae.model.geometry import paths
 from surae.model.movement import OWN_PATH
+from surae.model.parameters import JOINT_RESTS
 from surae.model.tendon import TendonCurve, tendon_curve, tendon_force
 from surae.signals import ModelInputs
 
@@ -35,7 +36,9 @@ _STRETCH, _STRETCHING = (-30.0, 40.1, 0.2), 5.0
 _STILL = 1e-9
 _DEGREE = np.pi / 180.0
 #: How parameters begin that are the paths and curves of a leg.
-_OF_LEG = ("arm_", "path_", "length_", "fl_", "fv_")
+_OF_LEG = ("arm_", "path_", "length_", "fl_", "fv_", "joint_")
+#: Of measures alone: the angle of the fit at which the ankle has its own zero [rad].
+ZERO = "zero_of_angle"
 #: Angles between which a length is looked for [deg].
 _ENDS = (-150.0, 150.0)
 
@@ -79,7 +82,7 @@ class Leg:
     options: ModelOptions
     values: Mapping[str, float]  #: Every parameter of the model.
     inputs: tuple[ModelInputs, ...] = ()  #: Recordings; empty where only the leg itself is asked.
-    #: Ends of the range that was moved, by the device's angle [deg]; None without recordings.
+    #: Ends of the range that was moved, by the angle of the fit [deg]; None without recordings.
     moved: tuple[float, float] | None = None
     _holds: dict[tuple[str, float, float], MuscleHold] = field(default_factory=dict, compare=False)
     _muscles: dict[str, "_Muscle"] = field(default_factory=dict, compare=False)
@@ -126,6 +129,7 @@ class Leg:
         scale, bent, bend, longer, turn, zero = (
             self.values.get(f"{name}_{group}", 0.0) for name in OWN_PATH
         )
+        angle += self.values.get(ZERO, 0.0)
         length, slope, arm, arm_slope = self._assumed(group, angle, self._second)
         rest = self._assumed(group, 0.0, None).length
         grown, stretch = math.exp(scale), math.exp(longer)
@@ -160,10 +164,26 @@ class Leg:
         """The range that was moved [deg], to a stated end or, of infinity, to its own."""
         if self.moved is None:
             raise NotDefinedError("no recording says how far the ankle was moved")
-        low, high = self.moved
+        low, high = (each - self.values.get(ZERO, 0.0) / _DEGREE for each in self.moved)
         if min(high, end) - low < _LITTLE:
             raise NotDefinedError("the ankle was hardly moved")
         return low, high if end == math.inf else end
+
+    def joint_torque(self, degrees: float) -> float:
+        """Torque of the joint's own tissue at an angle [Nm]."""
+        of = self.values.get
+        turned = degrees * _DEGREE - JOINT_RESTS + self._off
+        return of("joint_stiffness", 0.0) * turned + of("joint_torque", 0.0)
+
+    @property
+    def joint_stiffness(self) -> float:
+        """Stiffness of the joint's own tissue [Nm/deg]."""
+        return self.values.get("joint_stiffness", 0.0) * _DEGREE
+
+    @property
+    def _off(self) -> float:
+        """What the device shows where the ankle has its own zero [rad]."""
+        return self.values.get(ZERO, 0.0) - self.values.get("angle_zero", 0.0)
 
     def angle_of(self, group: str, length: float) -> float:
         """Angle [deg] at which muscle and tendon, but for its slack length, are so long."""
@@ -290,12 +310,13 @@ class Leg:
 
     def passive_torque(self, degrees: Sequence[float], rate_hz: float) -> FloatArray:
         """Passive torque [Nm] of a leg without activity that is turned so, shape (n,)."""
-        own = tuple(name for name in self.spec.optional if name.startswith(_OF_LEG))
+        own = (*(n for n in self.spec.optional if n.startswith(_OF_LEG)), "angle_zero")
         names, simulator = _turned(
             self.spec.name, own, self.options, tuple(degrees), rate_hz, self._second
         )
-        at_rest = [0.0 if name == "m" else self.values[name] for name in names]  # no limb
-        return simulator.torque(np.array(at_rest))
+        values = {**self.values, "m": 0.0, "angle_zero": self.values.get(ZERO, 0.0)}  # no limb
+        torque = simulator.torque(np.array([values[name] for name in names]))
+        return torque + self.values.get("joint_stiffness", 0.0) * self._off
 
     @cached_property
     def slow_stretch(self) -> tuple[FloatArray, FloatArray]:
@@ -394,9 +415,10 @@ def _largest(of: Sequence[FloatArray]) -> dict[str, float]:
 def measured_range(
     result: FitResult, percentiles: tuple[float, float] = (0.5, 99.5)
 ) -> tuple[float, float]:
-    """Lowest and highest angle of the samples that count [deg]."""
+    """Lowest and highest angle of the samples that count, by the ankle's zero as given [deg]."""
     angles = [recording.angle[recording.counts] for recording in result.problem.inputs]
-    low, high = np.degrees(np.percentile(np.concatenate(angles), percentiles))
+    zero = result.values.get("angle_zero", 0.0)
+    low, high = np.degrees(np.percentile(np.concatenate(angles), percentiles) + zero)
     return float(low), float(high)
 
 

@@ -46,6 +46,23 @@ def end_stiffness(leg: Leg, end: float) -> float:
     return (passive_torque(leg, high) - passive_torque(leg, low)) / (high - low)
 
 
+def end_torque_of(leg: Leg, end: float, group: str) -> float:
+    """Pull of the relaxed {muscles} at the end of the dorsiflexion that was moved.
+
+    passive_torque_{group} there, towards {direction}: a part of end_torque.
+    """
+    return passive_torque_of(leg, leg.range_to(end)[1], group)
+
+
+def end_stiffness_of(leg: Leg, end: float, group: str) -> float:
+    """Part of the {muscles} in the stiffness over the last 10° of dorsiflexion that were moved.
+
+    Mean of passive_stiffness_{group} there: the two and joint_stiffness add up to end_stiffness.
+    """
+    low, high = last_degrees(leg, end)
+    return (leg.hold(group, high).torque - leg.hold(group, low).torque) / (high - low)
+
+
 def torque_rise(leg: Leg, end: float) -> float:
     """Rise of the relaxed ankle's torque over the whole range that was moved.
 
@@ -72,10 +89,10 @@ def before_end(leg: Leg, end: float, group: str, angle: float) -> float:
 def passive_torque(leg: Leg, at: float) -> float:
     """Torque of the relaxed ankle at an angle, its tissue fully relaxed.
 
-    T = r_tri·F_tri − r_tib·F_tib, F = exp(k·(x − x0))/(1 + k_rel) in balance with the tendon;
-    equations (2), (8) and (10).
+    T = r_tri·F_tri − r_tib·F_tib + T_joint, F = exp(k·(x − x0))/(1 + k_rel) in balance with the
+    tendon; equations (2), (8) and (10). T_joint is of the joint's own tissue, where the data ask.
     """
-    return sum(leg.hold(group, at).torque for group in GROUPS)
+    return sum(leg.hold(group, at).torque for group in GROUPS) + leg.joint_torque(at)
 
 
 def passive_torque_of(leg: Leg, at: float, group: str) -> float:
@@ -91,15 +108,25 @@ def passive_stiffness(leg: Leg, at: float) -> float:
 
     dT/dθ of passive_torque, the change of the moment arms included; muscle and tendon in series.
     """
-    return sum(_slow(leg, group, at) for group in GROUPS)
+    return sum(_slow(leg, group, at) for group in GROUPS) + leg.joint_stiffness
 
 
 def passive_stiffness_of(leg: Leg, at: float, group: str) -> float:
     """Part of the {muscles} in the stiffness of the relaxed ankle.
 
-    {sign}dT_{group}/dθ, as of passive_stiffness: the two parts add up.
+    {sign}dT_{group}/dθ, as of passive_stiffness: the two and joint_stiffness add up.
     """
     return _slow(leg, group, at)
+
+
+def joint_stiffness(leg: Leg, _: float) -> float:
+    """Part of the joint's own tissue in the stiffness of the relaxed ankle, at any angle.
+
+    joint_stiffness of the model: capsule, ligaments and skin beside the muscles.
+    """
+    if "joint_stiffness" not in leg.values:
+        raise NotDefinedError("the recordings ask for no tissue beside the muscles")
+    return leg.joint_stiffness
 
 
 def quick_stiffness(leg: Leg, at: float) -> float:
@@ -108,7 +135,7 @@ def quick_stiffness(leg: Leg, at: float) -> float:
     dT/dθ with dF = k·exp(k·(x − x0))·dx, the high-frequency gain of equation (10).
     """
     holds = [leg.hold(group, at) for group in GROUPS]
-    return sum(hold.torque_slope(hold.quick) for hold in holds)
+    return sum(hold.torque_slope(hold.quick) for hold in holds) + leg.joint_stiffness
 
 
 def slow_torque(leg: Leg, at: float) -> float:

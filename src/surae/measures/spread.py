@@ -16,6 +16,11 @@ from surae.inference import Assessment, FitResult, Interval
 from surae.inference.coordinates import straight
 from surae.inference.marginal import drawn_anew
 from surae.inference.uncertainty.covariance import inverse_root
+from surae.measures.leg import ZERO
+
+#: Part of what is not known of the angle's zero that another session, the foot mounted anew by the
+#: same hands, draws anew; assumed.
+_ANEW = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,6 +74,27 @@ class Spread(Comparable):
 
 
 def spread_of(result: FitResult, assessment: Assessment) -> Spread:
+    """The uncertainty of a fit's free parameters together, and of the zero of its angle."""
+    spread, zero = _estimated(result, assessment), np.radians(result.problem.settings.zero_sd)
+    if not zero or "angle_zero" in spread.names:
+        return spread
+
+    def with_zero(matrix: FloatArray, sd: float) -> FloatArray:
+        wider = np.pad(matrix, (0, 1))
+        wider[-1, -1] = sd**2
+        return wider
+
+    lost = (*spread.lost, ZERO) if spread.lost == spread.names else spread.lost
+    return replace(
+        spread, names=(*spread.names, ZERO), log=np.append(spread.log, False), lost=lost,
+        values=np.append(spread.values, 0.0), lower=np.append(spread.lower, -1.0),
+        upper=np.append(spread.upper, 1.0), total=with_zero(spread.total, zero),
+        repeat=with_zero(spread.repeat, 0.0), session=with_zero(spread.session, _ANEW * zero),
+        model=with_zero(spread.model, 0.0),
+    )  # fmt: skip
+
+
+def _estimated(result: FitResult, assessment: Assessment) -> Spread:
     """The uncertainty of a fit's free parameters together."""
     problem = result.problem
     names = problem.free

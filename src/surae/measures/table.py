@@ -108,9 +108,11 @@ def _moved(name: str, unit: str, compute: Callable[[Leg, float], float], span: A
     return _D(name, unit, compute, points=(math.inf,), span=span, alone=_RANGE)
 
 
-def _before_end(name: str, compute: Callable[[Leg, float, str], float]) -> tuple[Definition, ...]:
+def _moved_each(
+    name: str, unit: str, compute: Callable[[Leg, float, str], float], span: Any, **more: Any
+) -> tuple[Definition, ...]:
     ends = ((math.inf,), (math.inf,))
-    return _pair(name, "deg", compute, "", ends, is_angle=True, span=Leg.range_to, alone=_RANGE)
+    return _pair(name, unit, compute, "", ends, span=span, alone=_RANGE, **more)
 
 
 def _part(name: str, compute: Callable[[Leg, float, str], float], of: str) -> Definition:
@@ -120,13 +122,17 @@ def _part(name: str, compute: Callable[[Leg, float, str], float], of: str) -> De
 DEFINITIONS: tuple[Definition, ...] = (
     _moved("end_stiffness", "Nm/deg", passive.end_stiffness, passive.last_degrees),
     _moved("end_torque", "Nm", passive.end_torque, passive.at_end),
+    *_moved_each("end_stiffness", "Nm/deg", passive.end_stiffness_of, passive.last_degrees),
+    *_moved_each("end_torque", "Nm", passive.end_torque_of, passive.at_end),
     _moved("torque_rise", "Nm", passive.torque_rise, Leg.range_to),
-    *_before_end("slack_before_end", passive.slack_before_end),
-    *_before_end("optimum_before_end", active.optimum_before_end),
+    *_moved_each("slack_before_end", "deg", passive.slack_before_end, Leg.range_to, is_angle=True),
+    *_moved_each("optimum_before_end", "deg", active.optimum_before_end, Leg.range_to,
+                 is_angle=True),
     _D("passive_torque", "Nm", passive.passive_torque, "deg"),
     *_pair("passive_torque", "Nm", passive.passive_torque_of, "deg"),
     _D("passive_stiffness", "Nm/deg", passive.passive_stiffness, "deg"),
     *_pair("passive_stiffness", "Nm/deg", passive.passive_stiffness_of, "deg"),
+    _D("joint_stiffness", "Nm/deg", passive.joint_stiffness),
     _D("quick_stiffness", "Nm/deg", passive.quick_stiffness, "deg"),
     _D("slow_torque", "Nm", passive.slow_torque, "deg"),
     _D("slow_stiffness", "Nm/deg", passive.slow_stiffness, "deg"),

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from surae.signals import ModelInputs
 
 T = TypeVar("T")
+#: Angle about which the joint's own tissue turns from one way to the other [rad]: a relaxed foot's.
+JOINT_RESTS = -0.26
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +34,8 @@ class Known:
 class Added(NamedTuple):
     """A torque that is proportional to a parameter, whatever the muscles do."""
 
-    part: Literal["zero", "inertial", "gravitational"]  #: What it belongs to, see `TorqueParts`.
+    #: What it belongs to, see `TorqueParts`.
+    part: Literal["zero", "inertial", "gravitational", "joint"]
     of: Callable[["ModelInputs"], FloatArray]  #: Of one unit of the parameter [Nm], shape (n,).
 
 
@@ -240,6 +243,10 @@ def _sine(inputs: "ModelInputs") -> FloatArray:
     return np.sin(inputs.angle)
 
 
+def _from_rest(inputs: "ModelInputs") -> FloatArray:
+    return inputs.angle - JOINT_RESTS
+
+
 _GEOMETRY = "give the leg's own geometry"
 _LEVELS = "weak and strong efforts of the same muscle"
 _AXIS = "measure where the ankle lies from the device's axis, and fix it"
@@ -300,6 +307,17 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
            Added("gravitational", _cosine)),
         _M("plate_sin", "Nm", "weight of the plate, times sin θ", -20.0, 20.0, _PLATE,
            Added("gravitational", _sine)),
+    ),
+    "joint_spring": (
+        _M("joint_stiffness", "Nm/rad", "stiffness of the joint beside the muscles", 0.0, 30.0,
+           "tare the empty plate, and move the relaxed ankle slowly over its whole range",
+           Added("joint", _from_rest)),
+        _M("joint_torque", "Nm", "torque of the joint's own tissue at −15°", -10.0, 10.0,
+           "tare the empty plate", Added("joint", _constant)),
+    ),
+    "joint_damper": (
+        _M("joint_damping", "Nm·s/rad", "damping of the joint beside the muscles", 0.0, 5.0,
+           "move the relaxed ankle at several speeds", Added("joint", attrgetter("velocity"))),
     ),
     "plate_give": (
         _M("plate_give", "rad/Nm", "angle by which the foot plate gives way", 0.0, 4e-3,

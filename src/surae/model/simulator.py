@@ -103,11 +103,13 @@ class TorqueParts(Comparable):
     reflex_tri: FloatArray | None = None
     reflex_tib: FloatArray | None = None
     zero: FloatArray | None = None  #: Zero of the torque; None from a model without one.
+    joint: FloatArray | None = None  #: The joint's own tissue; None from a model without it.
 
     @property
     def tissue(self) -> FloatArray:
-        """Passive tissue of both muscle groups [Nm]."""
-        return self.tissue_tri + self.tissue_tib
+        """Passive tissue of both muscle groups, and of the joint [Nm]."""
+        tissue = self.tissue_tri + self.tissue_tib
+        return tissue if self.joint is None else tissue + self.joint
 
     @property
     def neural(self) -> FloatArray:
@@ -131,7 +133,7 @@ class TorqueParts(Comparable):
         """The parts under the names they have in files, sums first, optional ones last."""
         names = (
             "tissue", "neural", "inertial", "gravitational", "tissue_tri", "tissue_tib",
-            "neural_tri", "neural_tib", "zero", "reflex", "reflex_tri", "reflex_tib",
+            "neural_tri", "neural_tib", "joint", "zero", "reflex", "reflex_tri", "reflex_tib",
         )  # fmt: skip
         parts = {name: getattr(self, name) for name in names}
         called = {"zero": "torque_zero"}

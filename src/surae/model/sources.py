@@ -206,6 +206,19 @@ _SOURCES = (
             of_device=True,
             own=FrozenDict({"plate_inertia": Gaussian(0.0, 0.03)}))),
     UncertaintySource(
+        "joint_spring", "joint tissue", "capsule, ligaments and skin that hold beside the muscles",
+        N_("Tare the empty plate, and move the relaxed ankle slowly over its whole range."),
+        Fill("series-6", "x"), Nuisance(
+            "spring", OPTIONAL["joint_spring"], Gaussian(2.0, 2.0, off=0.0), "Nm/rad",
+            "the capsule makes 47 % of the stiffness of a cat’s wrist (Johns and Wright 1962), the "
+            "whole relaxed ankle has some 4 to 8 Nm/rad; the rest is assumed", of_leg=True,
+            departs=True, own=FrozenDict({"joint_torque": Gaussian(0.0, 0.5)}))),
+    UncertaintySource(
+        "joint_damper", "joint damping", "capsule, skin and hinge that brake beside the muscles",
+        N_("Move the relaxed ankle at several speeds."), Fill("series-6", "-"), Nuisance(
+            "damper", OPTIONAL["joint_damper"], Gaussian(0.2, 0.3, off=0.0), "Nm·s/rad",
+            "tenths; assumed", of_leg=True, departs=True)),
+    UncertaintySource(
         "give", "give of the plate", "how far the foot turns on its plate under load",
         N_("Strap the foot tighter, or measure the angle at the ankle."), Fill("series-6", "/"),
         Nuisance(

@@ -1,6 +1,7 @@
 """A model tied to a recording: what all models have in common, whatever their muscles do.
 
-    T = m·(T_inertia + T_gravity) + Σ r·(F_tissue + F_active) + torque_zero + T_plate        (1)
+    T = m·(T_inertia + T_gravity) + Σ r·(F_tissue + F_active) + torque_zero + T_plate
+        + joint_stiffness·(θ + 0.26) + joint_torque + joint_damping·θ'                  (1)
     T_plate = plate_inertia·θ'' + plate_cos·cos θ + plate_sin·sin θ
 
 A model gives the forces of a muscle group, and its torque with derivatives; movement, excitation
@@ -143,6 +144,7 @@ class Simulator:
             inertial=p[0] * leg.inertia + added.get("inertial", 0.0),
             gravitational=p[0] * leg.gravity + added.get("gravitational", 0.0),
             reflex_tri=reflex_tri, reflex_tib=reflex_tib, zero=added.get("zero"),
+            joint=added.get("joint"),
         )  # fmt: skip
         return parts, np.stack(force)
 
