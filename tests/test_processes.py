@@ -562,3 +562,26 @@ def test_processes_start_in_one_place_only() -> None:
         if starts.search(source.read_text(encoding="utf-8"))
     ]
     assert guilty == ["processes/child.py"]
+
+
+@pytest.mark.skipif(not hasattr(os, "register_at_fork"), reason="no fork here")
+def test_a_copy_of_a_program_whose_child_is_at_work_has_a_child_of_its_own() -> None:
+    code = (
+        "import os, threading, time\n"
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        "from surae.processes import Child, guarded\n"
+        f"own, slow, quick = Child(), '{ME}:sleep', '{ME}:echo'\n"
+        "for call in (guarded, own.call):\n"
+        "    threading.Thread(target=call, args=(slow, {}), daemon=True).start()\n"
+        "time.sleep(2.0)\n"
+        "if not os.fork():\n"
+        "    told = guarded(quick, {'x': 1}), own.call(quick, {'x': 2}).value\n"
+        "    print(told, flush=True)\n"
+        "    os._exit(0)\n"
+        "print(os.waitstatus_to_exitcode(os.wait()[1]), flush=True)\n"
+        "os._exit(0)\n"
+    )
+    made = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=PATIENCE, check=False
+    )
+    assert made.stdout.splitlines() == ["({'x': 1}, {'x': 2})", "0"], made.stderr

@@ -13,8 +13,18 @@ import pytest
 from surae.base.errors import InputError
 from surae.base.filed import filed
 from surae.base.frozen import Comparable, FrozenDict, read_only
-from surae.base.records import FileName, Listed, OrInfinite, OrNaN, from_plain, to_plain
+from surae.base.records import (
+    FileName,
+    Listed,
+    OrInfinite,
+    OrNaN,
+    from_plain,
+    read_toml,
+    to_plain,
+)
 from surae.base.units import FloatArray
+from surae.model.joint import read_joint
+from surae.protocol.device import read_device
 
 
 class Grade(StrEnum):
@@ -125,3 +135,18 @@ def test_what_is_wrong_is_named_in_a_line(change, says) -> None:
 def test_what_is_no_record_at_all(wrong) -> None:
     with pytest.raises(InputError, match="no table of names and values"):
         from_plain(Trial, wrong)
+
+
+@pytest.mark.parametrize(
+    "text", ["a=" + 5000 * "[" + 5000 * "]", "a=" + 200 * "[" + 200 * "]", "a=" + 5000 * "9",
+             "a=" + 30 * "9", "a.=", ".".join(40 * "a") + "=1", "a='\x01'"],
+)  # fmt: skip
+def test_toml_without_an_end_is_refused_in_a_line(text, tmp_path) -> None:
+    (tmp_path / "a.toml").write_text(text)
+    for read in (read_toml, read_joint, read_device):
+        with pytest.raises(InputError) as error:
+            read(tmp_path / "a.toml")
+        assert "not valid TOML" in str(error.value)
+    (tmp_path / "a.toml").write_bytes(b"a='\xff'")
+    with pytest.raises(InputError, match=r"a\.toml: "):
+        read_toml(tmp_path / "a.toml")

@@ -370,6 +370,7 @@ def test_a_factor_that_is_not_finite_gives_no_intervals(bad, text, tmp_path):
     data = json.loads(text)
     shape = data["R"]["shape"]
     data["R"] = encode(np.full(shape, bad))
+    del data["sha256"]  # as files of before have none
     assert load_text(json.dumps(data), tmp_path).ipde is None
 
 
@@ -434,3 +435,37 @@ def test_a_fit_names_no_file_to_be_read(text, tmp_path):
     (tmp_path / "fit.json").write_text(json.dumps(data))
     with pytest.raises(InputError, match="geometry is"):
         load_saved(tmp_path / "fit.json")
+
+
+@pytest.mark.parametrize("name", ["k_tri", "m"])
+def test_a_file_whose_numbers_somebody_changed_says_so(name, text, tmp_path):
+    data = json.loads(text)
+    data["recordings"][0]["name"] = data["traces"][0]["name"] = "code 17"
+    assert load_text(json.dumps(data), tmp_path)[name].value  # labels may be changed
+    data["parameters"][name]["value"] *= 0.999
+    with pytest.raises(InputError, match="not those that were fitted"):
+        load_text(json.dumps(data), tmp_path)
+
+
+@pytest.mark.parametrize("key", ["torque", "angle", "time"])
+def test_traces_that_are_no_numbers_are_refused(key, text, tmp_path):
+    data = json.loads(text)
+    del data["sha256"]
+    data["traces"][0][key] = encode(np.full(data["traces"][0][key]["shape"], np.nan))
+    with pytest.raises(InputError, match="traces"):
+        load_text(json.dumps(data), tmp_path)
+
+
+def test_arrays_that_claim_too_much_are_refused_before_they_are_unpacked(text, tmp_path):
+    data = json.loads(text)
+    for trace in data["traces"]:
+        for key in ("time", "angle", "torque", "residual"):
+            trace[key] = encode(np.zeros(10**6))
+    tracemalloc.start()
+    with pytest.raises(InputError, match="arrays claim"):
+        load_text(json.dumps(data), tmp_path)
+    assert tracemalloc.get_traced_memory()[1] < 20 * 2**20
+    tracemalloc.stop()
+    data["R"]["shape"] = [10**9, 10**9]
+    with pytest.raises(InputError, match="arrays claim"):
+        load_text(json.dumps(data), tmp_path)

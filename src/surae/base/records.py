@@ -46,6 +46,8 @@ T = TypeVar("T")
 
 #: Layouts of FIT.json and of a session's index; raised when an older surae could not read them.
 FORMAT, SESSION_FORMAT = 2, 1
+#: Bytes of a TOML file, and how deep it may be nested: ours are three deep.
+_TOML, _NESTED = 16 * 2**20, 32
 #: Numbers that a file has as null where there is none.
 OrNaN = Annotated[float, math.nan]
 OrInfinite = Annotated[float, math.inf]
@@ -113,11 +115,34 @@ def read_json(path: PathLike) -> dict[str, Any]:
 
 
 def read_toml(path: PathLike) -> dict[str, Any]:
-    """What a TOML file has."""
+    """What a TOML file has; see `parse_toml`."""
     try:
-        return tomllib.loads(read_bytes(path).decode("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{shown(path)}: not a TOML file ({error})") from None
+        return parse_toml(read_bytes(path, _TOML).decode("utf-8"))
+    except ValueError as error:
+        reason = error.reason if isinstance(error, UnicodeDecodeError) else error
+        raise InputError(f"{shown(path)}: {reason}") from None
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """What a text of TOML says; InputError for what is none, or nested, or numbers, without end."""
+    try:
+        data = tomllib.loads(text)
+    except RecursionError:
+        raise InputError("not valid TOML: nested too deeply") from None
+    except ValueError as error:  # also of a number with thousands of digits
+        raise InputError(f"not valid TOML: {error}") from None
+    open_: list[tuple[tuple[str, ...], Any]] = [((), data)]
+    while open_:
+        keys, part = open_.pop()
+        if len(keys) > _NESTED:
+            raise InputError("not valid TOML: nested too deeply")
+        if isinstance(part, int) and abs(part) >= 2**63:
+            where = shown(".".join(keys)[:60])
+            raise InputError(f"not valid TOML: {where}: a whole number of more than 64 bits")
+        inner = dict(enumerate(part)) if isinstance(part, list) else part
+        if isinstance(inner, dict):
+            open_ += (((*keys, str(key)), each) for key, each in inner.items())
+    return data
 
 
 def from_file(kind: type[T], path: PathLike, plain: Mapping[str, Any]) -> T:
@@ -178,6 +203,8 @@ def finite(value: float) -> float | None:
 
 
 _ENCODING = "float64 little-endian, zlib, base64"
+#: A file's arrays hold so many times the bytes that they are packed in at most.
+_PACKS = 100
 
 
 def encode(array: FloatArray) -> dict[str, Any]:
@@ -188,6 +215,26 @@ def encode(array: FloatArray) -> dict[str, Any]:
         "encoding": _ENCODING,
         "data": base64.b64encode(packed).decode("ascii"),
     }
+
+
+def bound_arrays(data: Any) -> None:
+    """Refuse packed arrays that claim far more numbers than what was measured packs into.
+
+    Noise, which each measured signal and each residual is, packs to three quarters; a file of
+    traces of which most are zero to a twelfth.
+    """
+    claimed, packed, open_ = 0, 0, [data]
+    while open_:
+        part = open_.pop()
+        if isinstance(part, Mapping) and {"shape", "encoding", "data"} <= part.keys():
+            sizes = part["shape"] if isinstance(part["shape"], list) else []
+            if all(type(n) is int and n >= 0 for n in sizes):
+                claimed += 8 * math.prod(sizes)
+            packed += len(part["data"]) if isinstance(part["data"], str) else 0
+        elif isinstance(part, Mapping | list):
+            open_ += part.values() if isinstance(part, Mapping) else part
+    if claimed > _PACKS * packed + 2**20:
+        raise InputError(f"its arrays claim {claimed / 2**20:.3g} MiB in {packed / 2**20:.2g} MiB")
 
 
 def decode(packed: Mapping[str, Any]) -> FloatArray:

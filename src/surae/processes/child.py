@@ -64,6 +64,7 @@ class Child:
         self._end: weakref.finalize[..., Child] | None = None
         self._owner = 0
         self._lock = threading.Lock()
+        _children.add(self)
         self._busy = self._killed = self._closed = self._interrupted = False
         self._done = self._serial = 0
 
@@ -176,17 +177,36 @@ def guarded(
     A child has one of its own for that, so that the limits hold there too; they are those of
     `Child.call`. An InputError is the function's own; all else is a ComputationError.
     """
-    with _keeping:
+    with _keeping():
         return _kept().call(function, arguments, seconds=seconds, memory=memory).result()
 
 
-_keeping = threading.Lock()
+#: All of this program.
+_children: "weakref.WeakSet[Child]" = weakref.WeakSet()
+
+
+@cache
+def _keeping() -> threading.Lock:
+    """Held while the child of `guarded` is at work."""
+    return threading.Lock()
 
 
 @cache
 def _kept() -> Child:
     """The child of `guarded`."""
     return Child()
+
+
+def _copied() -> None:
+    """In a copy of this program: locks that other threads held are nobody's now, nor their work."""
+    for made in (_keeping, _kept):
+        made.cache_clear()
+    for child in tuple(_children):
+        child._lock, child._busy, child._process = threading.Lock(), False, None
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_copied)
 
 
 def _later(seconds: float, action: Callable[[], None]) -> threading.Timer:

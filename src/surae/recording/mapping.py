@@ -9,7 +9,6 @@ import datetime
 import difflib
 import glob
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
@@ -20,7 +19,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.frozen import as_read_only
-from surae.base.records import brief, from_plain
+from surae.base.records import brief, from_plain, parse_toml
 from surae.base.units import FACTORS, spelled, to_si
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.corrections import Corrections
@@ -60,12 +59,9 @@ class Description:
         """The mapping in a file, all of it checked."""
         source.require_text()
         try:
-            description = cls(source, tomllib.loads("".join(source.lines())))
-        except ValueError as error:
-            # Beside tomllib's own error: Python's, of a number with thousands of digits.
-            raise InputError(f"{source.shown}: not valid TOML: {error}") from None
-        except RecursionError:
-            raise InputError(f"{source.shown}: not valid TOML: nested too deeply") from None
+            description = cls(source, parse_toml("".join(source.lines())))
+        except InputError as error:
+            raise InputError(f"{source.shown}: {error}") from None
         if "channels" not in description.toml:
             raise InputError(
                 f"{source.shown}: no channels: a recording's TOML has [channels.angle] with file, "

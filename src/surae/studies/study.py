@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 from surae.base.errors import InputError
 from surae.base.files import PathLike, read_bytes, shown
 from surae.base.names import CHIRP_RATE
+from surae.base.records import parse_toml
 from surae.base.setting import Setting, checked
 from surae.model import ModelOptions
 from surae.model.registry import OWN
@@ -101,10 +101,7 @@ def parse_study(text: str) -> Study:
     InputError
         As of `read_study`.
     """
-    try:
-        settings = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # also of thousands of digits or brackets
-        raise InputError(f"not TOML: {error}") from None
+    settings = parse_toml(text)
     known = ("name", *FACTORS, *INSTEAD.values(), *OPTIONS)
     for key in settings:
         if key not in known:

@@ -4,6 +4,7 @@ What people read comes first: what the fit is worth. Then come the fields of the
 saw of each recording.
 """
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -14,9 +15,17 @@ import numpy as np
 from surae._version import __version__
 from surae.base.errors import InputError
 from surae.base.filed import filed
-from surae.base.files import PathLike, shown, write_json
+from surae.base.files import PathLike, sha256, shown, write_json
 from surae.base.frozen import FrozenDict
-from surae.base.records import FORMAT, check_format, encode, from_plain, read_json, to_plain
+from surae.base.records import (
+    FORMAT,
+    bound_arrays,
+    check_format,
+    encode,
+    from_plain,
+    read_json,
+    to_plain,
+)
 from surae.base.units import FloatArray
 from surae.inference import LOSSES, FitProblem, FitResult, Start
 from surae.inference.adequacy import Adequacy
@@ -28,6 +37,12 @@ from surae.quality.finding import Quality
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
 
+#: What a file's checksum is of: what was fitted and found. What is judged of it is judged again.
+_FITTED = (
+    "model", "options", "free", "base", "priors", "settings", "traces", "sse", "R", "outliers",
+    "family",
+)  # fmt: skip
+_OF_EACH, _LABELS = ("value", "free", "lower", "upper"), ("name", "files", "steps")
 #: Part of an interval's width by which its ends may differ and are the same.
 _ALIKE = 0.005
 
@@ -56,7 +71,7 @@ def as_dict(
     for recording, white in zip(judged["recordings"], judged.pop("whiteness"), strict=True):
         recording["residual"] = white
     starts, agreeing = found.pop("starts"), found.pop("agreeing")
-    return {
+    data = {
         "surae": result.versions.get("surae", __version__),
         "format": FORMAT,
         "model": problem.spec.name,
@@ -73,6 +88,18 @@ def as_dict(
             for recording, residual in zip(problem.inputs, result.residuals, strict=True)
         ],
     }
+    return {**data, "sha256": _checksum(data)}
+
+
+def _checksum(data: Mapping[str, Any]) -> str:
+    """SHA-256 of what was fitted, however the file is set; names may be changed."""
+    fitted = {key: data.get(key) for key in _FITTED}
+    for table in ("parameters", "nuisances"):
+        fitted[table] = {
+            name: [p.get(each) for each in _OF_EACH] for name, p in data.get(table, {}).items()
+        }
+    traces = [{k: v for k, v in t.items() if k not in _LABELS} for t in data["traces"]]
+    return sha256(json.dumps({**fitted, "traces": traces}, sort_keys=True).encode())
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,9 +154,14 @@ def load_saved(path: PathLike) -> SavedFit:
     data = read_json(path)
     check_format(data, path)
     try:
+        bound_arrays(data)
         file = from_plain(_File, data)
         result = _result(file, data)
+        if data.get("sha256", (own := _checksum(data))) != own:
+            raise InputError("its numbers are not those that were fitted: somebody changed them")
         return SavedFit(result, _as_judged(assess(result, alternatives=True), data), file.findings)
+    except ArithmeticError:
+        raise InputError(f"{shown(path)}: a number in it is beyond any leg; fit again") from None
     except InputError as error:
         raise InputError(f"{shown(path)}: {error}; fit again where this is damaged") from None
 
@@ -283,6 +315,8 @@ def _check(result: FitResult) -> None:
     for where, array, shape in shapes:
         if array.shape != shape:
             raise InputError(f"{where}: an array is {list(array.shape)}, expected {list(shape)}")
+        if where.endswith(("].time", "].angle", "].torque")) and not np.isfinite(array).all():
+            raise InputError(f"{where}: not all of it are numbers")
     if not (np.isfinite(problem.lower).all() and np.isfinite(problem.upper).all()):
         raise InputError("parameters: a bound is not a number")
     weights = [1.0 if recording.weight is None else recording.weight for recording in inputs]

@@ -2,7 +2,6 @@
 
 import threading
 import time
-import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.api import MUSCLES
+from surae.base.records import read_toml
 from surae.base.units import FACTORS, SI, FloatArray, kind, plain
 from surae_workbench.live.stream import Stream
 
@@ -30,7 +30,7 @@ def roles_of(mapping: Path | None) -> Roles:
     if mapping is None:
         return {}
     roles = {}
-    for role, entry in tomllib.loads(mapping.read_text(encoding="utf-8"))["channels"].items():
+    for role, entry in read_toml(mapping)["channels"].items():
         unit = plain(str(entry.get("unit", SI[kind(role)])))
         factor = entry.get("sign", 1) * FACTORS[kind(role)].get(unit, 1.0)
         roles[str(entry["column"])] = (
