@@ -1,6 +1,7 @@
 """`model="auto"`: what it finds on legs that no model is, and what it must not claim."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,15 +13,18 @@ from richer_legs import richer_leg
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.inference import Verdict, assess, make_problem, solve
-from surae.inference.adequacy import judge_adequacy
+from surae.inference.adequacy import _laboratory, judge_adequacy
 from surae.inference.coordinates import is_straight
 from surae.inference.each import trial_spread
 from surae.inference.family import resumed
 from surae.inference.latent import emg_noise
 from surae.inference.learning import learnt_noise
+from surae.inference.marginal import _by_path
 from surae.inference.saved.fit_json import load_saved, save_fit
+from surae.model import with_optional
 from surae.model.laboratory import ALL, laboratory
 from surae.model.parameters import OPTIONAL
+from surae.model.sources import Gaussian
 from surae.protocol import Protocol, generate
 from surae.recording import Recording, read
 from surae.signals import prepare
@@ -346,6 +350,44 @@ def test_one_walking_speed_predicts_another_better_than_the_rigid_model(shared):
     for one, other in ((walk, run), (run, walk)):
         own, rigid = (surae.fit(one, model=model, quality=()) for model in ("auto", "muscle"))
         assert own.predict(other).vaf > rigid.predict(other).vaf > 0.0
+
+
+def test_a_length_on_a_path_whose_zero_is_free_is_not_the_legs_own(fitted):
+    """However narrow its interval: the force-length curve's width, assumed, makes it narrow."""
+    lengths = ("l0_tri", "l0_tib", "x0_tri", "x0_tib")
+    sure = {name: 1e-3 * by for name, by in fitted.family.spread.items()}
+    certain = replace(fitted, family=replace(fitted.family, spread=sure))
+    told = assess(certain).parameters
+    assert {told[name].verdict for name in lengths} == {Verdict.WEAK}
+    assert all("only relative to the assumed path" in told[name].note for name in lengths)
+    assert all(told[name].repeatable for name in lengths)
+    assert told["k_tri"].verdict is Verdict.IDENTIFIED
+    # a film, the path's own zero or the person's own lengths bring the claim back
+    problem = certain.problem
+    free = SimpleNamespace(free=problem.free, settings=problem.settings)
+    assert _by_path("l0_tri", free)
+    for known in (
+        SimpleNamespace(free=(*problem.free, "film_zero_gm"), settings=problem.settings),
+        SimpleNamespace(free=("l0_tri",), settings=problem.settings),
+        SimpleNamespace(free=problem.free, settings=SimpleNamespace(geometry_of="person")),
+    ):
+        assert not _by_path("l0_tri", known)
+    assert _by_path("l0_tib", SimpleNamespace(free=("length_zero_tib", "film_zero_gm"),
+                                              settings=problem.settings))  # fmt: skip
+
+
+def test_a_departure_beyond_what_legs_have_makes_the_fit_doubtful_and_is_named(fitted):
+    """Of any departure that was chosen, not of the laboratory alone."""
+    name, far = "joint_damping", Gaussian(0.2, 0.3, 0.0)
+    spec = with_optional(fitted.problem.spec, [name])
+    for value, odd in ((0.9, False), (1.2, True)):
+        odder = replace(
+            fitted, problem=replace(fitted.problem, spec=spec),
+            values={**fitted.values, name: value},
+            family=replace(fitted.family, beliefs={**fitted.family.beliefs, name: far}),
+        )  # fmt: skip
+        reasons = " ".join(text for _, text in _laboratory(odder))
+        assert ("(joint_damping): implausible" in reasons) == odd
 
 
 def test_a_value_that_no_leg_has_is_not_claimed(fitted):

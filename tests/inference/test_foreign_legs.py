@@ -62,7 +62,7 @@ def judged(folder, family: str, seed: int, seconds: float = 35.0) -> Count:
 @pytest.mark.slow  # in the fast suite test_api_auto.py has one
 def test_a_leg_of_the_models_kind_is_known(tmp_path) -> None:
     count = judged(tmp_path, "p", 31)
-    assert count.claimed >= 0.3 * count.free
+    assert count.claimed >= 0.2 * count.free  # no length: its path has a zero of its own
     assert count.keeps_the_promise()
 
 
@@ -83,7 +83,7 @@ def test_what_is_identified_of_foreign_legs_is_true(tmp_path) -> None:
             every += count
             if family in "pa":
                 own += count
-    assert own.claimed >= 0.3 * own.free
+    assert own.claimed >= 0.2 * own.free
     assert own.keeps_the_promise()
     assert every.keeps_the_promise()
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.base.frozen import FrozenDict
+from surae.base.names import GEOMETRY_OF
 from surae.base.normal import NORMAL
 from surae.base.units import FloatArray
 from surae.inference import FitProblem
@@ -101,7 +102,7 @@ def marginal(
             value, scale = p.value, 1.0
             if not is_straight(name):
                 value, scale = np.log(max(p.value, 1e-300)), p.value
-            but = ""
+            but = _by_path(name, problem)
             if budget.sd > _NARROWER * known.sd * scale:
                 but = "hardly better than before any measurement"
             elif abs(value - known.mean) > _FAR * known.sd and name not in problem.spec.weights:
@@ -126,6 +127,25 @@ def marginal(
             budget=budget.shares,
         )
     return judged
+
+
+def _by_path(name: str, problem: FitProblem) -> str:
+    """Why a length is none of the leg's own: it is read off a path whose zero is not known.
+
+    What makes it look known is the assumed width of the force-length curve, and the path's zero
+    takes the error.
+    """
+    base, _, group = name.partition("_")
+    if base not in ("l0", "x0") or f"length_zero_{group}" not in problem.free:
+        return ""
+    films = ("gl", "sol", "gm", "tri") if group == "tri" else ("ta", "tib")
+    filmed = any(f"film_zero_{at}" in problem.free for at in films)
+    if filmed or problem.settings.geometry_of == GEOMETRY_OF[1]:
+        return ""
+    return (
+        "only relative to the assumed path, whose zero is not known: give the leg's own lengths, "
+        "or film the muscle"
+    )
 
 
 def _filmed(family: Family, problem: FitProblem, table: Mapping[str, ParameterEstimate]) -> str:

@@ -254,8 +254,12 @@ def _judge(
         wide, known = relative > 1.0, f"±{percent(relative)}"
     if wide:
         return Verdict.UNDETERMINED, "not determined: its interval is as wide as its value"
-    if assessment.adequacy.grade is Grade.INADEQUATE:
-        return Verdict.WEAK, "the fit is inadequate: what it says means nothing"
+    adequacy = assessment.adequacy
+    if adequacy.grade is not Grade.ADEQUATE:
+        note = "the fit is inadequate: what it says means nothing"
+        if adequacy.grade is Grade.DOUBTFUL:
+            note = f"{known}, but the fit is doubtful: {adequacy.reasons[0]}"
+        return Verdict.WEAK, note
     if beyond := extrapolated(evaluated, result):
         return Verdict.WEAK, f"{beyond}; {known} if the model holds there"
     if bound := _through_bound(evaluated, spread):
