@@ -8,7 +8,8 @@ The scorer of `legs/` counts, the worst family first: what is identified and how
 intervals that hold the truth, and values called repeatable that the other trial repeats. With
 `--joint 3` three trials of other movement are one visit, fitted jointly. With
 `--changes` each leg is measured mounted anew and treated as well, and `surae.change` compares all
-trials with the first. Families a to k and p may be looked at while `auto` is made, l-1 to l-20 not.
+trials with the first. Measures are counted as parameters are,
+apart from them. Families of one letter may be looked at while `auto` is made, l-1 and on not.
 """
 
 import argparse
@@ -18,19 +19,21 @@ import tempfile
 import time
 import warnings
 from collections import Counter
+from collections.abc import Container
 from pathlib import Path
 
 import surae
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "legs" / "src"))
-from ankle_legs.make import make
-from ankle_legs.score import CHANGES, COLUMNS, change_table, score, table
+from ankle_legs.make import make, truth_of
+from ankle_legs.measures import MEASURED_AT
+from ankle_legs.score import CHANGES, COLUMNS, change_table, measures_of, names, score, table
 from ankle_legs.subject import PARAMETERS
 
 #: Trials that are counted, and those that are compared with the first: of another movement, mounted
 #: anew, and treated.
 TRIALS, COMPARED = (1, 2), (2, 4, 7)
-HEAD = (*COLUMNS, "grade", "repeatable", "repeat_low", "repeat_high")
+HEAD = (*COLUMNS, "grade", "repeatable", "repeat_low", "repeat_high", "visit")
 
 
 def numbers(text: str) -> list[int]:
@@ -39,15 +42,21 @@ def numbers(text: str) -> list[int]:
     return [n for low, _, high in pieces for n in range(int(low), int(high or low) + 1)]
 
 
-def answers(fit: surae.Fit) -> list[list[object]]:
-    """What a fit says of the leg's own parameters: rows from the parameter's name on."""
+def kinds(text: str) -> tuple[str, ...]:
+    """Kinds of trials of a text as 3 (active) or active,active,passive."""
+    return ("active",) * int(text) if text.isdigit() else tuple(text.split(","))
+
+
+def answers(fit: surae.Fit, known: Container[str]) -> list[list[object]]:
+    """What a fit says of the leg's parameters, and of the measures whose truth is known."""
+    told = {name: p for name, p in fit.parameters.items() if p.free and name in PARAMETERS}
+    told |= {name: m for name, m in fit.measures(angles=MEASURED_AT).items() if name in known}
     return [
         [
-            name, p.value, *(p.ci95 or ("", "")), p.verdict, fit.adequacy.grade, p.repeatable,
-            *(p.ci95_repeat or ("", "")),
+            name, "" if p.value is None else p.value, *(p.ci95 or ("", "")), p.verdict,
+            fit.adequacy.grade, getattr(p, "repeatable", ""), *(p.ci95_repeat or ("", "")),
         ]
-        for name, p in fit.parameters.items()
-        if p.free and name in PARAMETERS
+        for name, p in told.items()
     ]  # fmt: skip
 
 
@@ -78,8 +87,9 @@ def main() -> None:
     parser.add_argument("--changes", action="store_true", help="count changes too")
     parser.add_argument("--model", default="auto")
     parser.add_argument("--raw", action="store_true", help="raw EMG at 1024 Hz")
-    visits = "visits of N trials, at most 3, fitted jointly"
-    parser.add_argument("--joint", type=int, default=0, metavar="N", help=visits)
+    visits = "visits of at most 3 trials fitted jointly: how many, or of what kind"
+    parser.add_argument("--joint", type=kinds, default=(), metavar="N|active,passive…", help=visits)
+    parser.add_argument("--trials", type=numbers, default=list(TRIALS), help="of single fits")
     parser.add_argument("--geometry", action="store_true", help="give each leg's own geometry")
     parser.add_argument("--output", type=Path, metavar="DIR", help="keep answers.csv, changes.csv")
     given = parser.parse_args()
@@ -87,8 +97,9 @@ def main() -> None:
     said: list[list[object]] = []
     compared: list[list[object]] = []
     without: Counter[str] = Counter()
-    compare = COMPARED if not given.joint else tuple(n for n in COMPARED if n > given.joint)
-    first = (1,) if given.joint else TRIALS
+    visit = given.joint or ("active",)
+    compare = tuple(n for n in COMPARED if not given.joint or n > len(visit))
+    first = (1,) if given.joint else tuple(given.trials)
     trials = sorted({*first, *(compare if given.changes else ())})
     with tempfile.TemporaryDirectory() as temporary:
         folder = given.output or Path(temporary)
@@ -97,9 +108,11 @@ def main() -> None:
             for seed in given.seeds:
                 fits = {}
                 for trial in trials:
-                    visit = tuple(range(trial, trial + max(1, given.joint)))
                     known = {"raw": given.raw, "geometry": given.geometry}
-                    paths = make(family, seed, Path(temporary), visit, **known)
+                    paths = [
+                        make(family, seed, Path(temporary), (trial + i,), kind=kind, **known)[0]
+                        for i, kind in enumerate(visit)
+                    ]
                     own = {"geometry": paths[0].parent / "geometry" / "geometry.csv",
                            "geometry_of": "person"} if given.geometry else {}  # fmt: skip
                     begin = time.process_time()
@@ -108,7 +121,9 @@ def main() -> None:
                     print(f"{family}-{seed}, trial {trial}: {seconds:.1f} s of processor, "
                           f"{fits[trial].result.message}", file=sys.stderr, flush=True)  # fmt: skip
                 for trial in first:
-                    said += [[family, seed, trial, *row] for row in answers(fits[trial])]
+                    known = truth_of(family, seed, trial)["measures"]
+                    rows = answers(fits[trial], known)
+                    said += [[family, seed, trial, *row, "+".join(visit)] for row in rows]
                     without += identified_without(fits[trial])
                 for trial in compare if given.changes else ():
                     told = surae.change(fits[1], fits[trial])
@@ -118,7 +133,10 @@ def main() -> None:
                     ]
                 write(folder / "answers.csv", HEAD, said)
                 write(folder / "changes.csv", CHANGES, compared)
-        print(table(score(folder / "answers.csv")))
+        path = folder / "answers.csv"
+        print(table(score(path, PARAMETERS)))
+        print("measures\n" + table(score(path, measures_of(path))))
+        print(names(path, measures_of(path)))
         print("within 10 % if a source were known: "
               + ", ".join(f"{s} {n}" for s, n in without.most_common()))  # fmt: skip
         if given.changes:

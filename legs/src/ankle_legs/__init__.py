@@ -1,3 +1,3 @@
 """Virtual legs with hidden truth, to judge any estimate of how the ankle's muscles work."""
 
-__version__ = "1.1.0"
+__version__ = "1.2.0"

@@ -14,7 +14,7 @@ from numba import njit
 
 from ankle_legs import look
 from ankle_legs.leg import Departure, Draw, Run, between, drawn
-from ankle_legs.look import FORCE_PER_VOLT
+from ankle_legs.look import FORCE_PER_VOLT, STRONGEST
 from ankle_legs.muscle import Array, Muscle, integrate
 
 BANDWIDTH = dict.fromkeys(("f0", "beta"), "no one second-order filter makes this activation")
@@ -89,6 +89,7 @@ class History(Departure):
     """Force is enhanced after active stretch, depressed after shortening (Herzog 2004)."""
 
     loops: ClassVar[bool] = True
+    unscored: ClassVar[dict[str, str]] = STRONGEST
     enhanced: float = between(0.5, 1.2)  # share of force per stretch of l0
     depressed: float = between(0.4, 0.9)
 
@@ -147,6 +148,7 @@ class Skin(Departure):
 class Thixotropy(Departure):
     """After rest a passive muscle resists its first stretch (Proske et al. 1993)."""
 
+    unscored: ClassVar[dict[str, str]] = {"dissipated_energy": "it depends on rest before"}
     force: float = between(20, 60)  # of the triceps; the tibialis has 0.4 of it [N]
     reach: float = between(0.0008, 0.002, none=None)  # of path at which bonds yield [m]
     rebuild: float = between(2, 6, none=None)  # [s]
@@ -162,6 +164,7 @@ class LoadedArm(Departure):
     """Moment arms grow as the muscle pulls (Maganaris et al. 1998, 1999)."""
 
     loops: ClassVar[bool] = True
+    unscored: ClassVar[dict[str, str]] = STRONGEST
     sizes: Array = between(0.1, 0.3, 2)  # at the leg's largest force
 
     def load(self, run: Run) -> None:
@@ -174,7 +177,7 @@ class LoadedArm(Departure):
 class Silent(Departure):
     """Deep flexors and toe extensors have no electrode and pull along, not quite in step."""
 
-    unscored: ClassVar[dict[str, str]] = dict.fromkeys(
+    unscored: ClassVar[dict[str, str]] = STRONGEST | dict.fromkeys(
         ("g1", "g2", "g3", "g4"), "muscles without an electrode pull with these"
     )
     shares: Array = between(0.06, 0.14, 2)  # of the group's largest torque
@@ -225,6 +228,13 @@ class Knee(Departure):
     """The knee gives as the triceps pulls, and drifts: the gastrocnemius slackens."""
 
     loops: ClassVar[bool] = True
+    unscored: ClassVar[dict[str, str]] = (
+        STRONGEST
+        | {"slack": "the knee moves it"}
+        | dict.fromkeys(
+            ("passive", "end", "torque_rise", "quick", "neutral", "optim"), "the knee moves it"
+        )
+    )
     bend: float = between(4, 10)  # at the leg's largest force [deg]
     drift: float = between(-6, 6)
 
@@ -239,7 +249,7 @@ class Optimum(Departure):
     """The optimal length is longer at low activation (Rack and Westbury 1969)."""
 
     loops: ClassVar[bool] = True
-    unscored: ClassVar[dict[str, str]] = dict.fromkeys(
+    unscored: ClassVar[dict[str, str]] = STRONGEST | dict.fromkeys(
         ("l0_tri", "l0_tib"), "the optimal length depends on activation"
     )
     size: float = between(0.08, 0.18)
@@ -358,6 +368,92 @@ def _with_look(rng: np.random.Generator, s: float) -> Departures:
     return (*chosen(rng, s * float(rng.uniform(0.5, 1))), *_some(rng, 1, 0.5, 1.0))
 
 
+@dataclass(frozen=True)
+class Ligament(Departure):
+    """Ligaments and capsule stiffen exponentially towards both ends (Riener and Edrich 1999)."""
+
+    torque: float = between(0.6, 2.0)  # at the end of the leg's range [Nm]
+    steepness: float = between(4, 9, none=None)  # [1/rad]
+    other: float = between(0.2, 0.8, none=None)  # share of it at the other end
+    damping: float = between(0, 0.15)  # [Nm s/rad]
+    ends: ClassVar[tuple[float, float]] = (-0.75, 0.45)
+
+    def rest(self, angle: Array) -> Array:
+        up = np.exp(self.steepness * (angle - self.ends[1]))
+        down = np.exp(-self.steepness * (angle - self.ends[0]))
+        return np.asarray(self.torque * (up - self.other * down))
+
+    def resist(self, angle: Array, step: float) -> Array:
+        return self.rest(angle) + self.damping * np.gradient(angle, step)
+
+
+@dataclass(frozen=True)
+class Friction(Departure):
+    """The hinge rubs: dry friction that yields within a degree."""
+
+    size: float = between(0.3, 1.2)  # [Nm]
+    reach: float = between(0.004, 0.015, none=None)  # [rad]
+
+    def resist(self, angle: Array, step: float) -> Array:
+        del step
+        return self.size * _gripped(angle, self.reach) / self.reach
+
+
+@dataclass(frozen=True)
+class Swapped(Departure):
+    """Two cables are swapped."""
+
+    unscored: ClassVar[dict[str, str]] = FORCE_PER_VOLT
+    which: float = between(0, 3, none=None)
+
+    def measure(self, run: Run) -> None:
+        i, j = ((1, 2), (2, 3), (0, 3))[int(self.which)]
+        run.seen[[i, j]] = run.seen[[j, i]]
+
+
+@dataclass(frozen=True)
+class Heads(Departure):
+    """The calf's heads have optimal lengths of their own (Ward et al. 2009)."""
+
+    loops: ClassVar[bool] = True
+    unscored: ClassVar[dict[str, str]] = STRONGEST | {"l0_tri": "each head has its own"}
+    apart: float = between(0.1, 0.2)  # of the optimal length, between the heads
+
+    def load(self, run: Run) -> None:
+        if not run.length.any():
+            return
+        muscle = run.subject.muscles()[0]
+        x, width = run.length[0] / muscle.l0, muscle.short_width
+
+        def lift(best: float) -> Array:
+            return np.asarray(np.exp(-((x - best) ** 2) / width))
+
+        both = 0.55 * lift(1 - 0.45 * self.apart) + 0.45 * lift(1 + 0.55 * self.apart)
+        run.gain[0] *= np.clip(both / lift(1.0), 0.2, 3)
+
+
+NEW = (
+    *(look.Spring, look.Damper, look.Zero, look.Softening, look.Lag, look.Poor, look.Pennate),
+    *(look.Reclined, Ligament, Friction, Swapped, Heads),
+)
+
+
+def _two_new(rng: np.random.Generator, _: float) -> Departures:
+    """Draw two kinds; what shows through sensors comes last."""
+    chosen = sorted(rng.permutation(len(NEW))[:2].tolist())
+    return tuple(d for i in chosen for d in drawn(NEW[i])(rng, rng.uniform(0.5, 1.0)))
+
+
+MORE: tuple[Draw, ...] = (
+    drawn(Friction),
+    drawn(look.Zero, look.Softening),
+    drawn(Ligament),
+    drawn(look.Spring, look.Damper, look.Untared),
+    drawn(look.Lag, look.Poor),
+    drawn(look.Pennate, Heads),
+    drawn(Swapped),
+    _two_new,
+)
 MIXED: tuple[Draw, ...] = (
     lambda rng, _: _some(rng, 2, 0.4, 1.0),
     lambda rng, _: _some(rng, 4, 0.3, 0.5),
@@ -366,3 +462,4 @@ MIXED: tuple[Draw, ...] = (
 FAMILIES: dict[str, Draw] = {
     f"l-{i}": draw for i, draw in enumerate((*(drawn(kind) for kind in SINGLE), *MIXED), start=1)
 }
+FAMILIES |= {f"l-{len(FAMILIES) + i}": draw for i, draw in enumerate(MORE, start=1)}

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
 import numpy as np
 from scipy.signal import butter, lfilter, sosfilt
 
+from ankle_legs.measures import DERIVED, active_state, measures
 from ankle_legs.movement import FINE, angles, effort, fine_times
 from ankle_legs.muscle import Array, integrate
 from ankle_legs.subject import ELECTRODES, GRAVITY, LEVER, PARAMETERS, Subject
 
+GAINS = ("g1", "g2", "g3", "g4")
 FILM_START = 1.03  # on the robot's clock [s]
 FILM_RATE = 1 / 0.03  # frames a second
 
@@ -90,6 +92,19 @@ class Departure:
 
     def load(self, run: Run) -> None:
         """Change arm, path, gain or extra force, from what the muscles did in the last pass."""
+
+    def rest(self, angle: Array) -> Array:
+        """Return the torque of the joint's own tissue that is held still at an angle [Nm]."""
+        return np.zeros(angle.shape)
+
+    def resist(self, angle: Array, step: float) -> Array:
+        """Return its torque over a movement [Nm], whose samples are ``step`` seconds apart."""
+        del step
+        return self.rest(angle)
+
+    def zero(self) -> float:
+        """Return how much more than the ankle's own angle the robot shows [rad]."""
+        return 0.0
 
     def measure(self, run: Run) -> None:
         """Change what the sensors show."""
@@ -186,22 +201,70 @@ class Leg:
             subject = departure.leg(subject)
         return subject
 
-    def truth(self, subject: Subject, mounting: Mounting) -> dict[str, Any]:
-        """Return parameters and measures of a trial, and why some have no true value."""
+    def truth(
+        self,
+        subject: Subject,
+        mounting: Mounting,
+        trial: int,
+        kinds: Sequence[str] = ("active",),
+        seconds: float = 35.0,
+    ) -> dict[str, Any]:
+        """Return parameters and measures of a visit of trials, and why some have no true value."""
         unscored = {k: why for d in self.departures for k, why in d.unscored.items()}
         if self.rigid:
             unscored |= dict.fromkeys(("dlt_tri", "dlt_tib"), "this leg's tendons are rigid")
         values: dict[str, float | None] = dict(subject.values)
-        for i, name in enumerate(("g1", "g2", "g3", "g4")):
+        for i, name in enumerate(GAINS):
             values[name] = subject.values[name] / float(mounting.electrodes[i])
-        measures: dict[str, float | None] = dict(self.lasting(subject).measures())
+        found = self.measures(subject, mounting, trial, kinds, seconds)
+        unscored |= {m: why for p, why in unscored.items() for m in DERIVED.get(p, ())}
         for name in unscored:
-            (measures if "@" in name else values)[name] = None
+            for one in [m for m in found if m.startswith(name)]:
+                found[one] = None
+            if name in values:
+                values[name] = None
         return {
             "parameters": {name: values[name] for name in PARAMETERS},
-            "measures": measures,
+            "measures": found,
             "unscored": unscored,
         }
+
+    def measures(
+        self, subject: Subject, mounting: Mounting, trial: int, kinds: Sequence[str], seconds: float
+    ) -> dict[str, float | None]:
+        """Return the measures over what the trials of a visit moved and activated."""
+        own, zero = self.lasting(subject), sum(d.zero() for d in self.departures)
+        moved, drives = [], []
+        for i, kind in enumerate(kinds):
+            run = _start(fine_times(seconds), own, mounting, self.rng(3, trial + i), kind)
+            for departure in self.departures:
+                departure.excite(run)
+            moved.append(run.plate[::FINE] - zero)
+            drives.append(_drives(run))
+        ends = np.percentile(np.concatenate(moved), [1, 99])
+        step, active = run.step, []
+        for i, muscle in enumerate(own.muscles()):
+            states = [active_state(muscle, drive[i], step)[::FINE] for drive in drives]
+            active.append(float(np.percentile(np.concatenate(states), 99)))
+        shown = [subject.values[g] / mounting.electrodes[j] for j, g in enumerate(GAINS)]
+        return measures(
+            own,
+            (float(sum(shown[1:])), float(shown[0])),
+            self.rest,
+            self.resist,
+            (float(ends[0]), float(ends[1])),
+            (active[0], active[1]),
+        )
+
+    def rest(self, angle: Array) -> Array:
+        """Return the torque of the joint's own tissue, at rest at an angle [Nm]."""
+        return np.asarray(sum((d.rest(angle) for d in self.departures), np.zeros(angle.shape)))
+
+    def resist(self, angle: Array, step: float) -> Array:
+        """Return the torque of the joint's own tissue over a movement [Nm]."""
+        return np.asarray(
+            sum((d.resist(angle, step) for d in self.departures), np.zeros(angle.shape))
+        )
 
     def record(self, trial: int, seconds: float = 35.0, kind: str = "active") -> Run:
         """Return a trial, simulated; the leg's departures are at work in it."""
@@ -211,6 +274,7 @@ class Leg:
         for departure in self.departures:
             departure.excite(run)
         _integrate(run, self.departures)
+        run.torque = run.torque + self.resist(run.ankle, run.step)
         speed = np.gradient(run.plate, run.step)
         weight = GRAVITY * LEVER * np.cos(run.ankle)
         run.torque = run.torque + subject.values["m"] * (
@@ -304,10 +368,15 @@ def _start(
     )
 
 
+def _drives(run: Run) -> tuple[Array, Array]:
+    """Return what the activations of triceps and tibialis follow [N]."""
+    late = run.delayed(run.excitation, run.mounting.delay)
+    return late[1:].sum(axis=0), late[0]
+
+
 def _integrate(run: Run, departures: tuple[Departure, ...]) -> None:
     """Integrate both muscles, again and again where a departure needs what they did."""
-    late = run.delayed(run.excitation, run.mounting.delay)
-    drive = (late[1:].sum(axis=0), late[0])
+    drive = _drives(run)
     constants = [muscle.constants() for muscle in run.subject.muscles()]
     looping = any(d.loops for d in departures)
     for _ in range(30 if looping else 1):

@@ -13,9 +13,10 @@ import numpy as np
 from ankle_legs.leg import Departure, Draw, Run, between, drawn
 from ankle_legs.movement import FINE
 from ankle_legs.muscle import Array
-from ankle_legs.subject import Geometry, Subject
+from ankle_legs.subject import GRAVITY, LEVER, Geometry, Subject
 
 FORCE_PER_VOLT = dict.fromkeys(("g1", "g2", "g3", "g4"), "force per volt is no constant here")
+STRONGEST = {"active_torque_max": "the largest activity does not make this torque"}
 
 
 @dataclass(frozen=True)
@@ -180,6 +181,122 @@ class Release(Departure):
             run.excitation[:, i] = state
 
 
+@dataclass(frozen=True)
+class Spring(Departure):
+    """m: capsule, ligaments, skin and hinge are a spring with a neutral angle of its own."""
+
+    stiffness: float = between(1.0, 3.5)  # [Nm/rad]; 4 to 8 of the whole ankle are assumed
+    neutral: float = between(-0.45, 0.0, none=None)  # [rad]
+
+    def rest(self, angle: Array) -> Array:
+        return self.stiffness * (angle - self.neutral)
+
+
+@dataclass(frozen=True)
+class Damper(Departure):
+    """n: the joint, or the device's hinge, is damped."""
+
+    damping: float = between(0.1, 0.35)  # [Nm s/rad]
+
+    def resist(self, angle: Array, step: float) -> Array:
+        return self.damping * np.gradient(angle, step)
+
+
+@dataclass(frozen=True)
+class Zero(Departure):
+    """o: foot plate, malleolus and shoe were set at another zero of the angle."""
+
+    degrees: float = between(3, 5, signed=True)
+
+    def zero(self) -> float:
+        return float(np.radians(self.degrees))
+
+    def turn(self, run: Run) -> None:
+        run.ankle = run.ankle - self.zero()
+
+
+@dataclass(frozen=True)
+class Softening(Departure):
+    """r: tissue softens in its first stretches; the truth is that of conditioned tissue."""
+
+    loops: ClassVar[bool] = True
+    unscored: ClassVar[dict[str, str]] = dict.fromkeys(
+        ("dissipated_energy",), "it depends on how often the tissue was stretched"
+    )
+    size: float = between(0.2, 0.35)  # of the force that the first stretches take away
+    travel: float = between(0.02, 0.06, none=None)  # of the muscle, in which most of it goes [m]
+
+    def load(self, run: Run) -> None:
+        if not run.length.any():
+            return
+        for i, muscle in enumerate(run.subject.muscles()):
+            elastic = np.exp(muscle.k * (run.length[i] - muscle.x0)) / (1 + muscle.k_rel)
+            gone = np.cumsum(np.abs(np.diff(run.length[i], prepend=run.length[i, 0])))
+            run.extra[i] += self.size / (1 - self.size) * elastic * np.exp(-gone / self.travel)
+
+
+@dataclass(frozen=True)
+class Lag(Departure):
+    """t: torque sensor, or EMG, comes through a filter or a cable of its own."""
+
+    torque: float = between(-0.03, 0.03)  # below 0: the EMG is late [s]
+    filtered: float = between(0, 1, none=None)
+
+    def measure(self, run: Run) -> None:
+        seconds, filtered = abs(self.torque), self.filtered > 0.5
+        late = run.lagged if filtered else run.delayed
+        if seconds < run.step:
+            return
+        if self.torque > 0:
+            run.torque = late(run.torque, seconds)
+        else:
+            run.seen = late(run.seen, seconds)
+
+
+@dataclass(frozen=True)
+class Poor(Departure):
+    """u: one electrode shows nothing, or two are clipped."""
+
+    unscored: ClassVar[dict[str, str]] = FORCE_PER_VOLT
+    level: float = between(0.35, 0.7, none=1)  # of the largest EMG, where it is clipped
+    idle: float = between(0, 1, none=None)
+
+    def measure(self, run: Run) -> None:
+        order = run.rng.permutation(4)
+        if self.idle < 0.4:
+            run.seen[order[0]] = 2e-6
+        else:
+            for i in order[:2]:
+                run.seen[i] = np.minimum(run.seen[i], self.level * run.seen[i].max())
+
+
+@dataclass(frozen=True)
+class Pennate(Departure):
+    """v: the calf is pennate; lengths of the truth are those in its line of pull."""
+
+    unscored: ClassVar[dict[str, str]] = {"k_tri": "no one exponential of the length in line"}
+    degrees: float = between(15, 27)  # at the optimal length
+
+    def leg(self, subject: Subject) -> Subject:
+        v, turn = subject.values, np.radians(self.degrees)
+        width = float(v["l0_tri"] * np.tan(turn))
+        l0, x0 = v["l0_tri"] / np.cos(turn), np.hypot(v["x0_tri"], width)
+        k = v["k_tri"] * (v["l0_tri"] - v["x0_tri"]) / (l0 - x0)  # the same force at l0
+        return subject.shaped(({"width": width, "l0": l0, "x0": x0, "k": k}, {}))
+
+
+@dataclass(frozen=True)
+class Reclined(Departure):
+    """w: the seat is reclined, so that gravity pulls at another angle."""
+
+    unscored: ClassVar[dict[str, str]] = {"m": "the foot is not level at 0°"}
+    degrees: float = between(25, 55, signed=True)
+
+    def measure(self, run: Run) -> None:
+        turned = np.cos(run.ankle + np.radians(self.degrees)) - np.cos(run.ankle)
+        run.torque += run.subject.values["m"] * GRAVITY * LEVER * turned
+
+
 def curve(rng: np.random.Generator, strength: float) -> tuple[Departure, ...]:
     """Draw b."""
     if rng.random() < 0.5:
@@ -204,5 +321,13 @@ FAMILIES: dict[str, Draw] = {
     "i": mixture,
     "j": drawn(Fluctuation),
     "k": drawn(Release),
+    "m": drawn(Spring),
+    "n": drawn(Damper),
+    "o": drawn(Zero),
     "p": drawn(),
+    "r": drawn(Softening),
+    "t": drawn(Lag),
+    "u": drawn(Poor),
+    "v": drawn(Pennate),
+    "w": drawn(Reclined),
 }

@@ -76,9 +76,12 @@ def main(arguments: list[str] | None = None) -> int:
 
             print(score_folder(given.answers))
         else:
-            from ankle_legs.score import change_table, score, table
+            from ankle_legs.score import change_table, measures_of, score, table
+            from ankle_legs.subject import PARAMETERS
 
-            print(table(score(given.answers)))
+            print(table(score(given.answers, PARAMETERS)))
+            if others := measures_of(given.answers):
+                print("measures\n" + table(score(given.answers, others)))
             if given.changes:
                 print(change_table(given.changes))
     except (ValueError, OSError) as error:

@@ -34,12 +34,17 @@ def leg(family: str, seed: int) -> Leg:
 
 
 @lru_cache(maxsize=4096)
-def truth_of(family: str, seed: int, trial: int) -> dict[str, Any]:
-    """Return the truth of one trial of a leg, which needs no file."""
+def truth_of(
+    family: str, seed: int, trial: int, kinds: tuple[str, ...] = ("active",), seconds: float = 35.0
+) -> dict[str, Any]:
+    """Return the truth of one trial of a leg, which needs no file.
+
+    Of several kinds: of the visit of so many trials that begins with it, as one.
+    """
     if trial < 1:
         raise ValueError(f"there is no trial {trial}; the first is 1")
     one = leg(family, seed)
-    return one.truth(*one.condition(trial))
+    return one.truth(*one.condition(trial), trial, kinds, seconds)
 
 
 def _write_csv(path: Path, columns: dict[str, Array], comment: str = "") -> None:
@@ -104,7 +109,7 @@ def make(
         own = one.lasting(one.subject).geometry
         _write_geometry(output / folder / "geometry" / "geometry.csv", own)
     for trial in trials:
-        truths.append({"trial": trial, **truth_of(family, seed, trial)})
+        truths.append({"trial": trial, **truth_of(family, seed, trial, (kind,), seconds)})
         run, name = one.record(trial, seconds, kind), f"trial-{trial}"
         columns = one.columns(run, trial, raw=raw)
         paths.append(output / folder / f"{name}.csv")

@@ -40,6 +40,7 @@ class Muscle:
     ecc_plateau: float = 1.5  # force at fast lengthening
     srs: float = 0.0  # short-range stiffness [F/l0]
     srs_range: float = 0.01  # stretch at which it yields [l0]
+    width: float = 0.0  # of a pennate muscle, across the line of pull [m]
 
     def constants(self) -> Array:
         """Return the constants in the order that the kernel reads."""
@@ -62,7 +63,7 @@ class Muscle:
                 *(2 * math.pi * self.f0, self.beta, *tendon),
                 *(self.short_width * self.l0**2, self.long_width * self.l0**2),
                 *(speed, self.curvature, self.ecc_curvature * speed, self.ecc_plateau),
-                *(self.srs / self.l0, self.srs_range * self.l0),
+                *(self.srs / self.l0, self.srs_range * self.l0, self.width),
             ]
         )
 
@@ -76,6 +77,21 @@ def tendon_force(stretch: float, c: Array) -> tuple[float, float]:
         grown = math.exp(c[9] * stretch / c[7])
         return c[8] * (grown - 1), c[8] * c[9] / c[7] * grown
     return c[8] * (math.exp(c[9]) - 1) + c[10] * (stretch - c[7]), c[10]
+
+
+@njit(cache=True)
+def _line_force(
+    y: float, dy: float, h: float, act: float, extra: float, z: float, s: float, c: Array
+) -> tuple[float, float, float, float]:
+    """Return what ``_muscle_force`` does along the line of pull of a pennate muscle."""
+    if c[19] == 0:
+        return _muscle_force(y, dy, h, act, extra, z, s, c)
+    y, before = max(y, 1e-4), max(y - dy, 1e-4)
+    x = math.sqrt(y * y + c[19] ** 2)
+    dx = x - math.sqrt(before * before + c[19] ** 2)
+    force, slope, z, s = _muscle_force(x, dx, h, act, 0.0, z, s, c)
+    cosine = y / x
+    return force * cosine + extra, slope * cosine**2 + force * c[19] ** 2 / x**3, z, s
 
 
 @njit(cache=True)
@@ -119,6 +135,22 @@ def _muscle_force(
 
 
 @njit(cache=True)
+def _fibre(y: float, c: Array) -> float:
+    """Return the fibre's length at a length along the line of pull [m]."""
+    y = max(y, 1e-4) if c[19] > 0 else y
+    return math.sqrt(y * y + c[19] * c[19]) if c[19] > 0 else y
+
+
+@njit(cache=True)
+def _held(y: float, act: float, c: Array) -> float:
+    """Return the force along the line of a muscle that is held still, all relaxed [N]."""
+    x = _fibre(y, c)
+    width = c[11] if x < c[4] else c[12]
+    force = math.exp(c[0] * (x - c[1])) / (1 + c[3]) + act * math.exp(-((x - c[4]) ** 2) / width)
+    return float(force * (max(y, 1e-4) / x if c[19] > 0 else 1.0))
+
+
+@njit(cache=True)
 def integrate(
     h: float, path: Array, drive: Array, gain: Array, extra: Array, c: Array
 ) -> tuple[Array, Array, Array]:
@@ -136,11 +168,11 @@ def integrate(
         low, high = path[0] - 0.1, path[0]
         for _ in range(60):
             x = 0.5 * (low + high)
-            if tendon_force(path[0] - x, c)[0] > math.exp(c[0] * (x - c[1])) / (1 + c[3]):
+            if tendon_force(path[0] - x, c)[0] > _held(x, 0.0, c):
                 low = x
             else:
                 high = x
-    z = c[3] / (1 + c[3]) * math.exp(c[0] * (x - c[1]))
+    z = c[3] / (1 + c[3]) * math.exp(c[0] * (_fibre(x, c) - c[1]))
     s = a = da = 0.0
     omega, damping = c[5], c[6]
     settle = 1 + h * damping * omega + (0.5 * h * omega) ** 2
@@ -153,13 +185,13 @@ def integrate(
         before = x
         if not elastic_tendon:
             x = path[i]
-            f, _, z, s = _muscle_force(x, x - before, h, act, extra[i], z, s, c)
+            f, _, z, s = _line_force(x, x - before, h, act, extra[i], z, s, c)
         else:
             low, high = path[i] - 0.1, path[i]
             x = min(max(before + dx, low), high)
             for _ in range(60):
                 pull, stiff = tendon_force(path[i] - x, c)
-                f, slope, _, _ = _muscle_force(x, x - before, h, act, extra[i], z, s, c)
+                f, slope, _, _ = _line_force(x, x - before, h, act, extra[i], z, s, c)
                 miss = pull - f
                 if miss > 0:
                     low = x
@@ -173,23 +205,23 @@ def integrate(
                 x = new
                 if step < 1e-13:
                     break
-            _, _, z, s = _muscle_force(x, x - before, h, act, extra[i], z, s, c)
+            _, _, z, s = _line_force(x, x - before, h, act, extra[i], z, s, c)
             f = tendon_force(path[i] - x, c)[0]
             dx = x - before
-        length[i], force[i], active[i] = x, f, a
+        length[i], force[i], active[i] = _fibre(x, c), f, a
     return length, force, active
+
+
+def static_force(muscle: Muscle, path: float, active: float) -> tuple[float, float]:
+    """Return the force of a muscle and its tendon held still [N], and its length in line [m]."""
+    c = muscle.constants()
+    low, high = path - 0.1, path
+    for _ in range(70 if c[7] > 0 else 0):
+        x = 0.5 * (low + high)
+        low, high = (x, high) if tendon_force(path - x, c)[0] > _held(x, active, c) else (low, x)
+    return _held(high, active, c), high
 
 
 def relaxed_force(muscle: Muscle, path: Any) -> Array:
     """Return the force of the passive, fully relaxed muscle and its tendon at each path [N]."""
-    c = muscle.constants()
-    paths = np.atleast_1d(np.asarray(path, float))
-    forces = np.empty(paths.size)
-    for i, reach in enumerate(paths):
-        low, high = reach - 0.1, reach
-        for _ in range(70 if c[7] > 0 else 0):
-            x = 0.5 * (low + high)
-            relaxed = math.exp(c[0] * (x - c[1])) / (1 + c[3])
-            low, high = (x, high) if tendon_force(reach - x, c)[0] > relaxed else (low, x)
-        forces[i] = math.exp(c[0] * (high - c[1])) / (1 + c[3])
-    return forces
+    return np.array([static_force(muscle, p, 0.0)[0] for p in np.atleast_1d(path)], float)

@@ -5,14 +5,17 @@ from __future__ import annotations
 import csv
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from ankle_legs.make import truth_of
+from ankle_legs.subject import PARAMETERS
 
 COLUMNS = ("family", "seed", "trial", "parameter", "value", "low", "high", "verdict")
-GAINS = ("g1", "g2", "g3", "g4")
+ELECTRODES = ("g1", "g2", "g3", "g4", "torque_per_emg_tri", "torque_per_emg_tib")
+#: What a trial's movement and effort make, beside the leg.
+MOVED = ("end_", "torque_rise", "slack_before", "optimum_before", "active_torque_max")
 MOUNTED_ANEW = range(4, 7)
 CHANGES = ("family", "seed", "before", "after", "measure", "verdict")
 
@@ -58,12 +61,15 @@ def _number(text: str | None) -> float:
 
 
 def _truth(row: dict[str, str], trial: str) -> dict[str, float | None]:
-    truth = truth_of(row["family"], int(row["seed"]), int(row[trial]))
+    kinds = tuple((row.get("visit") or "active").split("+"))
+    truth = truth_of(row["family"], int(row["seed"]), int(row[trial]), kinds)
     return {**truth["parameters"], **truth["measures"]}
 
 
-def score(path: Path) -> list[Count]:
+def score(path: Path, only: Container[str] | None = None) -> list[Count]:
     """Count a table of answers: families, the worst first, then all together.
+
+    ``only`` these names are counted, all of them if None.
 
     An answer whose truth does not exist in its family, or that gives no interval, is left out of
     the counts of intervals; one that is "identified" without an interval is not true.
@@ -75,6 +81,8 @@ def score(path: Path) -> list[Count]:
         for row in answers
     }
     for number, row in enumerate(answers, start=2):
+        if only is not None and row["parameter"] not in only:
+            continue
         try:
             truth = _truth(row, "trial").get(row["parameter"])
         except ValueError as error:
@@ -111,6 +119,29 @@ def score(path: Path) -> list[Count]:
     return [*sorted(counts.values(), key=lambda c: (c.share, -c.worst[0])), total]
 
 
+def measures_of(path: Path) -> set[str]:
+    """Return the names of a table of answers that are no parameters."""
+    return {row["parameter"] for row in rows(path, COLUMNS)} - set(PARAMETERS)
+
+
+def names(path: Path, only: Container[str]) -> str:
+    """Return, per name, how often it is identified, true, and how many intervals hold."""
+    found: dict[str, list[int]] = {}
+    for row in rows(path, COLUMNS):
+        truth = _truth(row, "trial").get(row["parameter"]) if row["parameter"] in only else None
+        low, high = _number(row["low"]), _number(row["high"])
+        if truth is None or not high > low:
+            continue
+        holds, claimed = low <= truth <= high, row["verdict"] == "identified"
+        count = found.setdefault(row["parameter"], [0, 0, 0, 0])
+        for i, one in enumerate((1, holds, claimed, claimed and holds)):
+            count[i] += one
+    return "\n".join(
+        f"{name:<32} {hold:>4} of {n:<4} hold, {claimed:>4} identified, {true:>4} true"
+        for name, (n, hold, claimed, true) in sorted(found.items())
+    )
+
+
 def table(counts: list[Count]) -> str:
     """Return the counts as a table to read."""
     lines = [
@@ -145,7 +176,7 @@ def change_table(path: Path) -> str:
         family, first, second = row["family"], int(row["before"]), int(row["after"])
         before, after = (_truth(row, key).get(row["measure"], 0.0) for key in ("before", "after"))
         anew = (first in MOUNTED_ANEW) != (second in MOUNTED_ANEW)
-        if before is None or after is None or (anew and row["measure"] in GAINS):
+        if before is None or after is None or (anew and row["measure"] in ELECTRODES):
             continue
         said = row["verdict"] == "changed"
         found = treated.setdefault(family, [0, 0, 0, 0])
@@ -154,7 +185,11 @@ def change_table(path: Path) -> str:
             pair = (row["seed"], row["before"], row["after"])
             same = kinds["mounting" if anew else "movement"]
             same[pair] = same.get(pair, False) or said
-        elif before and not 1e-9 <= (difference := abs(after / before - 1)) <= 0.1:
+        elif (
+            before
+            and not row["measure"].startswith(MOVED)
+            and not 1e-9 <= (difference := abs(after / before - 1)) <= 0.1
+        ):
             found[0 if difference > 0.1 else 2] += 1
             found[1 if difference > 0.1 else 3] += said
     lines = [

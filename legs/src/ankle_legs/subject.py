@@ -23,7 +23,6 @@ PARAMETERS = (
     *("m", "k_tri", "k_tib", "x0_tri", "x0_tib", "tau_rel", "k_rel", "g1", "g2", "g3", "g4"),
     *("l0_tri", "l0_tib", "f0", "beta", "dlt_tri", "dlt_tib"),
 )
-MEASURED_AT = (-10, 0, 10)  # [deg]
 
 
 @dataclass(frozen=True)
@@ -99,18 +98,6 @@ class Subject:
             relaxed_force(muscle, path[i]) * arm[i] for i, muscle in enumerate(self.muscles())
         )
         return np.asarray(triceps - tibialis)
-
-    def measures(self) -> dict[str, float]:
-        """Return passive torque [Nm] and stiffness [Nm/deg] at the angles of the contract."""
-        angles = np.radians(np.array(MEASURED_AT, float))
-        torque = self.passive_torque(angles)
-        slope = self.passive_torque(angles + 5e-4) - self.passive_torque(angles - 5e-4)
-        stiffness = slope / np.degrees(1e-3)
-        return {
-            f"{name}@{angle}deg": float(values[i])
-            for name, values in (("passive_torque", torque), ("passive_stiffness", stiffness))
-            for i, angle in enumerate(MEASURED_AT)
-        }
 
 
 def draw(rng: np.random.Generator, population: str, *, tendons: bool = True) -> Subject:
