@@ -157,8 +157,12 @@ def test_the_evidence_is_said_as_strongly_as_it_is(auto):
         family = replace(result.family, candidates=(one,))
         return family_text(replace(result, family=family), graded(assessment, grade))
 
-    assert said(0.9).startswith("The data ask for moment arms, EMG curve (probability 90 %).")
-    assert said(0.6, groups=()).startswith("The data ask for no departure (probability 60 %).")
+    assert said(0.9).startswith(
+        "These data fit better with moment arms, EMG curve (probability 90 %)."
+    )
+    assert said(0.6, groups=()).startswith(
+        "These data fit better with the plain model (probability 60 %)."
+    )
     assert "ask for moment arms" not in said(0.9, Grade.INADEQUATE)
 
 

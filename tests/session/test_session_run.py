@@ -268,7 +268,7 @@ def test_trials_that_contradict_each_other_are_told(done, leg, other_leg, tmp_pa
     assert "contradict each other" in page
     disputed = re.findall(r"([a-z0-9_]+): [^<]* contradict each other", page)
     assert disputed
-    assert "With caution: trials disagree about" in page
+    assert "differ between trials" in page or "differs between trials" in page
     if {"k_tri", "x0_tri", "k_tib", "x0_tib", "k_rel"} & set(disputed):
         assert "relaxed · 95 %" not in page  # no stiffness of a model that trials contradict
     alike = (done[0] / "report.html").read_text()  # of trials of one leg
@@ -292,9 +292,11 @@ def test_what_is_wrong_in_every_trial_is_the_mappings(shared, tmp_path):
         results.append(session.run(model="muscle", starts=1))
     turned, right = results
     assert turned.joined == ()
-    assert turned.common[0].startswith("angle-sign in 2 of 2 trials alike, so it is the mapping's")
+    assert turned.common[0].startswith(
+        "angle-sign in 2 of 2 trials, so the mapping is the place to mend it"
+    )
     assert "Write sign = -1 for the angle and the torque" in turned.common[0]
     turned.report(tmp_path / "report.html")
-    assert "so it is the mapping&#39;s" in (tmp_path / "report.html").read_text()
+    assert "so the mapping is the place to mend it" in (tmp_path / "report.html").read_text()
     assert right.common == ()
     assert right.joined == ("PL_0_01", "PL_100_01")

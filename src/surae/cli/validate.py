@@ -46,7 +46,7 @@ def command(
     used = {file.sha256 for recording in fit.result.problem.inputs for file in recording.files}
     for path, recording in zip(recordings, measured, strict=True):
         if any(file.sha256 in used for file in recording.files):
-            show_line(f"{shown(path)} was used in the fit: following it proves nothing")
+            show_line(f"{shown(path)} was used in the fit, so agreement is no test")
     if report is not None:
         fit.report(report, validation=predictions)
     show_files({"validation": output, "report": report})

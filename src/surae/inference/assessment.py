@@ -134,7 +134,7 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
     table = _parameters(result, estimated, robust, interval, adequacy, against)
     if against is not None:
         missing = ", ".join(against.missing)
-        why += f"; they reach to where a model with some of {missing} has the parameters"
+        why += f"; they cover what models with {missing} give"
     if result.family is not None:
         table |= marginal(result.family, problem, table, adequacy)
     return Assessment(

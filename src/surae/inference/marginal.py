@@ -203,5 +203,5 @@ def _judge(
         sentence += f": {SOURCES[source].advice}"
         left = budget.without.get(source)
         if left is not None and left < 0.8 * budget.sd:
-            sentence += f", and it is known to ±{percent(relative * left / budget.sd)}"
+            sentence += f"; that would narrow it to about ±{percent(relative * left / budget.sd)}"
     return Verdict.WEAK, sentence

@@ -136,7 +136,7 @@ class ParameterEstimate:
     #: of the leg itself, unless recordings of a joint fit show how much trials differ. Two such
     #: values differ by up to √((a² + b²)/2), a and b the half-widths of their intervals.
     ci95_repeat: tuple[float, float] | None = None
-    #: Whether that interval is within 10 % of the value, and the fit is not inadequate.
+    #: Whether that interval is within 10 % of the value, and the fit is usable.
     repeatable: bool = False
     #: Shares of the variance behind `ci95` by source, their sum 1; empty without an interval.
     budget: Mapping[str, float] = field(default_factory=dict)

@@ -71,7 +71,7 @@ def missing(trial: CheckedTrial) -> Iterator[Finding]:
             f"There is no EMG of the {MUSCLE_NAMES[muscle]}"
             + (f"; its weight {weight} is fixed." if is_fixed else "."),
             severity="info" if is_fixed else "warning",
-            advice="Read the weights of the other muscles with care: they take over what it does."
+            advice="Its force is credited to the other muscles: read their weights with care."
             if is_fixed
             else f"Add the channel, or fix its weight with --fixed {weight}=0.",
         )  # fmt: skip

@@ -117,6 +117,6 @@ def _off(channel: Channel) -> Finding | None:
         "electrode-off", channel.role,
         (start, channel.time[min(last * size, len(channel.time) - 1)]), now,
         f"The electrode of the {muscle} seems to have come off at {start:.0f} s: from there it "
-        f"hears little but the mains, {quantity(now, channel)} at {mains:.0f} Hz.",
+        f"picks up only mains hum, {quantity(now, channel)} at {mains:.0f} Hz.",
         unit=channel.unit,
     )  # fmt: skip

@@ -23,6 +23,8 @@ Part = tuple[str, float, tuple[float, float] | None]
 COMPARED = (*LEADING, "k_tri")
 #: A share that is known no better than this cannot be separated from the others [% of the torque].
 _UNSURE = 30.0
+#: Parameters that the stiffness of a relaxed ankle rests on.
+PASSIVE = {"k_tri", "x0_tri", "k_tib", "x0_tib", "k_rel"}
 #: Calf muscles among the channels of the EMG.
 _CALF = slice(1, 4)
 #: Share of the torque from which a part is written [%].
@@ -195,7 +197,10 @@ def change_card(change: Change | None, _: Words) -> tuple[block.Block, ...]:
         how = _("different") if change.legs else _("changed")
         headline = f"{changed[0]}: {how}"
     elif change.is_withheld:
-        headline, about = _("Cannot tell"), _("a fit is doubtful, so no change is claimed")
+        headline, about = (
+            _("Cannot tell"),
+            _("one visit’s fit is unreliable, so we can’t say whether the leg changed"),
+        )
     elif all(d.verdict is ChangeVerdict.NOT_COMPARABLE for d in found):
         headline = _("Cannot compare")
     else:
@@ -271,8 +276,12 @@ def trust(
 
 def reason_of(assessment: Assessment, contradicted: Sequence[str], _: Words) -> str:
     """The one reason that weighs most, in plain words."""
+    if contradicted and PASSIVE & set(contradicted):
+        return _.many("{n} value differs between trials",
+                      "{n} values differ between trials", len(contradicted))  # fmt: skip
     if contradicted:
-        return _.many("trials disagree about {n} value", "trials disagree about {n} values",
+        return _.many("{n} value differs between trials; stiffness is not affected",
+                      "{n} values differ between trials; stiffness is not affected",
                       len(contradicted))  # fmt: skip
     if bound := sum(p.at_bound and p.free for p in assessment.parameters.values()):
         return _.many("{n} value reached its limit and can’t be trusted",

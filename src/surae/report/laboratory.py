@@ -94,10 +94,10 @@ def family_text(result: FitResult, assessment: Assessment) -> str:
     if assessment.adequacy.grade is Grade.INADEQUATE:
         return "The fit is inadequate: what the data ask for means nothing."
     chosen = result.family.candidates[0]
-    departures = ", ".join(NUISANCES[group].label for group in chosen.groups) or "no departure"
+    departures = ", ".join(NUISANCES[group].label for group in chosen.groups)
     return (
-        f"The data ask for {departures} (probability {_chance(chosen.weight)}). What other sets of "
-        "departures would change is in the intervals."
+        f"These data fit better with {departures or 'the plain model'} (probability "
+        f"{_chance(chosen.weight)}). The intervals include what others would give."
     )
 
 

@@ -31,8 +31,6 @@ from surae.trials import Trial
 
 #: The angle that stiffness is given at where it was measured [deg].
 AT = 10.0
-#: Parameters that the stiffness of a relaxed ankle rests on.
-_PASSIVE = {"k_tri", "x0_tri", "k_tib", "x0_tib", "k_rel"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +59,7 @@ def leg_answers(
         angles = {at, *ANGLES, *(_point(norm) for norm in known)}
         of_fit = measures(*joint, sorted(angles))
     m = None if of_fit is None else of_fit[LEADING[0]]
-    believed = m is not None and cards.is_known(m) and not _PASSIVE & set(contradicted)
+    believed = m is not None and cards.is_known(m) and not cards.PASSIVE & set(contradicted)
     model = torque_curve(*joint) if joint is not None and believed else None
     zero = 0.0 if model is None else _zero(model, holds, stretches)
     holds = [replace(h, torque=h.torque - zero) for h in holds]

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from surae.base.formatting import NO_NUMBER, percentage, signed
-from surae.inference import Assessment
+from surae.inference import Assessment, ParameterEstimate, Verdict
 from surae.quality import SEVERITIES, Finding, Quality
 from surae.report import block
 from surae.trials import Crossed, Trial
@@ -40,8 +40,8 @@ def trials_section(
                           "All together, R² [%]", numbers=(4, 5), wide=(1,),
                           looks={0: "column", 1: "what"})  # fmt: skip
     note = (
-        "R² says how well changes of the torque are followed; a hold has none. Shaded: the trial "
-        "was in the fit, so that following it proves nothing."
+        "R² says how well changes of the torque are followed; a hold has none. Shaded: used in "
+        "the fit, so agreement is no test."
     )
     table = block.Grid("What each trial is, and how it is followed", heads, rows)
     holds = [t for t in trials if t.hold is not None]
@@ -182,11 +182,12 @@ def contradictions(
 ) -> dict[str, list[str]]:
     """Trials whose 95 % interval and that of all together do not even touch, by parameter.
 
-    An interval cannot say by itself that it is too narrow; another trial of the leg can.
+    An interval cannot say by itself that it is too narrow; another trial of the leg can. What a fit
+    does not tell, such as the gain of a muscle that rested, contradicts nothing.
     """
     contradicted = {}
     for p in () if joint is None else joint.parameters.values():
-        if p.ci95 is None or not p.free:
+        if p.ci95 is None or not _tells(p):
             continue
         low, high = p.ci95
         apart = [
@@ -194,8 +195,14 @@ def contradictions(
             for name, assessment in alone.items()
             if (own := assessment.parameters.get(p.name)) is not None
             and own.ci95 is not None
+            and _tells(own)
             and (own.ci95[0] > high or own.ci95[1] < low)
         ]
         if apart:
             contradicted[p.name] = apart
     return contradicted
+
+
+def _tells(p: ParameterEstimate) -> bool:
+    """Whether a fit tells a parameter at all."""
+    return p.free and not p.at_bound and p.verdict in (Verdict.IDENTIFIED, Verdict.WEAK)

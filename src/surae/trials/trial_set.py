@@ -122,7 +122,8 @@ def common_errors(quality: Iterable[Quality]) -> tuple[str, ...]:
         for code, text in errors.items():
             advice.setdefault(code, []).append(text)
     return tuple(
-        f"{code} in {len(texts)} of {len(every)} trials alike, so it is the mapping's: {texts[0]}"
+        f"{code} in {len(texts)} of {len(every)} trials, so the mapping is the place to mend it: "
+        f"{texts[0]}"
         for code, texts in advice.items()
         if len(texts) > 1 and 2 * len(texts) > len(every)
     )
@@ -140,7 +141,7 @@ class Crossed:
     #: `rmse`, `bias`: root mean square and mean of measured minus predicted torque [Nm].
     rmse: float | None = None
     bias: float | None = None
-    fitted: bool = False  #: The trial was in the fit: following it proves nothing.
+    fitted: bool = False  #: The trial was in the fit, so agreement is no test.
     #: Whether it is predicted as well as the fit promises, see `Adequacy`; empty where it was in
     #: the fit, or its torque hardly changes.
     grade: str = ""
