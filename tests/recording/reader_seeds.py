@@ -9,6 +9,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import program_files as files
 
 from surae.base.errors import InputError
 from surae.recording import Recording, read, write_hdf5
@@ -290,9 +291,22 @@ SEEDS: dict[str, tuple[Callable[[], bytes], ...]] = {
     "poly5": (poly5_file, lambda: poly5_file(version=204)),
     "edf": (edf_file, lambda: edf_file(binary=True), interrupted_edf),
     "excel": (xlsx_file,),
+    "vicon": (files.vicon_file,),
+    "lvm": (files.lvm_file, lambda: files.lvm_file(x_columns="One")),
+    "tdms": (files.tdms_file,),
+    "parquet": (files.parquet_file, lambda: files.parquet_file(feather=True)),
+    "filelb": (lambda: files.flb_file(cases=2), lambda: files.flb_file(version=2, counts=True)),
+    "matlab-programs": (
+        files.labchart_file,
+        files.acqknowledge_mat,
+        files.otbiolab_file,
+        files.qualisys_file,
+        files.nldat_file,
+        lambda: files.matrix_mat(version73=True),
+    ),
     "xdf": (xdf_file, lambda: xdf_file(offset=3.0, irregular=True)),
 }
-TEXT = ("delimited", "opensim", "trigno")
+TEXT = ("delimited", "opensim", "trigno", "vicon", "lvm")
 
 WORDS = (
     *(b"", b",", b";", b"\t", b"\n", b"\r", b'"', b"#", b"=", b"[", b"]", b"{", b".", b"-", b"_"),

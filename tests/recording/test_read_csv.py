@@ -200,8 +200,7 @@ def test_errors_name_column_and_row(csv, text, says):
     ("data", "says"),
     [
         (bytes(range(256)) * 20, "binary"),
-        (GOOD.encode("utf-16"), "UTF-16"),
-        (b"# 5 \xb5V\n" + GOOD.encode(), "row 1: byte 0xb5 is not UTF-8"),
+        (b"# 5 \x81V\n" + GOOD.encode(), "row 1: byte 0x81 is not UTF-8"),
         (b"\x89PNG\r\n\x1a\n\0\0", "binary"),
         (b"MATLAB 5.0 MAT-file, Platform: GLNXA64" + bytes(100), "the file is damaged"),
     ],

@@ -146,7 +146,8 @@ def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channe
             values = np.multiply(values, factor, out=None if values is raw else values)
     if values is not raw:
         check_finite(values, where=table.file, name=f"{shown} scaled to SI", position=position)
-    remark = f"; {text}" if (text := table.remarks.get(column.name)) else ""
+    remarks = filter(None, (table.remarks.get(column.name), column.remark))
+    remark = "".join(f"; {text}" for text in remarks)
     si_unit = "1" if scaling.unit == "1" else SI[kind(role)]
     source = f"{Path(table.file).name}: {column.name} {scaling.describe()}{filled}{remark}"
     return Channel(role, times, freeze(values), si_unit, source)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from surae.base.errors import InputError
 from surae.base.units import FACTORS, plain, spelled
 from surae.recording.roles import NAMES, TIMES
-from surae.recording.rows import Rows, split
+from surae.recording.rows import Rows, is_clock, split
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, some
 
@@ -25,7 +25,12 @@ _NOTE = re.compile(r"#\s*(name|emg)\s*[:=]\s*(.*?)\s*")
 _EMG = ("raw", "envelope")
 
 #: Names of the time in files that are described by a mapping, beside our own.
-_OTHER_TIME = re.compile(r"(?:time|t|zeit|tijd|temps)[\W_]*(\w*)[\W_]*", re.IGNORECASE)
+_OTHER_TIME = re.compile(
+    r"(?:time ?stamps?|elapsed time|times?|t|zeit|uhrzeit|tijd|temps|tiempo|tempo|clock)"
+    r"[^\w%]*_*(%|\w*)[\W_]*",
+    re.IGNORECASE,
+)
+_TIME_IN = re.compile(r"time\s*[(\[]\s*(\S{1,10})\s*[)\]]", re.IGNORECASE)
 #: Lines before the names of the columns that a program may write about the recording.
 _LONGEST_PREFACE = 100
 #: Where numbers begin, so many bytes show how they are written.
@@ -48,18 +53,21 @@ def open_table(source: Source) -> Table:
             f"{where}: numbers where the names of the columns belong; the first line that is no "
             "comment must name them (time_s, angle_rad, ...)"
         )
-    time, factor = "", 1.0
-    if any(map(is_time, head.names)) or any(name.startswith("time_") for name in head.names):
-        time, factor = time_column(head.names, where)
-    if (unit := head.units.get(time)) is not None:
-        factor = FACTORS["time"].get(spelled(unit) or "", factor)
+    time, factor = time_column(head.names, where)
+    if unit := head.units.get(time):
+        factor = _seconds(unit, time, where)
     decimal = "."
     if head.delimiter != ",":
         body = "".join(itertools.islice(source.lines(), head.row, head.row + 1000)).encode()
         body = body[:_LOOKED_AT]
         if _WITH_COMMA.search(body) and not _WITH_POINT.search(body):
             decimal = ","
-    rows = Rows(source, head.row, head.names, head.delimiter, decimal)
+    first = next(itertools.islice(source.lines(), head.row, None), "")
+    clock = None
+    if time and (cells := split(first, head.delimiter)) and len(cells) == len(head.names):
+        at = head.names.index(time)
+        clock = at if is_clock(cells[at]) else None
+    rows = Rows(source, head.row, head.names, head.delimiter, decimal, clock)
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         return rows.columns(wanted, time, factor)
@@ -84,7 +92,7 @@ class _Header:
 
     row: int
     names: tuple[str, ...]
-    delimiter: str
+    delimiter: str | None  #: None for white space of any length.
     notes: Mapping[str, str]
     units: Mapping[str, str] = field(default_factory=dict)
 
@@ -104,7 +112,14 @@ def _header(source: Source) -> _Header:
         # What the row below has as often separates the cells, else what is there most often.
         below = next(itertools.islice(source.lines(), number, None), "")
         alike = (d for d in DELIMITERS if d in line and line.count(d) == below.count(d))
-        delimiter = next(alike, max(reversed(DELIMITERS), key=line.count))
+        delimiter: str | None = next(alike, max(reversed(DELIMITERS), key=line.count))
+        words = below.split()
+        if (
+            str(delimiter) not in line
+            and len(line.split()) == len(words) > 1
+            and _numeric(words[-1])
+        ):
+            delimiter = None  # white space of any length
         try:
             names = tuple(split(line, delimiter))
         except csv.Error as error:
@@ -148,8 +163,20 @@ def _note(key: str, text: str, where: str) -> str:
 
 def is_time(name: str) -> bool:
     """Whether a column's name is one of the time."""
-    match = _OTHER_TIME.fullmatch(name)
+    match = _OTHER_TIME.fullmatch(name.strip())
     return match is not None and (not match[1] or spelled(match[1]) in FACTORS["time"])
+
+
+def _seconds(unit: str, name: str, where: str) -> float:
+    """Factor from a unit of the time to seconds."""
+    known = FACTORS["time"].get(spelled(unit) or "")
+    if known is None:
+        percent = " (a movement in percent has no speed)" if "%" in unit else ""
+        raise InputError(
+            f"{where}, column {name!r}: unit {unit!r} is not known for time{percent}; use "
+            f"{' or '.join(TIMES)}"
+        )
+    return known
 
 
 def time_column(names: Sequence[str], where: str) -> tuple[str, float]:
@@ -158,15 +185,13 @@ def time_column(names: Sequence[str], where: str) -> tuple[str, float]:
     if len(candidates) > 1:
         raise InputError(f"{where}: columns {some(candidates)} are all the time; keep one")
     if candidates:
-        match = _OTHER_TIME.fullmatch(candidates[0])
-        unit = spelled(match[1]) if match is not None else None
-        return candidates[0], FACTORS["time"][unit or "s"]
+        match = _OTHER_TIME.fullmatch(candidates[0].strip())
+        return candidates[0], FACTORS["time"][spelled(match[1] if match else "") or "s"]
     for name in names:
         if name.startswith("time_"):
-            raise InputError(
-                f"{where}, column {name!r}: unit {name[5:]!r} is not known for time; "
-                f"use {' or '.join(TIMES)}"
-            )
+            _seconds(name[5:], name, where)
+        if (match := _TIME_IN.fullmatch(name.strip())) is not None:
+            _seconds(match[1], name, where)
     return "", 1.0
 
 

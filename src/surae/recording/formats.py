@@ -11,15 +11,20 @@ from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.plugins import plugins
 from surae.recording import (
+    acqknowledge,
     c3d,
     delimited,
     edf,
     excel,
+    filelb,
     hdf5,
+    labview,
     matlab,
     opensim,
+    parquet,
     poly5,
     trigno,
+    vicon,
     xdf,
 )
 from surae.recording.source import Source
@@ -41,14 +46,16 @@ class FormatModule(Protocol):
 
 #: In the order in which they are asked, plugins behind them; CSV takes what no other claims.
 FORMATS: tuple[FormatModule, ...] = (
-    hdf5, matlab, poly5, edf, xdf, c3d, excel, opensim, trigno,
+    hdf5, matlab, poly5, edf, xdf, c3d, excel, opensim, trigno, vicon, labview, parquet, filelb,
+    acqknowledge,
 )  # fmt: skip
 #: Columns of a file.
 _MOST = 10_000
 #: How the names of files end that can hold signals.
 ENDINGS = (
     ".h5", ".hdf5", ".csv", ".tsv", ".txt", ".mat", ".c3d", ".edf", ".bdf", ".xdf", ".poly5",
-    ".sto", ".mot", ".xlsx",
+    ".sto", ".mot", ".xlsx", ".xls", ".ods", ".lvm", ".tdms", ".acq", ".parquet", ".feather",
+    ".flb",
 )  # fmt: skip
 
 
@@ -80,6 +87,7 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
     InputError
         The file is of no supported format or its header is wrong.
     """
+    source = source.in_utf8()
     form = next((form for form in chain(FORMATS, _plugins()) if form.recognises(source)), None)
     table = form.open_table(source) if form else delimited.open_table(source)
     if timed and not table.time_name:

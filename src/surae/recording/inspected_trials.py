@@ -3,9 +3,10 @@
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.recording.described import toml_value
 from surae.recording.inspection import Inspection, inspect
@@ -45,11 +46,44 @@ def inspect_trials(
 ) -> Inspection | InspectedTrials:
     """Describe data files, and tell parts of one recording from trials of one layout.
 
-    Files of the same names in several folders, and files that each hold an angle, are trials. All
-    else is as of `inspect`.
+    Files of the same names in several folders, and files that each hold an angle, are trials. Of
+    several files those that are no recordings (notes, lists of events) or broken are set aside,
+    and the advice names them. All else is as of `inspect`.
     """
-    folders: dict[Path, list[Path]] = {}
+    if len(paths) == 1:
+        return inspect(paths[0], side=side)
+    single: dict[Path, Inspection] = {}
+    aside: dict[Path, str] = {}
     for path in map(Path, paths):
+        try:
+            single[path] = inspect(path, side=side)
+        except InputError as error:
+            aside[path] = str(error).removeprefix(f"{shown(path)}: ").partition("; a recording")[0]
+        else:
+            unusable = single[path].unusable
+            if not single[path].roles and unusable.keys() == single[path].open.keys() and unusable:
+                del single[path]
+                aside[path] = next(iter(unusable.values()))
+            elif not (single[path].roles or single[path].open):
+                columns = some([channel.column for channel in single.pop(path).channels], 3)
+                aside[path] = f"no channel of an ankle: {columns}"
+    if not single:
+        path, why = next(iter(aside.items()))
+        raise InputError(f"{shown(path)}: {why}")
+    found = _of_several(single, side)
+    lines = tuple(f"set aside: {shown(path)}: {why}" for path, why in aside.items())
+    if isinstance(found, Inspection):
+        return replace(found, advice=(*found.advice, *lines))
+    return replace(found, typical=replace(found.typical, advice=(*found.typical.advice, *lines)))
+
+
+def _of_several(
+    single: Mapping[Path, Inspection], side: str | None
+) -> Inspection | InspectedTrials:
+    """What several files are together, each of them inspected by itself."""
+    paths = list(single)
+    folders: dict[Path, list[Path]] = {}
+    for path in paths:
         folders.setdefault(path.parent, []).append(path)
     alike = {tuple(sorted(path.name for path in files)) for files in folders.values()}
     groups = {shown(folder.name): files for folder, files in folders.items()}
@@ -57,13 +91,12 @@ def inspect_trials(
         each = {name: inspect(parts, side=side) for name, parts in groups.items()}
         first = next(iter(folders.values()))
         return _together(each, [f"{TRIAL}/{path.name}" for path in first], paths)
-    if len(paths) > 1:
-        each = {shown(Path(path).stem): inspect(path, side=side) for path in paths}
-        if len(each) == len(paths) and all(
-            "angle" in (*trial.roles, *trial.open) for trial in each.values()
-        ):
-            return _together(each, [], paths)
-    return inspect(list(paths), side=side)
+    each = {shown(path.stem): trial for path, trial in single.items()}
+    if 1 < len(each) == len(paths) and all(
+        "angle" in (*trial.roles, *trial.open) for trial in each.values()
+    ):
+        return _together(each, [], paths)
+    return next(iter(single.values())) if len(single) == 1 else inspect(paths, side=side)
 
 
 def trials_text(inspected: InspectedTrials, folder: PathLike) -> str:

@@ -245,6 +245,7 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
             remarks.insert(0, f"{column.position(first)}: {why} ({what})")
             if gaps is not None and gaps.longest_s <= LONGEST_BRIDGE_S and column.time_name:
                 bridge_s = math.ceil(1e3 * gaps.longest_s) / 1e3
+    remarks.append(column.remark)
     sampling = Sampling(len(column.time))
     if column.time_name:
         sampling = sampling_of(column.time)
@@ -256,11 +257,14 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
     known = None if role is None else stated_unit(table, role, name)
     settled = known is not None and not known.per_kg
     known_unit, scale = (known.unit, known.scale) if known is not None and settled else (None, 1.0)
+    look = look_of(column.time, column.values) if emg else None
+    if look is not None and not column.time_name:  # how fast it changes is not known
+        look = replace(look, rule="positive and negative") if look.kind == "raw" else None
     end_s = None if sampling.start_s is None else float(column.time[-1])
     low, high = (float(finite.min()), float(finite.max())) if len(finite) else (None, None)
     return InspectedChannel(
         path, name, unit, known_unit, scale, sampling.n, sampling.rate_hz, sampling.start_s, end_s,
-        low, high, guess, look_of(column.time, column.values) if emg else None,
+        low, high, guess, look,
         "; ".join(filter(None, remarks)), usable and sampling.n > 1, bridge_s,
     )  # fmt: skip
 

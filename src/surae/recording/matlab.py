@@ -8,11 +8,16 @@ Three ways in which a file says it, tried for every structure and for the file a
 - vectors beside a vector ``time``, ``times`` or ``t``, in seconds or with ``_ms`` in milliseconds;
 - vectors beside a number ``fs``, ``rate``, ``rate_hz``, ``sampling_rate`` or ``sample_rate`` [Hz].
 
-Objects of MATLAB's classes, such as tables, can be opened by MATLAB alone; they are named.
+Before these, what programs write (`surae.recording.matlab_layouts`). A matrix gives its channels
+whichever way it lies, under the names stored beside it. Vectors as long as a signal that have no
+times are given without. Tables and other objects of MATLAB's classes are opened by mat-io, where it
+can; the others are named.
 """
 
 import io
+import tempfile
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,6 +28,7 @@ from surae.base.errors import InputError
 from surae.base.units import FACTORS, FloatArray
 from surae.recording.foreign import Parsed, foreign_table, packed, untrusted
 from surae.recording.hdf5 import fixed_text, is_plain, member
+from surae.recording.matlab_layouts import beside, by_channel, known
 from surae.recording.source import Source
 from surae.recording.table import Table, some
 
@@ -40,8 +46,10 @@ _UNITS = ("units", "unit")
 _LONGEST_UNIT = 100
 #: Structures within structures.
 _DEEPEST = 4
-#: Columns of a matrix that are taken as signals of their own; variables in a file.
-_MOST_COLUMNS, _MOST_VARIABLES = 512, 10_000
+#: Variables in a file, attributes of one, texts in one.
+_MOST_VARIABLES, _MOST_ATTRIBUTES, _MOST_TEXTS = 10_000, 50, 1000
+#: What has no times is a signal from so many samples on; beside others, from this part of theirs.
+_SIGNAL, _SHORTEST = 100, 10
 #: How to save an object as what everybody can open, by its class; else as its structure.
 _PLAINLY = {
     "table": 's = table2struct({0}, "ToScalar", true)',
@@ -76,7 +84,13 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
     """The signals of a file."""
     with untrusted(shown):
         variables = _matlab5(data) if data.startswith(_MATLAB5) else _matlab73(data)
+        if any(isinstance(each, _Object) for each in variables.values()):
+            variables = {**variables, **_objects(data)}
         columns = list(_signals(variables, "", shown, 0))
+        timed = [c for c in columns if isinstance(c.time, np.ndarray) or c.time[1] or c.refused]
+        longest = max((len(c.values) for c in timed), default=_SIGNAL)
+        # Beside signals with times, shorter vectors are settings.
+        columns = [c for c in columns if c in timed or len(c.values) >= longest // _SHORTEST]
         if any(not column.refused for column in columns):
             return packed(columns)
         if not columns:
@@ -102,6 +116,41 @@ def _matlab5(data: bytes) -> Mapping[str, Any]:
         elif not name.startswith("__"):
             variables[name] = _plain(value)
     return variables
+
+
+def _objects(data: bytes) -> dict[str, Any]:
+    """MATLAB's objects as structures, those that mat-io opens."""
+    try:
+        from matio import load_from_mat
+    except ImportError:
+        return {}
+    with tempfile.TemporaryDirectory(prefix="surae-") as folder:
+        path = Path(folder) / "objects.mat"
+        path.write_bytes(data)
+        try:
+            loaded = load_from_mat(str(path))
+        except Exception:  # its parser raises anything, and what it can't open is named
+            return {}
+    opened = {name: _opened(value) for name, value in loaded.items() if not name.startswith("__")}
+    return {name: value for name, value in opened.items() if isinstance(value, dict)}
+
+
+def _opened(value: Any) -> Any:
+    """An object's properties, or a table's columns with its times, as a structure."""
+    if isinstance(fields := getattr(value, "properties", None), Mapping):
+        return {str(name): _opened(field) for name, field in fields.items()}
+    if hasattr(value, "columns") and hasattr(value, "index"):  # a pandas DataFrame
+        columns = {str(name): np.asarray(value[name]) for name in value.columns}
+        if (index := np.asarray(value.index)).dtype.kind in "mM" and len(index):
+            columns["time"] = (index - index[0]) / np.timedelta64(1, "s")
+        return {name: np.atleast_1d(each.squeeze()) for name, each in columns.items()}
+    if isinstance(value, np.ndarray) and value.dtype == object:
+        return [_opened(element) for element in value.ravel()]
+    return (
+        value[0]
+        if isinstance(value, np.ndarray) and value.dtype.kind == "U" and value.size == 1
+        else value
+    )
 
 
 def _name(raw: Any) -> str:
@@ -143,14 +192,35 @@ def _group(group: Any, remaining: list[int], depth: int) -> dict[str, Any]:
             variables[name] = _group(item, remaining, depth + 1)
         elif isinstance(item, h5py.Dataset) and "MATLAB_empty" not in item.attrs:
             variables[name] = _dataset(item)
+            for key in list(item.attrs)[:_MOST_ATTRIBUTES]:
+                if (said := _attribute(item.attrs[key])) is not None:
+                    rate = key.casefold().replace("_", "") in _RATES
+                    variables.setdefault(key if rate else f"{name}_{key}", said)
     return variables
+
+
+def _attribute(value: Any) -> Any:
+    """What an attribute says of its dataset: a rate or texts."""
+    if isinstance(value, bytes | str):
+        return [_name(value)]
+    if isinstance(value, np.ndarray) and value.dtype.kind in "SUO":
+        return [_name(each) for each in value.ravel().tolist() if isinstance(each, bytes | str)]
+    return np.atleast_1d(value) if isinstance(value, int | float | np.number) else None
 
 
 def _dataset(dataset: Any) -> Any:
     """An array as MATLAB shows it, whose dimensions HDF5 lists the other way round, or a text."""
+    import h5py
+
     class_name = fixed_text(dataset, "MATLAB_class")
     if "MATLAB_object_decode" in dataset.attrs and class_name is not None:
         return _Object(class_name)
+    if dataset.dtype.kind in "SO" and dataset.size <= _MOST_TEXTS and not dataset.external:
+        each = np.ravel(dataset[()]).tolist()
+        if h5py.check_ref_dtype(dataset.dtype) is not None:  # a cell array
+            inner = (dataset.file[reference] for reference in each if reference)
+            return [_dataset(cell) for cell in inner if isinstance(cell, h5py.Dataset)]
+        return [_name(text) for text in each if isinstance(text, bytes | str)]
     if not is_plain(dataset):
         return np.array("")
     array = np.asarray(dataset[()]).T
@@ -161,6 +231,9 @@ def _dataset(dataset: Any) -> Any:
 
 def _signals(variables: Mapping[str, Any], prefix: str, shown: str, depth: int) -> Iterator[Parsed]:
     """The signals among some variables."""
+    if (columns := known(variables, prefix, shown)) is not None:
+        yield from columns
+        return
     times = {
         name: _floats(value)
         for name, value in variables.items()
@@ -188,17 +261,28 @@ def _signals(variables: Mapping[str, Any], prefix: str, shown: str, depth: int) 
             for index, element in enumerate(each if depth < _DEEPEST else [], start=1):
                 yield from _signals({f"({index})": element}, full, shown, depth + 1)
         elif name not in times and _shape(value):
-            array = value.squeeze()  # a vector, or a matrix of which each column is one
-            vectors = [(full, array)] if array.ndim == 1 and len(array) > 1 else []
-            if array.ndim == 2 and array.shape[1] <= _MOST_COLUMNS:
-                vectors = [(f"{full}(:,{i + 1})", array[:, i]) for i in range(array.shape[1])]
-            for label, vector in vectors:
+            array = value.squeeze()  # a vector, or a matrix whose rows or columns are channels
+            vectors = [(full, array, "")] if array.ndim == 1 and len(array) > 1 else []
+            if array.ndim == 2:
+                fits = next((len(t) for t in seconds.values() if len(t) in array.shape), None)
+                if (rows := by_channel(array, fits)) is not None:
+                    names, units = beside(variables, name, len(rows))
+                    across = "{},:" if rows.shape == array.shape else ":,{}"
+                    vectors = [
+                        (
+                            f"{full}: {names[i]}" if names else f"{full}({across.format(i + 1)})",
+                            row,
+                            units[i] if units else "",
+                        )
+                        for i, row in enumerate(rows)
+                    ]
+            for label, vector, unit in vectors:
                 at = next((key for key, time in seconds.items() if len(time) == len(vector)), None)
                 if at is not None:
                     remark = "" if "_" in at else f"{prefix}{at} is taken as seconds"
-                    yield Parsed(label, vector, seconds[at], remark=remark, time_name=prefix + at)
-                elif rate is not None and len(vector) > 1:
-                    yield Parsed(label, vector, (0.0, rate))
+                    yield Parsed(label, vector, seconds[at], unit, remark, time_name=prefix + at)
+                elif len(vector) > 1 and (rate is not None or len(vector) >= _SIGNAL):
+                    yield Parsed(label, vector, (0.0, rate or 0.0), unit)
 
 
 def _spike2(name: str, channel: Mapping[str, Any]) -> Parsed:

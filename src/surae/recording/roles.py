@@ -23,6 +23,7 @@ The words ``r``, ``right``, ``l``, ``left`` say the side. A unit that cannot be 
 for a torque) makes it less certain, and an EMG only *possible*; it must be said what it is.
 """
 
+import itertools
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -194,6 +195,9 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
     side = _SIDES[word] if word else None
     suggested = unit_kind(unit)
     match = _film(words) or _quantity(words) or _muscle(words)
+    if match is None and ": " in name:  # behind the name of a device, which says less
+        last = words_of(name.rpartition(": ")[2])
+        match = _quantity(last) or _muscle(last)
     if match is None:
         known = {*words} & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES | _PLATE)
         if suggested not in ("torque", "angle") or known:
@@ -313,14 +317,27 @@ def _film(words: tuple[str, ...]) -> _Match | None:
     return roles, "named", f"the word {word}, and {match[2]}"
 
 
+def _two_words(words: tuple[str, ...]) -> _Match | None:
+    """A muscle by two words of its name, or by a letter behind one."""
+    present = {*words}
+    for first, other, role, rule in _TWO_WORDS:
+        if present & first and present & other:
+            return (role,), "named", rule
+    for vocabulary, letter, role, rule in _IN_TURN:
+        behind = any(a in vocabulary and b == letter for a, b in itertools.pairwise(words))
+        # L is the side unless the side stands before it: LGasL.
+        if behind and (letter != "l" or words.count("l") + words.count("r") > 1):
+            return (role,), "likely", rule
+    return None
+
+
 def _muscle(words: tuple[str, ...]) -> _Match | None:
     """EMG of one of the four muscles: by its name, or by shorthand."""
     present = {*words}
     if present & (_OTHER_SENSORS | _OTHER_JOINTS):
         return None
-    for first, second, role, rule in _TWO_WORDS:
-        if present & first and present & second:
-            return (role,), "named", rule
+    if (two := _two_words(words)) is not None:
+        return two
     if whole := _first(words, _WHOLE):
         return (_WHOLE[whole],), "named", f"the muscle {whole}"
     if present & _OTHER_MUSCLES:
@@ -344,6 +361,11 @@ _TWO_WORDS = (
     (_GASTROCNEMIUS, _LATERAL, "emg_gl", "gastrocnemius and lateralis"),
     (_GASTROCNEMIUS, _MEDIAL, "emg_gm", "gastrocnemius and medialis"),
     (_TIBIALIS, _ANTERIOR, "emg_ta", "tibialis and anterior"),
+)
+_IN_TURN = (
+    (_GASTROCNEMIUS, "l", "emg_gl", "gastrocnemius L, for lateralis, behind the side"),
+    (_GASTROCNEMIUS, "m", "emg_gm", "gastrocnemius M, for medialis"),
+    (_TIBIALIS, "a", "emg_ta", "tibialis A, for anterior"),
 )
 _VAGUE: tuple[tuple[set[str], tuple[str, ...], str], ...] = (
     (_GASTROCNEMIUS, ("emg_gl", "emg_gm"), "gastrocnemius, but not which head"),

@@ -13,8 +13,15 @@ from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.base.units import FloatArray
 from surae.recording.source import Source
-from surae.recording.table import Column, some
+from surae.recording.table import Column, regular, some
 
+#: hh:mm:ss.f, mm:ss.f, with a date of any kind before it and, in the morning and afternoon, AM, PM.
+_CLOCK = re.compile(
+    r"(?:[\d./-]{6,10}[ T])?(?:(\d{1,3}):)?(\d{1,2}):(\d{1,2}(?:[.,]\d{0,12})?)"
+    r"(?: ?([AaPp])\.?[Mm]\.?)?Z?",
+    re.ASCII,
+)
+_HALF_A_DAY = 43200.0
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 
 
@@ -28,6 +35,7 @@ class Rows:
     delimiter: str | None  #: What separates the cells; None for white space of any length.
     #: What begins the decimals: a point, or a comma, which then is no `delimiter`.
     decimal: str = "."
+    clock: int | None = None  #: The column whose cells are times of day, if one's are.
 
     def load(self, wanted: Sequence[int]) -> FloatArray:
         """Read the columns with these indices, each as one row of the result.
@@ -67,10 +75,24 @@ class Rows:
             if why := self.reason(first[time])(at):
                 where = f"{self.source.shown}: column {time!r}, {self.position(at)}"
                 raise InputError(f"{where}: {why}")
-        seconds = read_only(data[0] * factor if time else np.arange(data.shape[1]))
+        seconds, remark = np.arange(data.shape[1], dtype=np.float64), ""
+        if time and self.clock == first[time]:
+            began = data[0, 0] if data.shape[1] else 0.0
+            days = np.cumsum(np.diff(data[0], prepend=began) < -_HALF_A_DAY)
+            seconds, rounded = regular(data[0] - began + 2 * _HALF_A_DAY * days)
+            remark = "; ".join(filter(None, (f"{time!r} is a clock's: 0 s is its first", rounded)))
+        elif time:
+            seconds, remark = regular(data[0] * factor)
+        seconds = read_only(seconds)
         return {
             name: Column(
-                name, seconds, read_only(values), time, self.position, self.reason(first[name])
+                name,
+                seconds,
+                read_only(values),
+                time,
+                self.position,
+                self.reason(first[name]),
+                remark,
             )
             for name, values in zip(wanted, data[len(timed) :], strict=True)
         }
@@ -81,7 +103,8 @@ class Rows:
         def why(index: int) -> str:
             _, line = next(islice(self._numbered(), index, None))
             try:
-                as_number(self._with_point(split(line, self.delimiter)[column]))
+                parse = time_of_day if column == self.clock else as_number
+                parse(self._with_point(split(line, self.delimiter)[column]))
             except ValueError as error:
                 return str(error)
             return ""
@@ -126,7 +149,8 @@ class Rows:
                 )
             for values, index in zip(columns, wanted, strict=True):
                 try:
-                    values.append(as_number(self._with_point(cells[index])))
+                    parse = time_of_day if index == self.clock else as_number
+                    values.append(parse(self._with_point(cells[index])))
                 except ValueError:
                     values.append(np.nan)
         return np.array(columns, dtype=np.float64)
@@ -141,6 +165,21 @@ def split(line: str, delimiter: str | None) -> list[str]:
     else:
         cells = line.split(delimiter)
     return [cell.strip() for cell in cells]
+
+
+def time_of_day(cell: str) -> float:
+    """Seconds since midnight of a time of day, ``09:41:00.25`` with a date before it or none."""
+    match = _CLOCK.fullmatch(cell)
+    if match is None:
+        raise ValueError(f"{some([cell])} is not a time of day")
+    hours, minutes, seconds, half = match.groups()
+    noon = 12 * ((half or "a").lower() == "p") + (int(hours or 0) % 12 if half else int(hours or 0))
+    return 3600.0 * noon + 60.0 * int(minutes) + float(seconds.replace(",", "."))
+
+
+def is_clock(cell: str) -> bool:
+    """Whether a cell holds a time of day."""
+    return _CLOCK.fullmatch(cell) is not None
 
 
 def as_number(cell: str) -> float:

@@ -2,7 +2,7 @@
 
 import io
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from surae.base import files
@@ -49,12 +49,26 @@ class Source:
         """Lines of the file's first part, for recognising it; never fails."""
         return self.data[:HEAD].removeprefix(_BOM).decode(errors="replace").splitlines()
 
+    def in_utf8(self) -> "Source":
+        """The same text in UTF-8, where it is UTF-16 or of Windows' Western letters (cp1252)."""
+        encoding = ""
+        if self.data.startswith(_BOMS_UTF16):
+            encoding = "utf-16"
+        elif b"\0" not in self.data[:HEAD] and not self.data.isascii():
+            try:
+                self.data.decode()
+            except UnicodeDecodeError:
+                encoding = "cp1252"
+        try:
+            text = self.data.decode(encoding) if encoding else ""
+        except UnicodeDecodeError:
+            return self
+        return replace(self, data=text.encode(errors="replace")) if text else self
+
     def require_text(self) -> None:
         """Check that it is UTF-8 text with something in it."""
         if not self.data.removeprefix(_BOM).strip():
             raise InputError(f"{self.shown}: the file is empty")
-        if self.data.startswith(_BOMS_UTF16):
-            raise InputError(f"{self.shown}: the text is UTF-16; save it as UTF-8")
         if b"\0" in self.data:
             raise InputError(
                 f"{self.shown}: the file is binary, in no format that is read here; supported: "

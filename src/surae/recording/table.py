@@ -96,6 +96,50 @@ def rounding(time: FloatArray, coarsest: float) -> float | None:
     return None
 
 
+#: Stamps rounded to less than this part of a step are as good as exact; no coarser ones than so [s]
+#: are taken for rounded.
+_ROUNDED, _COARSEST_S = 0.02, 0.01
+#: A rate is as good as that of the stamps if it moves the last of them by this part of a rounding.
+_AS_GOOD = 0.2
+
+
+def regular(time: FloatArray) -> tuple[FloatArray, str]:
+    """Times whose stamps were rounded, at the uniform rate that they were rounded from.
+
+    A program that writes 1500 Hz with three decimals gives every third stamp twice. Stamps are
+    rounded where all are multiples of a decimal step and a uniform axis explains each to that step.
+
+    Returns
+    -------
+    time : ndarray, shape (n,)
+        The uniform times [s]; the stamps themselves where they are none.
+    remark : str
+        What was done; empty where nothing was.
+    """
+    n, span = len(time), float(time[-1] - time[0]) if len(time) else 0.0
+    if n < 10 or not span > 0 or not np.isfinite(time).all():
+        return time, ""
+    mean = span / (n - 1)
+    step = rounding(time, _COARSEST_S) if mean < 100 * _COARSEST_S else None
+    if step is None or step < _ROUNDED * mean or step > 4 * mean:
+        return time, ""
+    counted = np.arange(n) - (n - 1) / 2.0
+    mean = float(counted @ time / (counted @ counted))  # all stamps know it better than two
+    if not mean > step / 8.0:
+        return time, ""
+    # A whole rate, or else a period of few digits, where either is what the stamps show.
+    rates = (round(1 / mean), *(1 / float(f"{mean:.{digits}g}") for digits in range(1, 5)))
+    rate = next(
+        (r for r in rates if r and abs(1 / r - mean) * (n - 1) <= _AS_GOOD * step), 1 / mean
+    )
+    uniform = instants(float(time[0]), rate, n)
+    off = time - uniform
+    if np.ptp(off) > 1.02 * step or np.max(np.abs(off)) < 1e-3 * mean:
+        return time, ""
+    shown = f"{1e3 * step:g} ms" if step < 1 else f"{step:g} s"
+    return uniform, f"times rounded to {shown}: read as uniform, {rate:.6g} Hz"
+
+
 @dataclass(frozen=True, slots=True)
 class Column:
     """One signal as the file holds it."""
@@ -108,6 +152,7 @@ class Column:
     #: Why a sample of `values` is not a number, where the file holds something else in its place;
     #: empty where it says so itself.
     reason: Callable[[int], str] | None = None
+    remark: str = ""  #: What reading it has shown that a user should know.
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,79 @@
+"""LabVIEW measurements: text (.lvm) as lvm_read reads it, binary (.tdms) as npTDMS does."""
+
+import io
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from surae.recording.delimited import is_time
+from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
+from surae.recording.source import Source
+from surae.recording.table import Table
+
+_TEXT, _BINARY = b"LabVIEW Measurement", b"TDSm"
+
+
+def recognises(source: Source) -> bool:
+    """Whether it begins as one of the two does."""
+    return source.data.startswith((_TEXT, _BINARY))
+
+
+def open_table(source: Source) -> Table:
+    """The channels of all groups."""
+    return foreign_table(source, "LabVIEW", "labview")
+
+
+def parse(data: bytes, shown: str) -> dict[str, Any]:
+    """The columns of a file."""
+    binary = data.startswith(_BINARY)
+    library = optional("nptdms" if binary else "lvm_read", "LabVIEW", shown)
+    with untrusted(shown):
+        return packed(list(_groups(library, data) if binary else _segments(library, data)))
+
+
+def _segments(lvm_read: Any, data: bytes) -> Iterator[Parsed]:
+    """Columns of a text file, with a column of times (X_Value) for none, all or each of them."""
+    whole = lvm_read.read_str(data.decode(errors="replace"))
+    for number in range(whole["Segments"]):
+        segment = whole[number]
+        block, before = np.atleast_2d(segment["data"]), f"segment {number + 1}: "
+        time: Any = None
+        channel = -1
+        for index, name in enumerate(segment["Channel names"][: block.shape[1]]):
+            if name == "X_Value":
+                time = block[:, index]
+            elif name and name != "Comment":
+                channel += 1
+                count = int(_nth(segment.get("Samples"), channel, len(block)))
+                step, start = (_nth(segment.get(k), channel, 0.0) for k in ("Delta_X", "X0"))
+                own: Any = (start, 1.0 / step if step > 0 else 0.0)
+                if whole.get("X_Columns", "One") != "No" and time is not None:
+                    own = time[:count]
+                unit = _nth(segment.get("Y_Unit_Label"), channel, "")
+                label = before * (whole["Segments"] > 1) + name
+                yield Parsed(label, block[:count, index], own, unit)
+
+
+def _nth(values: Any, index: int, default: Any) -> Any:
+    """What a header says of a channel."""
+    return values[index] if values and index < len(values) and values[index] else default
+
+
+def _groups(nptdms: Any, data: bytes) -> Iterator[Parsed]:
+    """Channels of a binary file: waveforms, or columns beside one of times."""
+    groups = nptdms.TdmsFile.read(io.BytesIO(data)).groups()
+    for group in groups:
+        before = f"{group.name}: " if len(groups) > 1 else ""
+        channels = [c for c in group.channels() if c.dtype is not None and c.dtype.kind in "fiu"]
+        times = {c.name: np.asarray(c[:], dtype=np.float64) for c in channels if is_time(c.name)}
+        for channel in channels:
+            if channel.name in times:
+                continue
+            values, said = np.asarray(channel[:], dtype=np.float64), channel.properties
+            step = float(said.get("wf_increment", 0.0))
+            own: Any = (float(said.get("wf_start_offset", 0.0)), 1.0 / step if step > 0 else 0.0)
+            if not own[1]:
+                own = next((time for time in times.values() if len(time) == len(values)), own)
+            unit = said.get("unit_string") or said.get("NI_UnitDescription") or ""
+            yield Parsed(before + channel.name, values, own, str(unit))
