@@ -79,6 +79,7 @@ from surae.model.registry import PARAMETERS as PARAMETERS
 from surae.protocol import DEVICES as DEVICES
 from surae.protocol import PROFILES as PROFILES
 from surae.protocol import TASKS as TASKS
+from surae.protocol import Device as Device
 from surae.protocol import Given as Given
 from surae.protocol import Protocol as Protocol
 from surae.protocol import Trajectory as Trajectory
@@ -102,6 +103,7 @@ from surae.quality import Finding as Finding
 from surae.quality import Quality as Quality
 from surae.quality import commanded_file as commanded_file
 from surae.quality import recording_of as recording_of
+from surae.recording import MUSCLE_NAMES as MUSCLE_NAMES
 from surae.recording import MUSCLES as MUSCLES
 from surae.recording import ROLES as ROLES
 from surae.recording import Channel as Channel

@@ -1,5 +1,6 @@
 """What a trial is worth, said by a child process so that nothing else waits: first quickly."""
 
+import re
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -23,6 +24,7 @@ from surae.api import (
 )
 from surae.base.errors import SuraeError
 from surae.base.files import write_atomic
+from surae.base.formatting import of_interval
 from surae.base.frozen import read_only
 from surae_workbench.live.record import counted
 
@@ -31,6 +33,12 @@ if TYPE_CHECKING:
 
 #: The model of the first answer: it takes a second. What is identified, the second answer says.
 _QUICK = FitSettings.of("muscle", starts=3)
+#: What is said first of a leg.
+_HEADLINES = (
+    "end_stiffness", "end_torque", "relaxed_share@10s", "active_torque_max_tri@0deg",
+    "active_torque_max_tib@0deg", "activation_half_time", "delay", "damping@20Nm",
+    "tendon_secant_tri",
+)  # fmt: skip
 #: What is said of movement and of a fit, which a trial that holds still has no part in.
 _OF_MOVEMENT = (
     "angle-still", "rom-not-covered", "trial-too-short", "position-steps", "overshoot",
@@ -108,6 +116,13 @@ def judge(
         quality = replace(
             quality, findings=tuple(f for f in quality.findings if f.code not in _OF_MOVEMENT)
         )
+    wrong = None
+    if asked in ("passive", "active") and judged in ("passive", "active") and asked != judged:
+        wrong = (
+            "Rest was asked for, and muscles worked: record it again relaxed, or keep it as what it "
+            "is." if asked == "passive" else "Effort was asked for, and every muscle stayed "
+            "relaxed: record it again with effort, or keep it as what it is."
+        )  # fmt: skip
     judgement: dict[str, Any] = {
         "findings": quality.as_dict()["findings"],
         "seconds": max(float(c.time[-1] - c.time[0]) for c in recording.channels.values()),
@@ -128,7 +143,10 @@ def judge(
                 "vaf": quick.vaf,
                 "reasons": list(quick.adequacy.reasons),
             }
-    return judgement | verdict(quality, judgement)
+    said = verdict(quality, judgement)
+    if wrong is not None and said["verdict"] == "keep":
+        said = {"verdict": "look", "advice": wrong}
+    return judgement | said
 
 
 def verdict(quality: Quality, judgement: Mapping[str, Any]) -> dict[str, str]:
@@ -147,13 +165,36 @@ def verdict(quality: Quality, judgement: Mapping[str, Any]) -> dict[str, str]:
     if judgement["use"] == "none":
         return {"verdict": "repeat", "advice": judgement["why"]}
     if judgement["grade"] == "inadequate":
-        return {"verdict": "repeat", "advice": "; ".join(judgement["reasons"])}
+        return {"verdict": "repeat", "advice": "; ".join(map(in_words, judgement["reasons"]))}
     if warnings:
         return {"verdict": "look", "advice": warnings[0]}
     if judgement["grade"] is None:
         return {"verdict": "keep", "advice": f"Nothing to fit: {judgement['why']}."}
-    doubts = "; ".join(judgement["reasons"])
-    return {"verdict": "keep", "advice": f"Alone it is doubtful: {doubts}." if doubts else ""}
+    doubts = "; ".join(map(in_words, judgement["reasons"]))
+    return {"verdict": "keep", "advice": f"Alone it leaves open: {doubts}." if doubts else ""}
+
+
+def in_words(text: str) -> str:
+    """A sentence of an assessment with what parameters mean in the place of their names."""
+    known = {name: p.meaning[:1].lower() + p.meaning[1:] for name, p in api.PARAMETERS.items()}
+    return re.sub(r"\b\w+\b", lambda found: known.get(found[0], found[0]), text)
+
+
+def of_leg(measures: Mapping[str, "Measure"]) -> list[str]:
+    """What is known of a leg, stiffness first, and what is not, in sentences."""
+    told = [m for name in _HEADLINES if (m := measures.get(name)) is not None]
+    known = [m for m in told if str(m.verdict) in ("identified", "weak")]
+    sentences = []
+    for m in known:
+        text = of_interval(m.value, m.ci95)
+        roughly = "roughly " if str(m.verdict) == "weak" else ""
+        unit = m.unit.replace("Nm/deg", "Nm/°").replace("deg", "°")
+        sentences.append(
+            f"{m.meaning.rstrip('.')}: {roughly}{text.value} {unit} (95 %: {text.interval})."
+        )
+    unknown = [m.meaning.rstrip(".") for m in told if m not in known]
+    lower = [text[:1].lower() + text[1:] for text in unknown]
+    return [*sentences, *([f"Still unknown: {'; '.join(lower)}."] if lower else [])]
 
 
 def _session(
@@ -192,7 +233,8 @@ def together(
     return {
         "grade": fit.adequacy.grade,
         "vaf": fit.vaf,
-        "reasons": list(fit.adequacy.reasons),
+        "reasons": list(map(in_words, fit.adequacy.reasons)),
+        "leg": [] if fit.adequacy.grade == "inadequate" else of_leg(measures),
         "parameters": [_row(name, p) for name, p in fit.parameters.items()],
         "measures": [{**_row(name, m), "meaning": m.meaning} for name, m in measures.items()],
         **_next(fit, target, device, span),

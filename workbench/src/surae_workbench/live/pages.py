@@ -20,7 +20,7 @@ from surae.api import PROFILES, TASKS, Trajectory
 from surae.base.errors import InputError
 from surae.base.files import PathLike, template
 from surae_workbench.live.room import MAXIMUM, Room, RoomOptions
-from surae_workbench.live.showing import Showing, roles_of
+from surae_workbench.live.showing import Showing
 from surae_workbench.live.target import KIND
 from surae_workbench.web.app import bare_app
 from surae_workbench.web.events import Events
@@ -124,14 +124,13 @@ class ServedRoom:
     def health(self) -> dict[str, Any]:
         """How streams and disk do."""
         trials = self.room.trials
-        with suppress(OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError):
-            # Somebody may be editing it: until it can be read again, what it said before holds.
-            self.showing.roles = roles_of(trials.mapping)
+        self.showing.roles = self.room.roles
         return {
             "streams": [s for s in trials.recorder.health() if s["kind"] != KIND],
             "trouble": trials.recorder.trouble,
             "roles": sorted(role for role, _, _ in self.showing.roles.values()),
             "ready": self.room.ready,
+            "alarms": [alarm._asdict() for alarm in self.room.alarms.active],
         }  # fmt: skip
 
     def _frame(self, frame: dict[str, Any]) -> None:

@@ -1,12 +1,14 @@
 """The room of a measurement: what is requested, what is recorded, and, in a rehearsal, the leg."""
 
 import threading
+from collections.abc import Mapping
 from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Unpack
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.api import (
     DEVICES,
@@ -25,9 +27,14 @@ from surae.base.cleaning import cleaned
 from surae.base.errors import InputError, SuraeError
 from surae.base.files import PathLike
 from surae.base.frozen import read_only
+from surae.base.units import FloatArray
 from surae_workbench.live import rehearsal
+from surae_workbench.live.alarms import EVERY, Alarm, Watch
 from surae_workbench.live.laboratory import Laboratory
 from surae_workbench.live.recorder import Show, Tell
+from surae_workbench.live.showing import Roles, roles_of
+from surae_workbench.live.stream import Stream
+from surae_workbench.live.target import NAME as TARGET
 from surae_workbench.live.target import TargetStream
 from surae_workbench.live.trials import Trials, TrialsOptions, silent
 
@@ -82,12 +89,15 @@ class Room:
         self.range = allowed_range(self.device, span)
         place = str(Path(device).resolve()) if device not in DEVICES else device
         self.laboratory = None if leg is None else Laboratory(leg)
+        self.alarms = Watch(limits, self.range)
+        self._roles: Roles = {}
+        self._show, self._tell = show, tell
         try:
             self.trials = Trials(
                 folder,
                 **trials,
-                show=show,
-                tell=tell,
+                show=self._seen,
+                tell=self._heard,
                 but=(rehearsal.CONTROL,),
                 limits={"device": place, "span": span},
             )
@@ -99,10 +109,10 @@ class Room:
         self.trajectory: Trajectory | None = None
         self.asked: dict[str, Any] = {}
         self.begin: float | None = None
-        self._tell = tell
         self._timer: threading.Timer | None = None
         self._lock = threading.Lock()
         self._ended = threading.Event()
+        threading.Thread(target=self._look, daemon=True, name="live-alarms").start()
         if watch is not None:
             threading.Thread(
                 target=self._watch, args=(Path(watch),), daemon=True, name="live-watch"
@@ -129,6 +139,7 @@ class Room:
                 trajectory, name = read_protocol(path), name or Path(path).stem
             write_protocol_csv(trajectory, self._file)
             self.trajectory = trajectory
+            self.alarms.speed = float(np.abs(trajectory.velocity).max())
             effort = "maximal" if trajectory.settings.task == "maximal" else "active"
             self.asked = {
                 "protocol": cleaned(name), "seconds": float(trajectory.time[-1]),
@@ -206,6 +217,42 @@ class Room:
         self.target.close()
         if self.laboratory is not None:
             self.laboratory.close()
+
+    @property
+    def roles(self) -> Roles:
+        """Which column is which signal; while somebody edits the mapping, as it was before."""
+        with suppress(
+            SuraeError, OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError
+        ):
+            self._roles = roles_of(self.trials.mapping)
+        return self._roles
+
+    def _seen(self, stream: Stream, times: FloatArray, values: npt.NDArray[Any]) -> None:
+        self.alarms.show(stream, times, values)
+        self._show(stream, times, values)
+
+    def _heard(self, event: str, data: Mapping[str, Any]) -> None:
+        self._tell(event, data)
+        if event in ("silent", "lost") and data["stream"] != TARGET:
+            what = f"{data['stream']} sends nothing: look at its program, cable and battery."
+            self._alarm(Alarm("stream", None, what))
+
+    def _look(self) -> None:
+        """Look at what arrives; a mistake of ours ends nothing."""
+        while not self._ended.wait(EVERY):
+            with suppress(Exception):
+                self.alarms.roles = self.roles
+                now = self.trials.recorder.clock()
+                for alarm in self.alarms.look(now, self.target.now()[1:]):
+                    self._alarm(alarm)
+
+    def _alarm(self, alarm: Alarm) -> None:
+        """Tell what goes wrong; within a trial it is kept with it."""
+        begin, now = self.begin, self.trials.recorder.clock()
+        at = None if begin is None else round(now - begin, 2)
+        if self.trials.running is not None:
+            self.trials.alarm(at, *alarm)
+        self._tell("alarm", {"at": at, **alarm._asdict()})
 
     def _watch(self, folder: Path) -> None:
         """Take files that appear, once they do not grow any more."""

@@ -14,7 +14,7 @@ from surae.api import MUSCLES, Trajectory
 from surae.base.units import FloatArray
 from surae_workbench.live.lsl import lsl, outlet
 
-SOURCE, KIND = "surae-live-target", "Target"
+NAME, SOURCE, KIND = "surae target", "surae-live-target", "Target"
 #: Rate [Hz], and how much of it is sent at a time [s].
 _RATE, _STEP = 100.0, 0.02
 
@@ -50,7 +50,7 @@ class TargetStream:
         self._plan = _Plan()
         self._ended = threading.Event()
         # The stream ends with the thread that alone holds it, not when memory is tidied some day.
-        sent = outlet("surae target", KIND, labels, units, _RATE, SOURCE)
+        sent = outlet(NAME, KIND, labels, units, _RATE, SOURCE)
         self._thread = threading.Thread(
             target=self._send, args=(sent,), name="live-target", daemon=True
         )

@@ -58,6 +58,9 @@ def unattended(
                 "advice",
             }
             line = {key: value for key, value in judgement.items() if key in shown_keys}
+            line["alarms"] = [
+                {key: alarm[key] for key in ("at", "code", "role")} for alarm in judgement["alarms"]
+            ]
             line["findings"] = [finding["code"] for finding in judgement["findings"]]
             click.echo(json.dumps(line, ensure_ascii=False))
     finally:

@@ -183,6 +183,23 @@ function showStreams() {
   }
 }
 
+/** What goes wrong now: seen as long as it lasts, heard once. */
+function showAlarms() {
+  const place = byId("alarms");
+  const texts = (state.alarms ?? []).map((alarm) => alarm.text);
+  if (place.dataset.said !== JSON.stringify(texts)) {
+    place.dataset.said = JSON.stringify(texts);
+    replace(place, texts.map((text) => h("li", {}, text)));
+  }
+  place.hidden = !texts.length;
+}
+
+function heardAlarm(alarm) {
+  if (!state.alarms.some((one) => one.text === alarm.text)) state.alarms.push(alarm);
+  showAlarms();
+  beep("alarm");
+}
+
 function pill(trial) {
   if (trial.state === "judged") return h("span", { class: `pill ${trial.verdict}` }, `${SIGNS[trial.verdict]} ${WORDS[trial.verdict]}`);
   return h("span", { class: "pill wait" }, trial.state);
@@ -193,7 +210,10 @@ function showTrials() {
     const numbers = trial.grade ? `${trial.grade}, VAF ${trial.vaf.toFixed(1)} %` : (trial.why ?? "");
     const said = [trial.protocol, numbers, trial.note].filter(Boolean).join(" · ");
     return h("li", {}, h("strong", {}, `Trial ${trial.trial}`), pill(trial), h("span", { class: "muted small" }, said),
-      trial.advice ? h("span", { class: "muted small" }, trial.advice) : null);
+      trial.advice ? h("span", { class: "muted small" }, trial.advice) : null,
+      trial.leg.map((sentence) => h("span", { class: "small" }, sentence)),
+      trial.alarms.map((alarm) => h("span", { class: "muted small" },
+        `${alarm.at === null ? "" : `At ${alarm.at.toFixed(0)} s: `}${alarm.text}`)));
   });
   replace(byId("trials"), items.length ? items : h("li", { class: "muted" }, "None yet."));
   byId("repeat").disabled = !state.trials.length || state.running !== null;
@@ -206,27 +226,32 @@ function showVerdict(trial) {
     place,
     h("strong", {}, `${SIGNS[trial.verdict]} Trial ${trial.trial}: ${WORDS[trial.verdict]}`),
     h("span", {}, trial.advice || "Nothing was found against it."),
+    trial.leg.map((sentence) => h("span", {}, sentence)),
   );
   place.hidden = false;
   beep(trial.verdict);
 }
 
+const together = (trials) => (trials.length > 1 ? `Trials ${trials.join(", ")} together` : `Trial ${trials[0]} alone`);
+
 function showSession() {
   const { session } = state;
   const place = byId("session");
-  const failed = session.state === "failed" && session.parameters && h("p", { class: "alert" }, `The fit with trials ${session.fitting.join(", ")} failed: ${session.why}. This is the one before.`);
-  const busy = session.state === "fitting" && h("p", { class: "muted" }, `Trials ${session.fitting.join(", ")} are being fitted together; it takes a minute.`);
+  const failed = session.state === "failed" && session.parameters && h("p", { class: "alert" }, `The fit of ${together(session.fitting)} failed: ${session.why}. This is the one before.`);
+  const busy = session.state === "fitting" && h("p", { class: "muted" }, `${together(session.fitting)}: being fitted; it takes a minute.`);
   if (!session.parameters) {
     const text = session.state === "failed" ? session.why : "After the first good trial: all trials fitted together, and what to measure next.";
     replace(place, busy || h("p", { class: "muted" }, text));
     return;
   }
   replace(place, failed, busy,
-    h("p", {}, `Trials ${session.trials.join(", ")} together: ${session.grade}, VAF ${session.vaf.toFixed(1)} %. ${session.reasons.join("; ")}`),
+    h("p", {}, `${together(session.trials)}: ${session.grade}, VAF ${session.vaf.toFixed(1)} %. ${session.reasons.join("; ")}`),
+    (session.leg ?? []).map((sentence) => h("p", {}, sentence)),
     h("div", { class: "next" }, session.next.map((sentence) => h("p", {}, sentence)),
       session.proposed && button([`Load ${session.proposed} `, h("kbd", {}, "N")], next, { id: "next", "aria-keyshortcuts": "N" })),
-    estimates("Measures", session.measures, session.before),
-    estimates("Parameters", session.parameters.filter((p) => p.verdict !== "fixed"), session.before));
+    h("details", {}, h("summary", {}, "All measures and parameters"),
+      estimates("Measures", session.measures, session.before),
+      estimates("Parameters", session.parameters.filter((p) => p.verdict !== "fixed"), session.before)));
 }
 
 /** A table of estimates: now, and after the trials before. */
@@ -257,6 +282,7 @@ function showAsked() {
 function showAll() {
   byId("where").textContent = `${state.rehearsal ? "Rehearsal, a virtual leg · " : ""}${state.folder}`;
   byId("faults").hidden = !state.rehearsal;
+  showAlarms();
   showStreams();
   showTrials();
   showSession();
@@ -268,7 +294,7 @@ function showAll() {
 let audio = null;
 function beep(verdict) {
   if (!sound) return;
-  const tones = { keep: [660, 880], look: [660, 660], repeat: [330, 220, 330] }[verdict];
+  const tones = { keep: [660, 880], look: [660, 660], repeat: [330, 220, 330], alarm: [880, 440, 880, 440] }[verdict];
   try {
     audio ??= new AudioContext();
     tones.forEach((frequency, i) => {
@@ -370,6 +396,7 @@ tried(async () => {
     frame: heardFrame,
     health: (report) => {
       Object.assign(state, report);
+      showAlarms();
       showStreams();
       showAsked();
     },
@@ -380,6 +407,7 @@ tried(async () => {
       refresh();
     },
     protocol: refresh,
+    alarm: heardAlarm,
     session: (session) => {
       state.session = session;
       showSession();
