@@ -7,6 +7,7 @@ import httpx
 import pytest
 from streaming import serving
 
+from surae.api import ready_protocols
 from surae_workbench.live.pages import ServedRoom
 from surae_workbench.web.security import Policy
 
@@ -62,6 +63,11 @@ def test_the_operator_loads_starts_and_stops(client, here) -> None:
     assert loaded.status_code == 200, loaded.text
     state = browser.get("/api/live").json()
     assert state["asked"] == {"protocol": "sine passive", "seconds": 20.0, "effort": "passive"}
+    assert any("torque of virtual legs" in text and "within" in text for text in state["limits"])
+    names = [movement["name"] for movement in state["profiles"]]
+    assert names[0] in ready_protocols()
+    assert {"maximum", "sine"} < set(names)
+    assert state["alarms"] == []
     assert len(state["curve"]["t"]) == len(state["curve"]["effort"])
     begun = browser.post("/api/live/start", json={}, headers=headers).json()
     assert browser.get("/api/live").json()["running"] == begun["trial"]

@@ -15,11 +15,11 @@ from streaming import Quick, described, waited
 import surae
 from surae.base.errors import InputError
 from surae.processes import End
-from surae.protocol import Protocol, generate
+from surae.protocol import Protocol, generate, write_protocol_csv
 from surae.quality import Finding, Quality
 from surae.recording import write_hdf5
 from surae.studies import virtual_recording, virtual_subject
-from surae_workbench.live.judge import judge, verdict
+from surae_workbench.live.judge import judge, tells, verdict
 from surae_workbench.live.room import Room, _files
 from surae_workbench.live.stream import Stream
 from surae_workbench.live.trials import Trials, mapping_of
@@ -306,6 +306,31 @@ def test_what_is_loaded_stays_within_the_device_that_is_there(short, profile) ->
     short.load(profile=profile, task="active", duration=20.0)
     angle = short.trajectory.angle
     assert (angle.min() > -0.51, angle.max() < -0.09) == (True, True)
+
+
+def test_a_designed_protocol_keeps_to_the_device_and_too_much_is_not_loaded(
+    lsl, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.setattr("surae_workbench.live.trials.Child", Quick)
+    room = Room(tmp_path / "out")
+    try:
+        room.load(profile="passive-20")
+        assert room.asked["effort"] == "passive"
+        assert all("beyond" not in text for text in room.limits)
+        hard = Protocol(profile="multiple-holds", task="active", chirp_amplitude=0.1, rate_hz=256.0)
+        write_protocol_csv(generate(hard), tmp_path / "hard.csv")
+        with pytest.raises(InputError, match=r"hard is not loaded: .*torque.* beyond the 80 Nm"):
+            room.load(tmp_path / "hard.csv")
+        assert room.asked["protocol"] == "passive-20"
+        room.load(tmp_path / "hard.csv", beyond=True)
+        assert room.asked["protocol"] == "hard"
+        command = surae.expect(room._file, legs=2)
+        monkeypatch.setattr("surae.api.expect", lambda path, fit=None: command)
+        told = tells(str(room._file))
+        assert f"torque on the device {command.torque[0]:.0f} to" in told[0]
+        assert "stiffness coefficient, triceps surae ±" in " ".join(told)
+    finally:
+        room.close()
 
 
 def test_a_proposal_of_another_day_is_not_loaded(short) -> None:

@@ -119,9 +119,9 @@ def judge(
     wrong = None
     if asked in ("passive", "active") and judged in ("passive", "active") and asked != judged:
         wrong = (
-            "Rest was asked for, and muscles worked: record it again relaxed, or keep it as what it "
-            "is." if asked == "passive" else "Effort was asked for, and every muscle stayed "
-            "relaxed: record it again with effort, or keep it as what it is."
+            "Rest was asked for, and muscles worked: record it again relaxed, or keep it as it is."
+            if asked == "passive" else "Effort was asked for, and every muscle stayed "
+            "relaxed: record it again with effort, or keep it as it is."
         )  # fmt: skip
     judgement: dict[str, Any] = {
         "findings": quality.as_dict()["findings"],
@@ -176,7 +176,8 @@ def verdict(quality: Quality, judgement: Mapping[str, Any]) -> dict[str, str]:
 
 def in_words(text: str) -> str:
     """A sentence of an assessment with what parameters mean in the place of their names."""
-    known = {name: p.meaning[:1].lower() + p.meaning[1:] for name, p in api.PARAMETERS.items()}
+    known = {name: p.meaning[:1].lower() + p.meaning[1:] for name, p in api.PARAMETERS.items()
+             if len(name) > 1}  # fmt: skip
     return re.sub(r"\b\w+\b", lambda found: known.get(found[0], found[0]), text)
 
 
@@ -186,6 +187,7 @@ def of_leg(measures: Mapping[str, "Measure"]) -> list[str]:
     known = [m for m in told if str(m.verdict) in ("identified", "weak")]
     sentences = []
     for m in known:
+        assert m.value is not None
         text = of_interval(m.value, m.ci95)
         roughly = "roughly " if str(m.verdict) == "weak" else ""
         unit = m.unit.replace("Nm/deg", "Nm/°").replace("deg", "°")
@@ -263,3 +265,22 @@ def _next(
     if following.trajectory is not None:
         following.write(target)
     return {"next": list(following.sentences), "proposed": following.protocol}
+
+
+def tells(protocol: str, fit: str | None = None) -> list[str]:
+    """What a trial will tell, as `surae.expect` says: of a fitted leg, else of healthy ones."""
+    expected = api.expect(protocol, fit=None if fit is None else api.load(fit))
+    low, high = expected.torque
+    by: dict[str, list[str]] = {}
+    for p in expected.parameters.values():
+        width = "" if p.half_width is None else f" ± {100 * p.half_width:.2g} %"
+        by.setdefault(str(p.verdict), []).append(f"{p.meaning}{width}")
+    return [
+        f"Of {expected.legs}; torque on the device {low:.0f} to {high:.0f} Nm.",
+        *(
+            f"{words}: {'; '.join(by[verdict])}."
+            for verdict, words in (("identified", "Known afterwards"), ("weak", "Roughly"),
+                                   ("undetermined", "Not"))
+            if verdict in by
+        ),
+    ]  # fmt: skip

@@ -16,7 +16,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from surae._version import __version__
-from surae.api import PROFILES, TASKS, Trajectory
+from surae.api import PROFILES, TASKS, Trajectory, ready_protocols
 from surae.base.errors import InputError
 from surae.base.files import PathLike, template
 from surae_workbench.live.room import MAXIMUM, Room, RoomOptions
@@ -34,6 +34,17 @@ _SUBJECT = ("/subject", "/api/subject")
 _HEALTH = 0.5
 #: Points of a target's curve on the screen each second.
 _POINTS = 20.0
+
+
+#: What can be loaded, with what each is good for: designed ones first.
+_MOVEMENTS = [
+    *(
+        {"name": each.name, "description": each.description, "designed": True}
+        for each in ready_protocols().values()
+    ),
+    *({"name": each.name, "description": each.description} for each in PROFILES.values()),
+    {"name": MAXIMUM, "description": "Largest efforts, held still: what all others are a part of."},
+]
 
 
 class RoomBrowsers:
@@ -108,7 +119,8 @@ class ServedRoom:
             "asked": room.asked,
             "moves": f"{room.device.name}, {low:.0f}° to {high:.0f}°",
             **self.health(),
-            "profiles": [*PROFILES, MAXIMUM],
+            "limits": room.limits,
+            "profiles": _MOVEMENTS,
             "tasks": list(TASKS),
         }
 
@@ -212,6 +224,10 @@ def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIA
         profile: _Text, task: _Text, seconds: _Seconds = 35.0, chirp_amplitude: _Seconds = 0.1
     ) -> None:
         room.load(profile=profile, task=task, duration=seconds, chirp_amplitude=chirp_amplitude)
+
+    @app.post("/api/live/tells")
+    def tells() -> dict[str, list[str]]:
+        return {"tells": room.tells()}
 
     @app.post("/api/live/next")
     def load_next() -> None:

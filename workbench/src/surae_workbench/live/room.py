@@ -4,6 +4,8 @@ import threading
 from collections.abc import Mapping
 from concurrent.futures import Future
 from contextlib import suppress
+from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -18,8 +20,11 @@ from surae.api import (
     Trajectory,
     allowed_range,
     as_device,
-    generate,
+    held_to_torque,
     read_protocol,
+    ready_protocols,
+    ready_trajectory,
+    requested_limits,
     smooth_step,
     write_protocol_csv,
 )
@@ -28,6 +33,7 @@ from surae.base.errors import InputError, SuraeError
 from surae.base.files import PathLike
 from surae.base.frozen import read_only
 from surae.base.units import FloatArray
+from surae.processes import Child
 from surae_workbench.live import rehearsal
 from surae_workbench.live.alarms import EVERY, Alarm, Watch
 from surae_workbench.live.laboratory import Laboratory
@@ -108,6 +114,8 @@ class Room:
         self.target = TargetStream()
         self.trajectory: Trajectory | None = None
         self.asked: dict[str, Any] = {}
+        self.limits: list[str] = []  #: What the loaded trial asks of the device, in sentences.
+        self._expects = Child(nice=10)
         self.begin: float | None = None
         self._timer: threading.Timer | None = None
         self._lock = threading.Lock()
@@ -118,25 +126,42 @@ class Room:
                 target=self._watch, args=(Path(watch),), daemon=True, name="live-watch"
             ).start()
 
-    def load(self, path: PathLike | None = None, name: str = "", **protocol: Any) -> None:
+    def load(
+        self, path: PathLike | None = None, name: str = "", *, beyond: bool = False, **protocol: Any
+    ) -> None:
         """Load the next trial's target.
 
-        It is a file as `surae protocol` writes it, called `name` if not as the file; else a
-        `surae.protocol.Protocol` without device and range, which are the room's.
+        It is a file as `surae protocol` writes it, called `name` if not as the file, refused where
+        it asks for more than the device can do, unless `beyond` says that it may; the ``profile``
+        of a designed protocol that comes with surae; else a `surae.protocol.Protocol` without
+        device and range, which are the room's. These are lowered to what the device can do.
         """
         with self._lock:
             if self.trials.running is not None:
                 raise InputError("a trial is running; stop it before another protocol is loaded")
-            if path is None and protocol.get("profile") == MAXIMUM:
+            profile, model = str(protocol.get("profile", "")), "muscle"
+            given_up: tuple[str, ...] = ()
+            if path is None and profile == MAXIMUM:
                 trajectory, name = _maximum(self.range), MAXIMUM
+            elif path is None and profile in ready_protocols():
+                trajectory, name = (
+                    ready_trajectory(profile, self.device, self.range, _RATE),
+                    profile,
+                )
+                model = ready_protocols()[profile].model
             elif path is None:
                 settings = Protocol(
                     device=self.device, range_of_motion=self.range, rate_hz=_RATE, **protocol
                 )
-                trajectory = generate(settings)
-                name = f"{protocol.get('profile', '')} {protocol.get('task', '')}".strip()
+                trajectory, given_up = _held(settings)
+                name = f"{profile} {protocol.get('task', '')}".strip()
             else:
                 trajectory, name = read_protocol(path), name or Path(path).stem
+            on_device = replace(trajectory.settings, device=self.device)
+            limits = requested_limits(replace(trajectory, settings=on_device), model)
+            too_much = [limit.text for limit in limits if limit.exceeded]
+            if too_much and path is not None and not beyond:
+                raise InputError(f"{cleaned(name)} is not loaded: {'; '.join(too_much)}")
             write_protocol_csv(trajectory, self._file)
             self.trajectory = trajectory
             self.alarms.speed = float(np.abs(trajectory.velocity).max())
@@ -145,9 +170,22 @@ class Room:
                 "protocol": cleaned(name), "seconds": float(trajectory.time[-1]),
                 "effort": effort if trajectory.effort.any() else "passive",
             }  # fmt: skip
+            self.limits = [*(limit.text for limit in limits), *given_up]
             self.target.load(trajectory)
             self._go_back()
-            self._tell("protocol", self.asked)
+            self._tell("protocol", {**self.asked, "limits": self.limits})
+
+    def tells(self) -> list[str]:
+        """What the loaded trial will tell, in sentences: of this leg, once it was fitted.
+
+        The numbers are those of ``surae expect next-target.csv --fit joint.json``.
+        """
+        if self.trajectory is None:
+            raise InputError("nothing is loaded; load a movement first")
+        fit = self.trials.file("joint.json") if self.trials.session.get("parameters") else None
+        arguments = {"protocol": str(self._file), "fit": None if fit is None else str(fit)}
+        told: list[str] = self._expects.call("surae_workbench.live.judge:tells", arguments).result()
+        return told
 
     @property
     def _file(self) -> Path:
@@ -173,7 +211,8 @@ class Room:
         proposed = self.trials.session.get("proposed")
         if not proposed:  # a file that is there may be of another day
             raise InputError("nothing says yet what to measure next; fit a trial first")
-        self.load(self.trials.file("measure-next.csv"), name=f"next: {proposed}")
+        # It was made for this device, by what this leg is.
+        self.load(self.trials.file("measure-next.csv"), name=f"next: {proposed}", beyond=True)
 
     def start(self, countdown: float = 0.5) -> int:
         """Begin a trial; the target moves after a countdown [s]. Returns the trial's number."""
@@ -213,6 +252,7 @@ class Room:
         self._ended.set()
         if self._timer is not None:
             self._timer.cancel()
+        self._expects.close()
         self.trials.close()
         self.target.close()
         if self.laboratory is not None:
@@ -285,6 +325,12 @@ def _files(folder: Path) -> dict[Path, int]:
                 if path.is_file():
                     sizes[path] = path.stat().st_size
     return sizes
+
+
+@lru_cache(maxsize=32)
+def _held(settings: Protocol) -> tuple[Trajectory, tuple[str, ...]]:
+    """A protocol within its device's torque, and what was given up for it."""
+    return held_to_torque(settings)
 
 
 def _maximum(allowed: tuple[float, float]) -> Trajectory:

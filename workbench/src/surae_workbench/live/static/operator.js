@@ -271,7 +271,7 @@ function showAsked() {
   byId("asked").textContent = state.asked.protocol
     ? `${state.asked.protocol}, ${state.asked.seconds.toFixed(0)} s`
     : "Nothing is loaded: a trial records what comes, until it is stopped.";
-  byId("moves").textContent = state.moves;
+  byId("moves").textContent = [state.moves, ...state.limits].join(". ");
   const running = state.running !== null;
   replace(byId("start"), running ? "Stop " : "Start ", h("kbd", {}, "Space"));
   byId("start").className = running ? "danger" : "primary";
@@ -361,11 +361,24 @@ byId("sound").addEventListener("click", () => {
 byId("protocol").addEventListener("submit", (event) => {
   event.preventDefault();
   tried(async () => {
+    replace(byId("told"));
     await act("load", { profile: byId("profile").value, task: byId("task").value,
       seconds: Number(byId("seconds").value), chirp_amplitude: Number(byId("chirp").value) });
     await refresh();
   });
 });
+/** What a movement is good for; a designed one brings its effort and its length along. */
+function showMovement() {
+  const chosen = state.profiles.find((one) => one.name === byId("profile").value);
+  byId("movement").textContent = chosen?.description ?? "";
+  for (const id of ["task", "seconds", "chirp"]) byId(id).disabled = Boolean(chosen?.designed) || chosen?.name === "maximum";
+}
+byId("profile").addEventListener("change", showMovement);
+byId("tells").addEventListener("click", () => tried(async () => {
+  replace(byId("told"), h("p", { class: "muted" }, "Being computed; it takes a minute."));
+  const { tells } = await act("tells");
+  replace(byId("told"), tells.map((text) => h("p", { class: "small" }, text)));
+}));
 addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
   if (event.target.closest("input, select, textarea")) return;
@@ -383,9 +396,11 @@ replace(byId("fault-buttons"), [["electrode-off", "electrode off"], ["hum", "hum
 
 tried(async () => {
   await refresh();
-  for (const [id, names, first] of [["profile", state.profiles, "multiple-holds"], ["task", state.tasks, "active"]]) {
-    replace(byId(id), names.map((name) => h("option", { value: name, selected: name === first }, name)));
-  }
+  const option = (name, first) => h("option", { value: name, selected: name === first }, name);
+  const group = (label, ones) => h("optgroup", { label }, ones.map(({ name }) => option(name, "everything-35")));
+  replace(byId("profile"), group("Designed", state.profiles.filter((one) => one.designed)), group("Others", state.profiles.filter((one) => !one.designed)));
+  replace(byId("task"), state.tasks.map((name) => option(name, "active")));
+  showMovement();
   listen("/api/live/events", {
     open: () => tried(refresh),
     error: () => {
