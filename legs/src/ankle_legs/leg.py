@@ -208,15 +208,20 @@ class Leg:
         trial: int,
         kinds: Sequence[str] = ("active",),
         seconds: float = 35.0,
+        moves: Sequence[tuple[int, float]] = (),
     ) -> dict[str, Any]:
-        """Return parameters and measures of a visit of trials, and why some have no true value."""
+        """Return parameters and measures of a visit of trials, and why some have no true value.
+
+        ``moves`` are the movements' numbers and seconds, if not those of the trials that follow.
+        """
+        moves = moves or [(trial + i, seconds) for i in range(len(kinds))]
         unscored = {k: why for d in self.departures for k, why in d.unscored.items()}
         if self.rigid:
             unscored |= dict.fromkeys(("dlt_tri", "dlt_tib"), "this leg's tendons are rigid")
         values: dict[str, float | None] = dict(subject.values)
         for i, name in enumerate(GAINS):
             values[name] = subject.values[name] / float(mounting.electrodes[i])
-        found = self.measures(subject, mounting, trial, kinds, seconds)
+        found = self.measures(subject, mounting, kinds, moves)
         unscored |= {m: why for p, why in unscored.items() for m in DERIVED.get(p, ())}
         for name in unscored:
             for one in [m for m in found if m.startswith(name)]:
@@ -230,13 +235,17 @@ class Leg:
         }
 
     def measures(
-        self, subject: Subject, mounting: Mounting, trial: int, kinds: Sequence[str], seconds: float
+        self,
+        subject: Subject,
+        mounting: Mounting,
+        kinds: Sequence[str],
+        moves: Sequence[tuple[int, float]],
     ) -> dict[str, float | None]:
         """Return the measures over what the trials of a visit moved and activated."""
         own, zero = self.lasting(subject), sum(d.zero() for d in self.departures)
         moved, drives = [], []
-        for i, kind in enumerate(kinds):
-            run = _start(fine_times(seconds), own, mounting, self.rng(3, trial + i), kind)
+        for (number, seconds), kind in zip(moves, kinds, strict=True):
+            run = _start(fine_times(seconds), own, mounting, self.rng(3, number), kind)
             for departure in self.departures:
                 departure.excite(run)
             moved.append(run.plate[::FINE] - zero)
@@ -266,11 +275,23 @@ class Leg:
             sum((d.resist(angle, step) for d in self.departures), np.zeros(angle.shape))
         )
 
-    def record(self, trial: int, seconds: float = 35.0, kind: str = "active") -> Run:
-        """Return a trial, simulated; the leg's departures are at work in it."""
-        subject, mounting = self.condition(trial)
-        subject = self.lasting(subject)
-        run = _start(fine_times(seconds), subject, mounting, self.rng(3, trial), kind)
+    def record(
+        self,
+        trial: int,
+        seconds: float = 35.0,
+        kind: str = "active",
+        *,
+        movement: int | None = None,
+        mounting: Mounting | None = None,
+    ) -> Run:
+        """Return a trial, simulated; the leg's departures are at work in it.
+
+        ``movement`` is the number of another movement and effort, in the trial's condition.
+        """
+        subject, mounted = self.condition(trial)
+        subject, mounting = self.lasting(subject), mounting or mounted
+        rng = self.rng(3, trial if movement is None else movement)
+        run = _start(fine_times(seconds), subject, mounting, rng, kind)
         for departure in self.departures:
             departure.excite(run)
         _integrate(run, self.departures)

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from ankle_legs import __version__
+from ankle_legs.laboratory import STEPS, WRONG
 from ankle_legs.movement import KINDS
 
 
@@ -44,6 +45,16 @@ def _parser() -> argparse.ArgumentParser:
     make.add_argument("--raw", action="store_true", help="raw EMG at 1024 Hz")
     make.add_argument("--film", action="store_true", help="filmed fascicles too, and a mapping")
     make.add_argument("--geometry", action="store_true", help="the leg's own arms and lengths too")
+    session = commands.add_parser(
+        "laboratory", help="write one leg's session of steps, with what the laboratory knows"
+    )
+    session.add_argument("family")
+    session.add_argument("seed", nargs="+", type=int)
+    session.add_argument("--output", required=True, type=Path, metavar="DIR")
+    steps = f"of {', '.join(STEPS)}, isometric (default: all but the last)"
+    session.add_argument("--steps", default=",".join(STEPS), metavar="STEP,STEP…", help=steps)
+    session.add_argument("--wrong", metavar="KIND", help=f"what is wrong: {', '.join(WRONG)}")
+    session.add_argument("--active", type=int, default=2, help="active trials (default: 2)")
     score = commands.add_parser("score", help="count answers against the truth, worst family first")
     score.add_argument(
         "answers",
@@ -71,6 +82,13 @@ def main(arguments: list[str] | None = None) -> int:
                     },
                 )
                 print(*paths, sep="\n")
+        elif given.command == "laboratory":
+            from ankle_legs import laboratory
+
+            for seed in given.seed:
+                what = {"wrong": given.wrong, "active": given.active}
+                made = laboratory.measure(given.family, seed, given.steps.split(","), **what)
+                print(laboratory.write(made, given.output))
         elif given.answers.is_dir():
             from ankle_legs.nerve import score as score_folder
 

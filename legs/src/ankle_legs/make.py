@@ -47,7 +47,8 @@ def truth_of(
     return one.truth(*one.condition(trial), trial, kinds, seconds)
 
 
-def _write_csv(path: Path, columns: dict[str, Array], comment: str = "") -> None:
+def write_csv(path: Path, columns: dict[str, Array], comment: str = "") -> None:
+    """Write columns, after lines of comment."""
     path.parent.mkdir(parents=True, exist_ok=True)
     table, header = np.column_stack(list(columns.values())), comment + ",".join(columns)
     np.savetxt(path, table, "%.8g", ",", header=header, comments="", encoding="utf-8")
@@ -67,7 +68,7 @@ def _mapping(name: str, columns: Sequence[str], film: Sequence[str], emg: str) -
     return "\n".join(lines) + "\n"
 
 
-def _write_geometry(path: Path, geometry: Geometry) -> None:
+def write_geometry(path: Path, geometry: Geometry) -> None:
     """Write moment arms, and lengths less the tendons' slack, whose slopes they are not."""
     degrees = np.arange(-60.0, 46.0, 5.0)
     angle = np.radians(degrees)
@@ -76,7 +77,7 @@ def _write_geometry(path: Path, geometry: Geometry) -> None:
     for i, group in enumerate(GROUPS):
         columns |= {f"length_{group}_mm": lengths[i], f"arm_{group}_mm": arms[i]}
     notes = ("tolerance_mm = 80", *(f"slack_{group}_mm = 0" for group in GROUPS))
-    _write_csv(path, columns, "".join(f"# {note}\n" for note in notes))
+    write_csv(path, columns, "".join(f"# {note}\n" for note in notes))
 
 
 def make(
@@ -107,16 +108,16 @@ def make(
     truths, paths = [], []
     if geometry:
         own = one.lasting(one.subject).geometry
-        _write_geometry(output / folder / "geometry" / "geometry.csv", own)
+        write_geometry(output / folder / "geometry" / "geometry.csv", own)
     for trial in trials:
         truths.append({"trial": trial, **truth_of(family, seed, trial, (kind,), seconds)})
         run, name = one.record(trial, seconds, kind), f"trial-{trial}"
         columns = one.columns(run, trial, raw=raw)
         paths.append(output / folder / f"{name}.csv")
-        _write_csv(paths[-1], columns, f"# emg: {emg}\n")
+        write_csv(paths[-1], columns, f"# emg: {emg}\n")
         if film:
             filmed = one.film(run, trial)
-            _write_csv(output / folder / "film" / f"{name}.csv", filmed)
+            write_csv(output / folder / "film" / f"{name}.csv", filmed)
             paths[-1] = output / folder / f"{name}.toml"
             paths[-1].write_text(_mapping(name, [*columns], [*filmed], emg), encoding="utf-8")
     truth = {
@@ -127,11 +128,12 @@ def make(
         "fascicles": one.seen_fascicles(),
         "trials": truths,
     }
-    _write_truth(output, folder, truth)
+    write_truth(output, folder, truth)
     return paths
 
 
-def _write_truth(output: Path, folder: str, truth: dict[str, Any]) -> None:
+def write_truth(output: Path, folder: str, truth: dict[str, Any]) -> None:
+    """Write a leg's truth beside its recordings' folder."""
     path = output / "truth" / f"{folder}.json"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
@@ -141,9 +143,9 @@ def _make_perturbed(family: str, seed: int, output: Path) -> list[Path]:
     """Write a record under small perturbations, and one of the empty device."""
     made, folder = perturbed.record(family, seed), f"{family}-{seed}"
     path = output / folder / "perturbed.csv"
-    _write_csv(path, made.columns)
-    _write_csv(path.with_name("empty.csv"), made.empty)
-    _write_truth(output, folder, {"family": family, "seed": seed, **made.truth})
+    write_csv(path, made.columns)
+    write_csv(path.with_name("empty.csv"), made.empty)
+    write_truth(output, folder, {"family": family, "seed": seed, **made.truth})
     return [path]
 
 
@@ -152,6 +154,6 @@ def _make_stretched(family: str, seed: int, output: Path) -> list[Path]:
     (recordings, truth), folder = stretched.record(family, seed), f"{family}-{seed}"
     paths = [output / folder / f"{one.name}.csv" for one in recordings]
     for path, one in zip(paths, recordings, strict=True):
-        _write_csv(path, one.columns, "" if one.emg == "none" else f"# emg: {one.emg}\n")
-    _write_truth(output, folder, {"family": family, "seed": seed, **truth})
+        write_csv(path, one.columns, "" if one.emg == "none" else f"# emg: {one.emg}\n")
+    write_truth(output, folder, {"family": family, "seed": seed, **truth})
     return paths

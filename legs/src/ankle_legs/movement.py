@@ -8,7 +8,7 @@ from ankle_legs.muscle import Array
 
 RATE = 128  # samples a second
 FINE = 16  # steps of the integration a sample
-KINDS = ("active", "passive", "curve", "isometric", "alone", "maximal")
+KINDS = ("active", "passive", "curve", "slow", "fast", "isometric", "alone", "maximal")
 
 
 def fine_times(seconds: float) -> Array:
@@ -46,6 +46,14 @@ def angles(rng: np.random.Generator, times: Array, low: float, high: float, kind
 
     if kind in ("alone", "maximal"):
         return np.asarray(angle + 0.5 * span)
+    if kind in ("slow", "fast"):  # through the whole range, at 8 to 12 or 70 to 110 °/s at most
+        while now < end:
+            least, most = (8, 12) if kind == "slow" else (70, 110)
+            speed = np.radians(rng.uniform(least, most))
+            for target in (high, low):
+                go(target, 1.9 * span / float(speed))
+                now += float(rng.uniform(0.5, 1.5))
+        return angle
     if kind == "isometric":
         levels = rng.permutation(8) / 7
         each = (end - now) / 8
@@ -99,7 +107,7 @@ def effort(rng: np.random.Generator, times: Array, kind: str) -> Array:
     the others help a little. Maximal: the groups pull as strongly as they can.
     """
     level = np.zeros((4, times.size))
-    if kind in ("passive", "curve"):
+    if kind in ("passive", "curve", "slow", "fast"):
         return level
     if kind == "isometric":
         return _fluctuating(rng, times)
