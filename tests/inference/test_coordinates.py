@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
+from richer_legs import richer_leg
 from surae.inference import make_problem
 from surae.inference.coordinates import Coordinates, is_straight
+from surae.inference.family import _NEARLY_NONE, _Search, _white
 from surae.model.laboratory import Gaussian
+from surae.model.parameters import OPTIONAL
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
 
@@ -37,14 +40,37 @@ def test_values_come_back_and_stay_within_their_bounds() -> None:
 
 def test_each_of_several_recordings_has_its_zero() -> None:
     one, two = coordinates(1), coordinates(2)
-    assert (one.zeros, "torque_zero" in one.names) == (0, True)
-    assert (two.zeros, "torque_zero" in two.names) == (2, False)
+    assert (one.own, "torque_zero" in one.names) == ((), True)
+    assert (two.own, "torque_zero" in two.names) == (("torque_zero",), False)
     assert len(two.lower) == len(two.upper) == len(two.mean) == len(two.names) + 2
     z = two.start({"torque_zero": 2.0})
     np.testing.assert_allclose(z[-2:], 2.0)
     z[-2:] = 1.0, 4.0
     zeros = [two.by_name(z, number)["torque_zero"] for number in (None, 0, 1)]
     assert zeros == pytest.approx([2.5, 1.0, 4.0])
+
+
+def test_each_of_several_recordings_has_its_level_at_rest() -> None:
+    """It differs between trials, and shared by force it makes claims of joint fits false."""
+    legs = [richer_leg(0, trial=trial, rate_hz=64.0, duration=12.0).inputs for trial in (0, 1)]
+    problem = make_problem(legs, "auto")
+    search = _Search(problem, None)
+    post = search._posterior((), 64.0, _white(problem, 0.1), _NEARLY_NONE)
+    point = post.descend(post.start({}), evaluations=0, tolerance=1.0)
+    assert {*post.own} == {"torque_zero", *OPTIONAL["emg_rest"]}
+    at = [post.own_of(number) for number in (0, 1)]
+    for number in (0, 1):
+        rows = post.rows(point, number)[0].by_z
+        assert not rows[at[1 - number]].any()  # the other's own moves nothing here
+        for j in range(at[number].start, at[number].stop):
+            name, h = post.of[j], 1e-6 if post.of[j] == "torque_zero" else 1e-9
+            ends = [point.z.copy(), point.z.copy()]
+            ends[0][j] -= h
+            ends[1][j] += h
+            still = point.c[number], point.w[number]
+            low, high = (post.observed.residual(z, *still, number) for z in ends)
+            slope = (high - low) / (2.0 * h)
+            assert np.quantile(np.abs(rows[j] - slope), 0.97) <= 1e-3 * np.abs(slope).max(), name
 
 
 def test_a_step_along_a_valley_moves_what_the_tissue_does_straight() -> None:

@@ -143,7 +143,7 @@ def test_what_is_fixed_stays_and_what_is_known_is_no_nuisance(short):
 def test_several_recordings_have_their_own_zeros(short, tmp_path):
     other = richer_leg(0, trial=1, rate_hz=THIN, duration=SHORT)
     result = solve(make_problem([short.inputs, other.inputs], "auto"))
-    assert result.family.zeros == pytest.approx((short.zero, other.zero), abs=0.3)
+    assert result.family.each["torque_zero"] == pytest.approx((short.zero, other.zero), abs=0.3)
     worth = assess(result)
     claimed, hits = truth_in(worth, short.parameters)
     assert claimed >= 5
@@ -168,7 +168,7 @@ def test_two_legs_are_not_one():
 
 def test_a_zero_of_one_recording_is_odd_though_their_mean_is_not(fitted):
     assert judge_adequacy(fitted).grade == "adequate"
-    odd = replace(fitted, family=replace(fitted.family, zeros=(35.0, -30.0)))
+    odd = replace(fitted, family=replace(fitted.family, each={"torque_zero": (35.0, -30.0)}))
     judged = judge_adequacy(odd)
     assert judged.grade == "doubtful"
     assert judged.reasons[0].startswith("zero of the torque (torque_zero): implausible")

@@ -155,7 +155,7 @@ def _laboratory(result: FitResult) -> Iterator[_Reason]:
     """A laboratory that is odder than laboratories are stands for what the model leaves out."""
     if result.family is None:
         return
-    own = {"torque_zero": result.family.zeros} if result.family.zeros else {}
+    own = result.family.each
     meanings = {p.name: p.meaning for p in result.problem.spec.parameters}
     odd = [
         f"{meanings[name]} ({name})"

@@ -8,12 +8,14 @@ import numpy.typing as npt
 from surae.base.units import FloatArray
 from surae.inference.problem import FitProblem
 from surae.inference.residuals import valleys_among
+from surae.model.laboratory import EACH_TRIAL, GROUPS
 from surae.model.registry import PARAMETERS
 from surae.model.sources import Gaussian
 
 #: Least value of a parameter on a logarithm whose bound is zero, as a part of its prior's median.
 _FLOOR = 1e-2
-_ZERO = "torque_zero"
+#: What each trial of a session has for itself, where several are fitted jointly.
+_EACH = tuple(name for group in EACH_TRIAL for name in GROUPS[group])
 
 
 def is_straight(name: str) -> bool:
@@ -22,21 +24,25 @@ def is_straight(name: str) -> bool:
 
 
 class Coordinates:
-    """The q coordinates z of a problem: its free parameters, then a zero of each recording.
+    """The q coordinates z of a problem: what recordings share, then what each has for itself.
 
-    A single recording's zero is a parameter as any other.
+    A single recording's own, its zero and its EMG at rest, are parameters as any other.
     """
 
     def __init__(self, problem: FitProblem, priors: Mapping[str, Gaussian]) -> None:
         self.problem, self.priors = problem, priors
-        several = len(problem.inputs) > 1 and _ZERO in problem.free
-        self.zeros = len(problem.inputs) if several else 0
-        self.names = tuple(n for n in problem.free if not (several and n == _ZERO))
-        self.columns = [problem.spec.names.index(n) for n in self.names]
+        several = len(problem.inputs) if len(problem.inputs) > 1 else 0
+        #: Of each recording, in its turn behind the shared ones; empty for a single one.
+        self.own = tuple(n for n in problem.free if several and n in _EACH)
+        self.names = tuple(n for n in problem.free if n not in self.own)
+        self.columns, self.own_columns = (
+            [problem.spec.names.index(n) for n in names] for names in (self.names, self.own)
+        )
         own = [problem.free.index(n) for n in self.names]
         self._lower, self._upper = problem.lower[own], problem.upper[own]
         self._log = ~straight(self.names)
-        coordinates = [*self.names, *[_ZERO] * self.zeros]
+        #: Parameter that each coordinate is of.
+        self.of = coordinates = (*self.names, *self.own * several)
         #: Means and 1/sd of the priors, and bounds, of every coordinate, shape (q,).
         self.mean = np.array([priors[n].mean for n in coordinates])
         self.weight = np.array([1.0 / priors[n].sd for n in coordinates])
@@ -53,21 +59,29 @@ class Coordinates:
         for j, name in enumerate(self.names):
             if name in values:
                 z[j] = np.log(max(values[name], 1e-300)) if self._log[j] else values[name]
-        if self.zeros and _ZERO in values:
-            z[len(self.names) :] = values[_ZERO]
+        for j in range(len(self.names), len(z)):
+            z[j] = values.get(self.of[j], z[j])
         return np.asarray(np.clip(z, self.lower, self.upper))
 
     def values(self, z: FloatArray, number: int | None = None) -> FloatArray:
-        """The whole parameter vector; of one recording, or with the mean of their zeros."""
+        """The whole parameter vector; of one recording, or with the mean of what each has."""
         own, values = z[: len(self.names)], self.problem.base.copy()
         with np.errstate(over="ignore"):
             natural = np.where(self._log, np.exp(own), own)
         values[self.columns] = np.clip(natural, self._lower, self._upper)
-        if self.zeros:
-            zeros = z[len(self.names) :]
-            at = self.problem.spec.names.index(_ZERO)
-            values[at] = zeros.mean() if number is None else zeros[number]
+        if self.own:
+            each = self.each(z)
+            values[self.own_columns] = each.mean(axis=0) if number is None else each[number]
         return values
+
+    def each(self, z: FloatArray) -> FloatArray:
+        """What each recording has for itself, shape (recordings, own)."""
+        return z[len(self.names) :].reshape(len(self.problem.inputs), -1)
+
+    def own_of(self, number: int) -> slice:
+        """Where among the coordinates a recording's own are."""
+        begin = len(self.names) + number * len(self.own)
+        return slice(begin, begin + len(self.own))
 
     def by_name(self, z: FloatArray, number: int | None = None) -> dict[str, float]:
         """All parameters by name."""

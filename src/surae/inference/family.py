@@ -121,7 +121,9 @@ def resumed(result: FitResult) -> tuple[LogPosterior, Point]:
         fast = None if search._perfect else family.sizes["drive"]
         post = post.having(latents=latents, fast=fast)
         z = post.start(result.values)
-        z[len(post.names) :] = family.zeros
+        for j, name in enumerate(post.own):
+            if name in family.each:  # older fits share the EMG at rest
+                post.each(z)[:, j] = family.each[name]
         return post, post.descend(z, evaluations=20, tolerance=1e-3)
 
 

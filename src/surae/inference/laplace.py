@@ -34,8 +34,7 @@ def shifts_by_source(
 ) -> dict[str, FloatArray]:
     """Shifts of the searched coordinates, shape (r, q) each, by source."""
     rows: dict[str, list[FloatArray]] = {}
-    for j, weight in enumerate(posterior.weight):
-        name = posterior.names[j] if j < len(posterior.names) else "torque_zero"
+    for j, (name, weight) in enumerate(zip(posterior.of, posterior.weight, strict=True)):
         of = source_of(name) if group_of(name) is not None else None
         rows.setdefault("population" if of is None else of.name, []).append(V[j] * weight)
     shifts = {source: np.stack(each) for source, each in rows.items()}

@@ -156,12 +156,12 @@ class Observed:
         at = self._at
         simulator, recording, latents, values = self._set(z, c, w, number)
         with np.errstate(over="ignore", invalid="ignore"):
-            tangent = simulator.tangent(values, at.columns, lengths=bool(latents.films))
+            columns = [*at.columns, *at.own_columns]
+            tangent = simulator.tangent(values, columns, lengths=bool(latents.films))
         q, n, scale = len(z), recording.n, at.scale(z)[:, None]
         whole = np.zeros((q + latents.size + 1, n))
-        whole[: len(scale)] = tangent.jacobian * scale
-        if at.zeros:
-            whole[len(scale) + number] = 1.0
+        whole[: len(scale)] = tangent.jacobian[: len(scale)] * scale
+        whole[at.own_of(number)] = tangent.jacobian[len(scale) :]
         own = whole[q:-1]
         added = self._added[number]
         if added is None:
@@ -183,7 +183,9 @@ class Observed:
             names = names_of_film(film.channel)
             grown = 1.0 + by_name.get(names[0], 0.0)
             whole = np.zeros((q + latents.size + 1, n))
-            whole[: len(scale)] = tangent.length_jacobian[film.group] * scale
+            rows = tangent.length_jacobian[film.group]
+            whole[: len(scale)] = rows[: len(scale)] * scale
+            whole[at.own_of(number)] = rows[len(scale) :]
             self._gain_rows(response, number, whole[q:-1], film.group)
             whole = grown * film.at_frames(whole)
             length = film.at_frames(tangent.lengths[film.group])

@@ -94,7 +94,9 @@ class Family(Comparable):
     candidates: tuple[Candidate, ...]  #: Models that were fitted, the chosen one first.
     beliefs: Mapping[str, Gaussian]  #: Priors of the nuisances that are in the chosen model.
     noise: tuple[NoiseModel, ...]  #: Of each recording's torque.
-    zeros: tuple[float, ...]  #: Torque zero of each recording [Nm]; empty where they share one.
+    #: What each recording has for itself, by parameter: the torque's zero [Nm] and EMG at rest;
+    #: empty where there is one recording.
+    each: Mapping[str, tuple[float, ...]]
     covariance: FloatArray  #: Of the problem's free parameters, everything included, shape (p, p).
     #: What makes it, by source: rows of shifts of all of them together, in their units, whose outer
     #: products add up to the source's covariance, shape (r, p).

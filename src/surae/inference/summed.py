@@ -85,7 +85,7 @@ def summed(
             beliefs=FrozenDict(post.beliefs),
             noise=post.noise,
             films=tuple(film.noise for each in post.latents for film in each.films),
-            zeros=tuple(point.z[len(post.names) :].tolist()),
+            each=FrozenDict(zip(post.own, map(tuple, post.each(point.z).T.tolist()), strict=True)),
             covariance=read_only(covariance),
             spread=FrozenDict(spread),
             sizes=FrozenDict({**post.sizes, "drive": post.fast or 0.0}),
@@ -127,8 +127,8 @@ def _natural(post: LogPosterior, point: Point) -> FloatArray:
     change = np.zeros((len(free), len(point.z)))
     for j, (name, scale) in enumerate(zip(post.names, post.scale(point.z), strict=True)):
         change[free.index(name), j] = scale
-    if post.zeros:  # their mean
-        change[free.index("torque_zero"), len(post.names) :] = 1.0 / post.zeros
+    for j in range(len(post.names), len(point.z)):  # their mean
+        change[free.index(post.of[j]), j] = 1.0 / len(post.problem.inputs)
     return change
 
 

@@ -48,10 +48,10 @@ def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[block
             block.Text(f"{'; '.join(groups)}.", "note"),
             block.Grid(title, heads, rows, "laboratory"),
         ]
-        if len(inputs) > 1 and len(family.zeros) == len(inputs):
+        if own := family.each.get("torque_zero"):
             zeros = ", ".join(
                 f"{recording.name} {significant(zero, 3)} Nm"
-                for recording, zero in zip(inputs, family.zeros, strict=True)
+                for recording, zero in zip(inputs, own, strict=True)
             )
             blocks.append(block.Text(f"Torque zero of each recording: {zeros}."))
     return (block.Section("The laboratory’s imperfections", tuple(blocks), "laboratory", "page"),)

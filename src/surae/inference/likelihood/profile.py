@@ -169,8 +169,8 @@ def check_profiled(result: FitResult, name: str, variance_inflation: float = 1.0
 
 def profiled(result: FitResult) -> tuple[str, ...]:
     """Parameters of a fit that have a profile: those that all its recordings share."""
-    several = result.family is not None and result.family.zeros
-    return tuple(n for n in result.problem.free if not (several and n == "torque_zero"))
+    own = () if result.family is None else result.family.each
+    return tuple(n for n in result.problem.free if n not in own)
 
 
 class _Search:

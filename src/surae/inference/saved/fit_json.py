@@ -271,6 +271,9 @@ def family_of(data: Any, free: Sequence[str]) -> Any:
     """
     if not isinstance(data, dict) or not isinstance(data.get("spread"), dict):
         return data
+    if "each" not in data:  # older files have the zeros alone
+        zeros = data.get("zeros")
+        data = {**data, "each": {"torque_zero": zeros} if zeros else {}}
     if not all(isinstance(prior, dict) for prior in data.get("population", {}).values()):
         data = {**data, "population": {}}
     old = {s: by for s, by in data["spread"].items() if isinstance(by, dict) and "shape" not in by}
@@ -295,6 +298,8 @@ def _check(result: FitResult) -> None:
         ]
         if recording.torque is None:
             raise InputError(f"traces[{i}].torque: it is missing")
+    if family and any(len(values) != len(inputs) for values in family.each.values()):
+        raise InputError("family.each: it has not one value for each recording")
         reference = recording.emg_reference
         if reference is not None and not all(v is None or v > 0 for v in reference.values):
             raise InputError(f"traces[{i}].emg_reference.values_V: one is not above zero")
