@@ -298,12 +298,12 @@ def _check(result: FitResult) -> None:
         ]
         if recording.torque is None:
             raise InputError(f"traces[{i}].torque: it is missing")
-    if family and any(len(values) != len(inputs) for values in family.each.values()):
-        raise InputError("family.each: it has not one value for each recording")
         reference = recording.emg_reference
         if reference is not None and not all(v is None or v > 0 for v in reference.values):
             raise InputError(f"traces[{i}].emg_reference.values_V: one is not above zero")
     if family is not None:
+        if any(len(values) != len(inputs) for values in family.each.values()):
+            raise InputError("family.each: it has not one value for each recording")
         if other := [source for source in family.spread if source not in SOURCES]:
             raise InputError(f"family.spread.{other[0]}: no source of uncertainty is called so")
         shapes += [("family.covariance", family.covariance, (p, p))]
