@@ -231,7 +231,7 @@ def test_a_strong_partner_is_named(fitted):
 
 
 def test_predict_by_hand(fitted, noisy, clean):
-    one, two = predict_others(fitted, [noisy, clean], judge=False)
+    one, two = predict_others(fitted, [noisy, clean], None)
     np.testing.assert_allclose(one.torque, noisy.torque - fitted.residuals[0], atol=1e-9)
     assert one.vaf == pytest.approx(assess(fitted).vaf, abs=1e-9)
     e = clean.torque - two.torque
@@ -244,7 +244,7 @@ def test_predict_by_hand(fitted, noisy, clean):
 def test_predict_needs_a_torque(fitted, noisy):
     for torque in (None, np.zeros(noisy.n)):
         with pytest.raises(InputError, match="no torque to compare"):
-            predict_others(fitted, [replace(noisy, torque=torque)])
+            predict_others(fitted, [replace(noisy, torque=torque)], None)
 
 
 def test_the_share_of_noise_is_finite_however_wide_an_interval_is():

@@ -99,12 +99,16 @@ def test_a_film_is_advised_where_there_is_none_and_keeps_its_word(compliant, mea
     blind = surae.fit(measured("PL_0_01", film=False), quality=())
     (advice,) = (h for h in what_would_help(*_of(blind)) if "ilm the tibialis" in h)
     assert "instead of" in advice
-    told = covariance_if_filmed(blind.result, "tib")
+    told = covariance_if_filmed(*_known(blind), "tib")
     at = blind.result.problem.free.index("dlt_tib")
     promised = np.sqrt(told[at, at]) / blind.result.values["dlt_tib"]
     low, high = compliant.parameters["dlt_tib"].ci95
     kept = np.log(high / low) / 3.92
     assert 0.5 < kept / promised < 2.0
+
+
+def _known(fit: surae.Fit):
+    return fit.result, fit.assessment.uncertainty
 
 
 def _of(fit: surae.Fit):

@@ -20,7 +20,7 @@ def others(subject, trajectory):
 
 
 def test_parameters_predict_a_repetition_and_another_protocol(fitted, others) -> None:
-    again, ramp = predict_others(fitted, others)
+    again, ramp = predict_others(fitted, others, known)
     assert again.vaf > 99.8
     assert ramp.vaf > 99.5
     for one, inputs in zip((again, ramp), others, strict=True):
@@ -33,11 +33,11 @@ def test_parameters_predict_a_repetition_and_another_protocol(fitted, others) ->
 
 
 def test_a_prediction_is_judged_by_what_the_fit_promises(fitted, others) -> None:
-    again, ramp = predict_others(fitted, others)
+    again, ramp = predict_others(fitted, others, known)
     assert again.adequacy.grade == ramp.adequacy.grade == "adequate"
     assert again.adequacy.reasons == ()
     shifted = replace(others[0], torque=others[0].torque + 6.0)
-    (moved,) = predict_others(fitted, [shifted])
+    (moved,) = predict_others(fitted, [shifted], known)
     assert moved.adequacy.grade == "doubtful"
     assert moved.adequacy.r2 == pytest.approx(again.adequacy.r2)
     (reason,) = moved.adequacy.reasons
@@ -46,20 +46,20 @@ def test_a_prediction_is_judged_by_what_the_fit_promises(fitted, others) -> None
 
 @pytest.mark.parametrize("seed", [4, 5, 6])
 def test_another_leg_is_not_predicted(fitted, trajectory, seed) -> None:
-    (other,) = predict_others(fitted, [virtual_trial(virtual_subject(seed), trajectory)])
+    (other,) = predict_others(fitted, [virtual_trial(virtual_subject(seed), trajectory)], known)
     assert other.adequacy.grade != "adequate"
     assert any("where the fit promises" in reason for reason in other.adequacy.reasons)
 
 
 def test_what_holds_still_is_no_test(fitted, others) -> None:
     held = replace(others[0], angle=np.full(others[0].n, 0.1))
-    (still,) = predict_others(fitted, [held])
+    (still,) = predict_others(fitted, [held], known)
     assert still.adequacy.grade != "adequate"
     assert "the ankle holds still there" in still.adequacy.reasons[0]
 
 
 def test_pooled_figures_are_those_of_one_long_recording(fitted, others) -> None:
-    found = predict_others(fitted, others)
+    found = predict_others(fitted, others, known)
     measured = np.concatenate([one.torque for one in others])
     residual = measured - np.concatenate([one.torque for one in found])
     together = pooled(found)
@@ -74,8 +74,8 @@ def test_samples_left_out_are_in_no_figure(fitted, others) -> None:
     weight = np.ones(others[0].n)
     weight[100:200] = 0.0
     bad = replace(others[0], torque=spoilt)
-    (all_of_it,) = predict_others(fitted, [bad])
-    (without,) = predict_others(fitted, [replace(bad, weight=weight)])
+    (all_of_it,) = predict_others(fitted, [bad], known)
+    (without,) = predict_others(fitted, [replace(bad, weight=weight)], known)
     assert all_of_it.vaf < 90
     assert without.vaf > 99.8
     assert pooled([without]).vaf == without.vaf
@@ -84,6 +84,6 @@ def test_samples_left_out_are_in_no_figure(fitted, others) -> None:
 
 def test_what_does_not_carry_over(fitted, others) -> None:
     with pytest.raises(InputError, match="the weights do not carry over"):
-        predict_others(fitted, [replace(others[0], emg_unit="1")])
+        predict_others(fitted, [replace(others[0], emg_unit="1")], known)
     with pytest.raises(InputError, match="no EMG of muscle 'sol', whose weight the fit estimated"):
-        predict_others(fitted, [replace(others[0], missing_emg=("sol",))])
+        predict_others(fitted, [replace(others[0], missing_emg=("sol",))], known)

@@ -11,7 +11,6 @@ from surae.base.errors import InputError
 from surae.inference import Grade, Verdict
 from surae.measures import DEFINITIONS, measures, measures_of_values
 from surae.measures.leg import leg_of
-from surae.measures.spread import spread_of
 from surae.model import ModelOptions, get_model, with_optional
 from surae.protocol import Protocol, generate
 from surae.settings import FitSettings
@@ -144,8 +143,8 @@ def test_a_measure_of_fixed_parameters_has_no_interval() -> None:
 def test_a_measure_that_bends_has_the_interval_of_legs_that_the_data_allow(noisy) -> None:
     fit = surae.fit(noisy, "muscle", starts=1, quality=(), angle_zero_sd=0.0)
     name = "passive_stiffness_tib@10deg"
-    bent, spread = fit.measures()[name], spread_of(fit.result, fit.assessment)
-    legs = (dict(zip(spread.names, leg, strict=True)) for leg in spread.draws(1000, seed=1))
+    bent, known = fit.measures()[name], fit.assessment.uncertainty
+    legs = (dict(zip(known.names, leg, strict=True)) for leg in known.draw(1000, seed=1))
     allowed = [measures_of_values(leg, "muscle", only=[name])[name] for leg in legs]
     low, high = np.percentile(allowed, [2.5, 97.5])
     assert bent.ci95 == pytest.approx((low, high), abs=0.15 * (high - low))

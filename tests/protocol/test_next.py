@@ -52,11 +52,11 @@ def test_the_answer_is_a_trial_that_helps(weak, tmp_path) -> None:
 def test_the_information_of_a_fit_is_its_covariance(weak) -> None:
     legs = fit_legs(weak.result, weak.assessment, 1)
     known = known_from(weak.result, weak.assessment, legs)
-    believed = weak.assessment.robust or weak.assessment.covariance
-    at = [legs.free.index(name) for name in believed.names]
-    np.testing.assert_allclose(
-        np.linalg.inv(known[np.ix_(at, at)]) / believed.matrix, 1.0, rtol=1e-3
-    )
+    told = weak.assessment.uncertainty
+    names = [name for name in told.names if name not in told.lost]
+    at = [legs.free.index(name) for name in names]
+    found = np.linalg.inv(known[np.ix_(at, at)]) / told.covariance(*names)
+    np.testing.assert_allclose(found, 1.0, rtol=1e-3)
 
 
 def test_more_trials_never_make_it_worse_and_counts_are_kept(weak) -> None:

@@ -87,7 +87,8 @@ def predictions(plain, make_trial):
     weight[100:200] = 0.0
     other = make_trial(seed=7)
     shifted = replace(other, name="<b>shifted</b>", torque=read_only(other.torque + 30.0))
-    return predict_others(plain.result, [replace(other, weight=weight), shifted])
+    trials = [replace(other, weight=weight), shifted]
+    return predict_others(plain.result, trials, plain.assessment.uncertainty)
 
 
 @pytest.fixture(scope="module")

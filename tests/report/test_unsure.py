@@ -8,8 +8,8 @@ import pytest
 
 from surae.inference import Verdict, assess, fit_problem, make_problem, solve
 from surae.inference.adequacy import Adequacy, Grade
-from surae.inference.marginal import budgets
 from surae.inference.result import OfRecording
+from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.sources import SOURCES
 from surae.report import block
 from surae.report.budget import budget_of, budget_section, what_to_measure, what_would_help
@@ -51,16 +51,26 @@ def unsure(auto, source):
     """The fit with one parameter weak, nearly all of it by one source, and what it then helps."""
     result, assessment = auto
     name = next(n for n, p in assessment.parameters.items() if p.budget)
-    made = budgets(result.family, result.problem.free)[name]
+    known = assessment.uncertainty
+    made = known.budget(known.along(name))
     value = assessment.parameters[name].value
     doubt = {"verdict": Verdict.WEAK, "ci95": (0.88 * value, 1.12 * value)}
     budget = replace(made, shares={source: 0.9, "noise": 0.1}, without={source: 0.25 * made.sd})
-    return result, with_parameters(assessment, **{name: doubt}), {name: budget}, name
+    return result, with_parameters(assessment, **{name: doubt}), budget, name
+
+
+def budgeted(monkeypatch, name, budget):
+    """Have a parameter this budget, and all others none that helps."""
+    none = replace(budget, shares={}, without={})
+    monkeypatch.setattr(
+        Uncertainty, "budget",
+        lambda known, along: budget if along[known.names.index(name)] else none,
+    )  # fmt: skip
 
 
 def test_the_sentence_follows_from_the_budget(auto, monkeypatch):
     result, assessment, budget, name = unsure(auto, "zero")
-    monkeypatch.setattr("surae.report.budget.budgets", lambda *_: budget)
+    budgeted(monkeypatch, name, budget)
     monkeypatch.setattr("surae.report.budget.covariance_if_filmed", lambda *_: None)
     assert what_would_help(result, assessment) == (
         f"Measure the zero of the torque sensor, and {name} would be known to ±3 % instead of "
@@ -70,8 +80,7 @@ def test_the_sentence_follows_from_the_budget(auto, monkeypatch):
 
 @pytest.mark.parametrize("why", ["inadequate", "identified", "small share", "little gain", "named"])
 def test_the_sentence_is_not_said(auto, monkeypatch, why):
-    result, assessment, made, name = unsure(auto, "zero")
-    budget = made[name]
+    result, assessment, budget, name = unsure(auto, "zero")
     if why == "inadequate":
         assessment = graded(assessment, Grade.INADEQUATE)
     elif why == "identified":
@@ -82,14 +91,14 @@ def test_the_sentence_is_not_said(auto, monkeypatch, why):
         budget = replace(budget, without={"zero": 0.9 * budget.sd})
     else:
         result = replace(result, family=None)
-    monkeypatch.setattr("surae.report.budget.budgets", lambda *_: {name: budget})
+    budgeted(monkeypatch, name, budget)
     monkeypatch.setattr("surae.report.budget.covariance_if_filmed", lambda *_: None)
     assert what_would_help(result, assessment) == ()
 
 
 @pytest.mark.parametrize("why", ["", "inadequate", "identified", "little gain", "filmed"])
 def test_filming_is_advised_with_what_it_would_narrow(auto, monkeypatch, why):
-    result, assessment, _, name = unsure(auto, "zero")
+    result, assessment, budget, name = unsure(auto, "zero")
     at = result.problem.free.index(name)
     narrowed = result.family.covariance.copy()
     narrowed[at, at] *= 0.9**2 if why == "little gain" else 0.25**2
@@ -98,10 +107,8 @@ def test_filming_is_advised_with_what_it_would_narrow(auto, monkeypatch, why):
     elif why == "identified":
         assessment = with_parameters(assessment, **{name: {"verdict": Verdict.IDENTIFIED}})
     answers = {"tib": None if why == "filmed" else narrowed}
-    monkeypatch.setattr("surae.report.budget.budgets", lambda *_: {})
-    monkeypatch.setattr(
-        "surae.report.budget.covariance_if_filmed", lambda _, muscle: answers.get(muscle)
-    )
+    budgeted(monkeypatch, name, replace(budget, without={}))
+    monkeypatch.setattr("surae.report.budget.covariance_if_filmed", lambda *of: answers.get(of[-1]))
     said = f"Film the tibialis, and {name} would be known to ±3 % instead of ±12 %."
     assert what_would_help(result, assessment) == (() if why else (said,))
 

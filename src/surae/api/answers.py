@@ -301,7 +301,8 @@ def validate(
     >>> surae.validate(surae.load("fit.json"), ["other.csv"])[0].adequacy.grade
     """
     inputs = as_in_fit(fitted.result.problem, several(recordings), prepared)
-    return predict_others(fitted.result, inputs if weights is None else weighted(inputs, weights))
+    inputs = inputs if weights is None else weighted(inputs, weights)
+    return predict_others(fitted.result, inputs, fitted.assessment.uncertainty)
 
 
 def export(fit: Fit | PathLike, *, to: str) -> ExportedModel:

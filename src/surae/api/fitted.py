@@ -268,7 +268,7 @@ class Fit(Tabular):
             It has no torque, or EMG that the fit's weights do not go with.
         """
         inputs = as_in_fit(self.result.problem, [recording], prepared)
-        return predict_others(self.result, inputs)[0]
+        return predict_others(self.result, inputs, self.assessment.uncertainty)[0]
 
     @property
     def fascicles(self) -> Any:

@@ -316,7 +316,8 @@ def _crossed(fit: Fit, inputs: ModelInputs, fitted: bool, number: int = 0) -> Cr
         return Crossed(finite(own.vaf), finite(own.r2), finite(own.rmse), finite(bias), fitted=True)
     moves = float(np.ptp(inputs.angle)) >= STILL
     try:
-        (prediction,) = predict_others(fit.result, [inputs], judge=moves)
+        known = fit.assessment.uncertainty if moves else None
+        (prediction,) = predict_others(fit.result, [inputs], known)
     except (InputError, ComputationError) as error:
         return Crossed(reason=str(error))
     return Crossed(

@@ -16,7 +16,7 @@ from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.fascicles import fascicles_of
 from surae.inference.residual import centred_r2, counted
-from surae.inference.uncertainty.covariance import covariance
+from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.laboratory import group_of
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, steady_emg
@@ -195,8 +195,9 @@ def _films(result: FitResult) -> Iterator[_Reason]:
 
 
 def judge_prediction(
-    result: FitResult, recording: ModelInputs, measured: FloatArray, e: FloatArray
-) -> Adequacy:
+    result: FitResult, known: Uncertainty, recording: ModelInputs, measured: FloatArray,
+    e: FloatArray,
+) -> Adequacy:  # fmt: skip
     """Judge how a fit predicts a recording that it has not seen, against what it promises.
 
     The mean is judged apart from the changes, of which `r2` is: a sensor's zero is another in each
@@ -210,7 +211,7 @@ def judge_prediction(
     reasons = list(_goodness(r2))
     if _range([recording]) < _STILL:
         reasons = [(False, "the ankle holds still there: following it says little")]
-    promised = _promised(result, recording, float(np.std(measured)))
+    promised = _promised(result, known, recording, float(np.std(measured)))
     error = float(np.sqrt(np.mean(changes**2)))
     if not error <= _BEYOND * promised:
         text = f"it errs by {error:.2g} Nm where the fit promises {promised:.2g} Nm"
@@ -221,7 +222,9 @@ def judge_prediction(
     return _graded(reasons, r2)
 
 
-def _promised(result: FitResult, recording: ModelInputs, changing: float) -> float:
+def _promised(
+    result: FitResult, known: Uncertainty, recording: ModelInputs, changing: float
+) -> float:
     """Standard deviation [Nm] of the error that a fit promises of another recording's changes.
 
     It is like the fit's own, in proportion where the torque is `changing` more, and what the
@@ -231,13 +234,13 @@ def _promised(result: FitResult, recording: ModelInputs, changing: float) -> flo
     pairs = zip(*map(counted, problem.inputs, result.residuals), strict=True)
     changes, own = (np.concatenate([part - part.mean() for part in each]) for each in pairs)
     grown = max(1.0, changing / max(float(np.std(changes)), 1e-12))
-    known = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
     columns = [problem.spec.names.index(name) for name in known.names]
     values = problem.spec.vector(result.values, problem.options)
     _, rows = problem.spec.simulator(recording, problem.options).torque_jacobian(values, columns)
     rows = rows[:, recording.counts]
     rows = rows - rows.mean(axis=1, keepdims=True)
-    unsure = float(np.einsum("in,ij,jn->n", rows, known.matrix, rows, optimize=True).mean())
+    V = known.covariance()
+    unsure = float(np.einsum("in,ij,jn->n", rows, V, rows, optimize=True).mean())
     return float(np.sqrt((grown * np.std(own)) ** 2 + max(unsure, 0.0)))
 
 

@@ -24,7 +24,13 @@ from surae.inference.parameter import (
     percent,
 )
 from surae.inference.residual import LEVEL, Whiteness, centred_r2, counted, rmse, vaf, weighted_vaf
-from surae.inference.uncertainty.covariance import Covariance, covariance, half_width, ipde
+from surae.inference.uncertainty.combined import (
+    Uncertainty,
+    combined,
+    information_root,
+    of_least_squares,
+)
+from surae.inference.uncertainty.covariance import Covariance, covariance, ipde
 from surae.inference.uncertainty.robust import RobustCovariance, robust_covariance
 from surae.model import adapted
 
@@ -51,7 +57,7 @@ class RecordingQuality(Comparable):
     fascicles: tuple[FascicleQuality, ...] = ()
 
 
-@filed("robust", "differs", rmse="rmse_Nm", covariance="correlation")
+@filed("robust", "uncertainty", "differs", rmse="rmse_Nm", covariance="correlation")
 @dataclass(frozen=True, slots=True, eq=False)
 class Assessment(Comparable):
     """What a fit is worth."""
@@ -76,6 +82,7 @@ class Assessment(Comparable):
     ipde_note: str
     recordings: tuple[RecordingQuality, ...]  #: One for each recording.
     adequacy: Adequacy  #: Whether the fit is good enough for any of this to mean something.
+    uncertainty: Uncertainty  #: Of all free parameters together, of which all intervals are made.
     #: What `model="auto"` found of the laboratory; empty for a named model.
     nuisances: Mapping[str, ParameterEstimate] = field(default_factory=dict)
     #: Where this version judges otherwise than the file that the verdicts are read from.
@@ -90,7 +97,8 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
     contradict it, its intervals reach to where a model of the laboratory would have the parameters.
     """
     problem = result.problem
-    estimated = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
+    R = information_root(result)
+    estimated = covariance(R, problem.free, result.sse, problem.n, result.bounded)
     robust, white = robust_covariance(result, estimated)
     interval, why = _believed(result, robust, white)
     pairs = [
@@ -131,12 +139,17 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
     residuals = np.concatenate([residual for _, residual, _ in pairs])
     adequacy = judge_adequacy(result)
     against = contradiction(result) if alternatives else None
-    table = _parameters(result, estimated, robust, interval, adequacy, against)
+    if result.family is None:
+        believed = robust if interval is Interval.ROBUST else None
+        known = of_least_squares(result, estimated, believed, against)
+    else:
+        known = combined(result, result.family.spread)
+    table = _parameters(result, estimated, robust, known, interval, adequacy, against)
     if against is not None:
         missing = ", ".join(against.missing)
         why += f"; they cover what models with {missing} give"
     if result.family is not None:
-        table |= marginal(result.family, problem, table, adequacy)
+        table |= marginal(result.family, problem, known, adequacy, table)
     return Assessment(
         vaf=vaf(np.concatenate([torque for torque, _, _ in pairs]), residuals),
         rmse=rmse(residuals),
@@ -152,6 +165,7 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
         ipde_note=note,
         recordings=recordings,
         adequacy=adequacy,
+        uncertainty=known,
     )
 
 
@@ -179,15 +193,11 @@ def _believed(
     return Interval.ROBUST, f"the residual is correlated over time ({text})"
 
 
-def _noise_share(half: float, shift: float) -> float:
-    """What noise has of a variance that a model's bias shares, whatever size both have."""
-    return (half / (half + shift)) ** 2
-
-
 def _parameters(
     result: FitResult,
     estimated: Covariance,
     robust: RobustCovariance | None,
+    known: Uncertainty,
     interval: Interval,
     adequacy: Adequacy,
     against: Contradiction | None,
@@ -197,7 +207,6 @@ def _parameters(
     ends = zip(problem.lower.tolist(), problem.upper.tolist(), strict=True)
     bounds = dict(zip(problem.free, ends, strict=True))
     variances = dict(zip(estimated.names, np.diag(estimated.matrix).tolist(), strict=True))
-    shifts = {} if against is None else against.shift
     parameters = {}
     for name, p in table.items():
         value = result.values[name]
@@ -212,18 +221,18 @@ def _parameters(
             note += "outside the bounds, or the data do not constrain it"
         elif name in variances:
             sem = float(np.sqrt(variances[name]))
-            half = half_width(sem, estimated.dof)
+            if result.family is not None:
+                sem = known.sd(known.along(name))
             if robust is not None:
                 j = robust.names.index(name)
                 sem_robust = float(np.sqrt(robust.matrix[j, j]))
-                if interval is Interval.ROBUST:
-                    half = half_width(sem_robust, float(robust.dof[j]))
+            whole, away = known.half_width(known.along(name)), known.bias(known.along(name))
+            half = whole - away
             again, budget = (value - half, value + half), {"noise": 1.0}
             repeatable = half <= IDENTIFIED * abs(value) and not withheld
-            if (shift := shifts.get(name, 0.0)) > 0.0:
-                noise = _noise_share(half, shift)
-                budget = {"noise": noise, "model": 1.0 - noise}
-                half += shift
+            if away > 0.0:
+                noise = (half / whole) ** 2  # of a variance that a bias shares, whatever their size
+                budget, half = {"noise": noise, "model": 1.0 - noise}, whole
             ci95 = (value - half, value + half)
             verdict, note = judge_interval(name, value, half, estimated, p.unit, withheld=withheld)
             if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:

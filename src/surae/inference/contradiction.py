@@ -53,7 +53,7 @@ class Contradiction:
     #: ``"tendons"``.
     missing: tuple[str, ...]
     gain: float  #: By how much its −2 ln Z is less.
-    shift: Mapping[str, float]  #: How far it moves each estimate, in the parameter's unit.
+    shift: Mapping[str, float]  #: By how much it moves each estimate, in the parameter's unit.
 
 
 def contradiction(result: FitResult) -> Contradiction | None:
@@ -111,7 +111,7 @@ def contradiction(result: FitResult) -> Contradiction | None:
     gain = alone - together
     if not (gain > _SUPPORTED and np.isfinite(better).all()):
         return None
-    away = np.abs(better[: len(free)] - target.z) * target.scale
+    away = (better[: len(free)] - target.z) * target.scale
     shift = {n: float(d) for n, d in zip(free, away, strict=True) if n in problem.free}
     missing = [g for g in _HELD_AGAINST if any(group_of(n) == g for n in beliefs)]
     if name != problem.spec.name:

@@ -167,7 +167,7 @@ class _Search:
     def result(self) -> FitResult:
         """Search, choose, and sum up."""
         values, noise = self._first()
-        self._stage("from each start, without departures", 1, min(self._met)[0])
+        self._stage("from each start, without departures", 1, min(cost for cost, _ in self._met))
         simplest, most = self._simplest()
         chosen = self._choose(values, noise)
         self._stage("with the departures that the data ask for", 2, chosen[1].cost)
@@ -222,7 +222,7 @@ class _Search:
         before = sum(stage.evaluations for stage in self._stages)
         self._stages.append(Stage(name, self._evaluations - before, float(cost)))
         if self._progress is not None:
-            self._progress(number, 2, min(self._met)[0])
+            self._progress(number, 2, min(cost for cost, _ in self._met))
 
     def _posterior(
         self, groups: Sequence[str], rate_hz: float, noise: Sequence[NoiseModel],

@@ -10,14 +10,12 @@ of them. What is added to a length is wrong alike in both.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from surae.base.frozen import FrozenDict
 from surae.base.names import GEOMETRY_OF
 from surae.base.normal import NORMAL
-from surae.base.units import FloatArray
 from surae.inference import FitProblem
 from surae.inference.adequacy import Adequacy, Grade
 from surae.inference.coordinates import is_straight
@@ -29,8 +27,8 @@ from surae.inference.parameter import (
     Verdict,
     percent,
 )
-from surae.inference.residuals import stiffness_valleys
 from surae.inference.result import Family
+from surae.inference.uncertainty.combined import Budget, Uncertainty
 from surae.model.laboratory import group_of
 from surae.model.sources import SOURCES
 from surae.signals import steady_emg
@@ -43,69 +41,34 @@ _NARROWER = 0.5
 _FAR = 2.9
 
 
-@dataclass(frozen=True, slots=True)
-class Budget:
-    """What makes one parameter unsure."""
-
-    sd: float  #: Standard deviation, everything included, in the parameter's unit.
-    repeat: float  #: Standard deviation of the difference between two trials of the leg.
-    shares: Mapping[str, float]  #: Parts of the variance by source; they add up to 1.
-    without: Mapping[str, float]  #: Standard deviation that would be left with the source known.
-
-
-def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
-    """The budget of every parameter of the leg that was estimated, `free` being all of them."""
-    parts = {source: np.sum(by**2, axis=0) for source, by in family.spread.items()}
-    total = sum(parts.values(), np.zeros(len(free)))
-    repeat = sum((2.0 * SOURCES[s].anew * part for s, part in parts.items()), np.zeros(len(free)))
-    made = {}
-    for j, name in enumerate(free):
-        if group_of(name) is None and total[j] > 0.0:
-            shares = FrozenDict({s: float(part[j] / total[j]) for s, part in parts.items()})
-            left = {s: max(total[j] - part[j], 0.0) for s, part in parts.items()}
-            without = {s: float(np.sqrt(left[s])) for s in left if SOURCES[s].knowable}
-            made[name] = Budget(
-                float(np.sqrt(total[j])), float(np.sqrt(repeat[j])), shares, without
-            )
-    return made
-
-
-def drawn_anew(family: Family, *, mounted: bool = False) -> FloatArray:
-    """Covariance of the estimates in another trial, or with electrodes and foot mounted anew."""
-    return sum(
-        (SOURCES[s].anew_when(mounted=mounted) * by.T @ by for s, by in family.spread.items()),
-        np.zeros_like(family.covariance),
-    )
-
-
 def marginal(
-    family: Family, problem: FitProblem, table: Mapping[str, ParameterEstimate], adequacy: Adequacy
-) -> dict[str, ParameterEstimate]:
+    family: Family, problem: FitProblem, known: Uncertainty, adequacy: Adequacy,
+    table: Mapping[str, ParameterEstimate],
+) -> dict[str, ParameterEstimate]:  # fmt: skip
     """The estimated parameters of the leg with everything that makes them unsure."""
     bounds = [p.name for p in table.values() if p.at_bound and group_of(p.name) is None]
     withheld = f"nothing is identified with {', '.join(bounds)} at a bound" if bounds else ""
     if adequacy.grade is Grade.INADEQUATE:
         withheld = INADEQUATE
     judged = {}
-    longest = {x0: length for _, x0, length in stiffness_valleys(problem)}
-    for name, budget in budgets(family, problem.free).items():
-        p = table[name]
-        if p.at_bound:
+    for name in known.names:
+        p, budget = table[name], known.budget(known.along(name))
+        if p.at_bound or group_of(name) is not None or not budget.sd > 0.0:
             continue
-        ci95 = _interval(p, budget.sd, longest.get(name))
+        ci95 = known.interval(name, NORMAL * budget.sd)
         half = (ci95[1] - ci95[0]) / 2.0
-        again = _interval(p, budget.repeat, longest.get(name))
+        again = known.interval(name, NORMAL * budget.repeat)
         repeatable = (again[1] - again[0]) / 2.0 <= IDENTIFIED * abs(p.value) and not withheld
         verdict, note = _judge(p, half, budget, repeatable=repeatable, withheld=withheld)
-        known = family.population.get(name)
-        if verdict is Verdict.IDENTIFIED and known:
+        prior = family.population.get(name)
+        if verdict is Verdict.IDENTIFIED and prior:
             value, scale = p.value, 1.0
             if not is_straight(name):
                 value, scale = np.log(max(p.value, 1e-300)), p.value
             but = _by_path(name, problem)
-            if budget.sd > _NARROWER * known.sd * scale:
+            if budget.sd > _NARROWER * prior.sd * scale:
                 but = "hardly better than before any measurement"
-            elif abs(value - known.mean) > _FAR * known.sd and name not in problem.spec.weights:
+            elif abs(value - prior.mean) > _FAR * prior.sd and name not in problem.spec.weights:
                 but = (
                     "farther from other legs' than legs are: a prior that does not fit holds it "
                     "back"
@@ -113,7 +76,7 @@ def marginal(
             if but:
                 verdict, note = Verdict.WEAK, f"{note}, but {but}"
         if name == "l0_tib" and not withheld:
-            note += _filmed(family, problem, table)
+            note += _filmed(known, problem, table)
         judged[name] = replace(
             p,
             sem=budget.sd,
@@ -148,36 +111,19 @@ def _by_path(name: str, problem: FitProblem) -> str:
     )
 
 
-def _filmed(family: Family, problem: FitProblem, table: Mapping[str, ParameterEstimate]) -> str:
+def _filmed(known: Uncertainty, problem: FitProblem, table: Mapping[str, ParameterEstimate]) -> str:
     """What the film says of the optimal length, which is known better than the whole muscle's."""
     names = ("l0_tib", "film_scale_tib", "film_zero_tib")
     if not {*names} <= {*problem.free} or steady_emg(problem.inputs)[0]:
         return ""
-    at = [problem.free.index(name) for name in names]
     l0, scale, zero = (table[name].value for name in names)
-    slope, optimum = np.array([1.0 + scale, l0, 1.0]), (1.0 + scale) * l0 + zero
-    half = NORMAL * float(np.sqrt(slope @ family.covariance[np.ix_(at, at)] @ slope))
+    optimum = (1.0 + scale) * l0 + zero
+    slope = sum(by * known.along(n) for n, by in zip(names, (1.0 + scale, l0, 1.0), strict=True))
+    half = known.half_width(np.asarray(slope))
     return (
         f"; the filmed fascicle's own optimum is {1e3 * optimum:.1f} mm ±{percent(half / optimum)} "
         "(optimal_fascicle_tib)"
     )
-
-
-def _interval(p: ParameterEstimate, sd: float, longest: float | None) -> tuple[float, float]:
-    """95 % interval within bounds: on a logarithm where the parameter is positive by nature.
-
-    Of a slack length it is the way from there to the longest muscle that is: data know the force at
-    that end, k·(longest − x0), so that way is as unsure as 1/k.
-    """
-    if longest is not None and p.value < longest:
-        factor = float(np.exp(min(NORMAL * sd / (longest - p.value), 50.0)))
-        low, high = (longest - (longest - p.value) * f for f in (factor, 1.0 / factor))
-    elif is_straight(p.name):
-        low, high = p.value - NORMAL * sd, p.value + NORMAL * sd
-    else:
-        factor = float(np.exp(min(NORMAL * sd / p.value, 50.0)))
-        low, high = p.value / factor, p.value * factor
-    return max(low, min(p.lower, p.value)), min(high, max(p.upper, p.value))
 
 
 def _judge(

@@ -1,6 +1,6 @@
 """What a fit makes small: the torque's residual over all recordings, with its Jacobian."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -86,6 +86,16 @@ class Residuals:
                 float(np.sum(residual**2 if root is None else (root * residual) ** 2))
                 for residual, root in zip(residuals, self._roots, strict=True)
             )
+
+
+def jacobian_root(problem: FitProblem, values: Mapping[str, float]) -> FloatArray:
+    """Triangular R with RᵀR = JᵀWJ, J the torque's Jacobian at these values, shape (p, p)."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        rows = Residuals(problem).data_rows(np.array([values[n] for n in problem.free]))[:-1]
+    p = len(problem.free)
+    if not np.isfinite(rows).all():
+        return np.full((p, p), np.nan)
+    return np.asarray(np.linalg.qr(rows.T, mode="r"))
 
 
 _GROUPS = (("k_tri", "x0_tri"), ("k_tib", "x0_tib"))

@@ -125,8 +125,8 @@ class FitResult(Comparable):
     values: Mapping[str, float]  #: All parameters of the model, fixed ones included.
     residuals: tuple[FloatArray, ...]  #: Measured minus modelled torque of each recording [Nm].
     sse: OrInfinite  #: Weighted sum of squared residuals, without priors [Nm²].
-    #: Triangular factor of the weighted Jacobian by the free parameters: RᵀR = JᵀWJ, with what
-    #: priors add to it, shape (p, p).
+    #: Triangular factor of the weighted Jacobian by the free parameters: RᵀR = JᵀWJ, of a named
+    #: model with what priors add to it, shape (p, p).
     R: FloatArray
     starts: tuple[Start, ...]  #: Every start, the default one first.
     agreeing: int  #: Number of starts that ended at the best minimum.

@@ -18,6 +18,7 @@ from surae.inference.laplace import (
 )
 from surae.inference.posterior import LogPosterior, Point
 from surae.inference.problem import FitProblem
+from surae.inference.residuals import jacobian_root
 from surae.inference.result import (
     Candidate,
     Family,
@@ -74,7 +75,7 @@ def summed(
         values=values,
         residuals=residuals,
         sse=sse,
-        R=read_only(_factor(covariance, sse, problem) if finite else covariance * np.nan),
+        R=read_only(jacobian_root(problem, values)),
         starts=tuple(start for _, start in met),
         agreeing=sum(cost - best < _ALIKE for cost, _ in met),
         seed=original.settings.seed,
@@ -109,16 +110,6 @@ def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecor
         sems = {n: float(sd[j]) for n, j in leg.items()}
         own.append(OfRecording(FrozenDict({n: values[n] for n in leg}), FrozenDict(sems)))
     return tuple(own)
-
-
-def _factor(covariance: FloatArray, sse: float, problem: FitProblem) -> FloatArray:
-    """R whose σ²(RᵀR)⁻¹ is the covariance, σ² being the residual's variance."""
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    scaled = covariance * scale * scale[:, None]
-    lower = np.linalg.cholesky(scaled + 1e-10 * np.eye(len(scale)))
-    root = np.linalg.inv(lower) * scale
-    dof = max(problem.n - len(problem.free), 1)
-    return np.asarray(np.sqrt(max(sse, 1e-300) / dof) * np.linalg.qr(root)[1])
 
 
 def _natural(post: LogPosterior, point: Point) -> FloatArray:

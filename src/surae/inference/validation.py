@@ -12,6 +12,7 @@ from surae.inference import FitResult
 from surae.inference.adequacy import Adequacy, judge_prediction
 from surae.inference.fascicles import Fascicles, followed
 from surae.inference.residual import counted, rmse, vaf
+from surae.inference.uncertainty.combined import Uncertainty
 from surae.model import check_finite_torque
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs
@@ -67,9 +68,9 @@ def pooled(predictions: Sequence[Prediction]) -> PooledPrediction:
 
 
 def predict_others(
-    result: FitResult, inputs: Sequence[ModelInputs], *, judge: bool = True
+    result: FitResult, inputs: Sequence[ModelInputs], known: Uncertainty | None
 ) -> tuple[Prediction, ...]:
-    """Predict recordings with the parameters of a fit to others, and judge.
+    """Predict recordings with the parameters of a fit to others, and judge by what is `known`.
 
     A sample of weight 0 is predicted, and is in no figure; other weights change nothing.
     """
@@ -108,7 +109,7 @@ def predict_others(
                 recording.time,
                 recording.torque,
                 recording.weight,
-                judge_prediction(result, recording, measured, residual) if judge else None,
+                judge_prediction(result, known, recording, measured, residual) if known else None,
                 followed(spec, options, result.values, recording),
             )
         )

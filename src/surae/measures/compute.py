@@ -9,13 +9,12 @@ import numpy as np
 
 from surae.base.errors import ComputationError, InputError
 from surae.base.frozen import FrozenDict
-from surae.base.normal import NORMAL
 from surae.base.units import FloatArray
 from surae.inference import Assessment, FitResult, Grade, Verdict
 from surae.inference.parameter import IDENTIFIED, percent
+from surae.inference.uncertainty.combined import Uncertainty
 from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range
 from surae.measures.measure import Measure, Measures
-from surae.measures.spread import Spread, spread_of
 from surae.measures.table import DEFINITIONS, Definition
 from surae.model import ModelOptions, get_model, with_optional
 from surae.model.laboratory import OUTSIDE, group_of
@@ -69,7 +68,7 @@ class Evaluated:
 
     point: MeasurePoint  #: Which.
     value: float | None  #: None where there is none, for the reason `missing`.
-    gradient: FloatArray  #: By the searched coordinates of `Spread`, shape (p,).
+    gradient: FloatArray  #: By the free parameters, shape (p,).
     missing: str = ""  #: Why it has no value or no interval; empty where it has both.
 
 
@@ -133,41 +132,41 @@ def measures(
     result: FitResult, assessment: Assessment, angles: Sequence[float] = ANGLES
 ) -> Measures:
     """All measures of a fit, those of angles at these [deg]; what it lacks has a reason instead."""
-    judged = judged_measures(result, assessment, spread_of(result, assessment), points(angles))
+    judged = judged_measures(result, assessment, points(angles))
     by_name = FrozenDict((measure.name, measure) for _, measure in judged)
     return Measures(result.problem.spec.name, assessment.adequacy, by_name)
 
 
 @lru_cache(maxsize=4)  # pages, comparisons and answers are often of the same fit
 def judged_measures(
-    result: FitResult, assessment: Assessment, spread: Spread, wanted: tuple[MeasurePoint, ...]
+    result: FitResult, assessment: Assessment, wanted: tuple[MeasurePoint, ...]
 ) -> tuple[tuple[Evaluated, Measure], ...]:
     """All these measures of a fit, each with its derivatives."""
-    drawn = _drawn(result, spread, wanted)
+    drawn = _drawn(result, assessment.uncertainty, wanted)
     return tuple(
-        (each, _measure(each, drawn.get(each.point.name), result, assessment, spread))
-        for each in evaluate(result, spread, wanted)
+        (each, _measure(each, drawn.get(each.point.name), result, assessment))
+        for each in evaluate(result, assessment.uncertainty, wanted)
     )
 
 
 def evaluate(
-    result: FitResult, spread: Spread, wanted: Sequence[MeasurePoint]
+    result: FitResult, known: Uncertainty, wanted: Sequence[MeasurePoint]
 ) -> tuple[Evaluated, ...]:
     """Values of measures and their derivatives by everything that was estimated."""
     leg = leg_of(result)
     values, missing = (list(of) for of in zip(*(point.value(leg) for point in wanted), strict=True))
-    gradients = np.zeros((len(wanted), len(spread.names)))
-    reach = np.maximum(np.abs(spread.values), 0.01 * (spread.upper - spread.lower))
-    steps = np.where(spread.log, _STEP, _STEP * reach)
-    for j, name in enumerate(spread.names):
+    gradients = np.zeros((len(wanted), len(known.names)))
+    reach = np.maximum(np.abs(known.values), 0.01 * (known.upper - known.lower))
+    steps = np.where(np.isnan(known.origin), _STEP * reach, _STEP)
+    for j, name in enumerate(known.names):
         step = float(steps[j])
-        sides = [leg.with_values({name: float(spread.moved(j, by))}) for by in (-step, step)]
+        sides = [leg.with_values({name: known.moved(j, by)}) for by in (-step, step)]
         for i, point in enumerate(wanted):
             outside = not point.definition.of_recordings and group_of(name) in OUTSIDE
             if math.isnan(values[i]) or outside:
                 continue
             (low, below), (high, above) = (point.value(side) for side in sides)
-            gradients[i, j] = (high - low) / (2.0 * step)
+            gradients[i, j] = (high - low) / (2.0 * step * known.scale[j])
             if why := below or above:
                 gradients[i, j] = 0.0
                 edge = "at the edge of what "
@@ -180,24 +179,24 @@ def evaluate(
 
 
 def _drawn(
-    result: FitResult, spread: Spread, wanted: Sequence[MeasurePoint]
+    result: FitResult, known: Uncertainty, wanted: Sequence[MeasurePoint]
 ) -> dict[str, FloatArray]:
     """Every measure that is not made of the recordings, of possible legs; NaN where it has none."""
     inner = [point for point in wanted if not point.definition.of_recordings]
-    if spread.lost == spread.names or not np.isfinite(spread.total).all():
+    if known.lost == known.names:
         return {}
-    likeliest, legs = leg_of(result), spread.draws(_DRAWS, _SEED)
+    likeliest, legs = leg_of(result), known.draw(_DRAWS, _SEED)
     rows = np.empty((len(legs), len(inner)))
     for i, drawn in enumerate(legs):
-        leg = likeliest.with_values(dict(zip(spread.names, drawn.tolist(), strict=True)))
+        leg = likeliest.with_values(dict(zip(known.names, drawn.tolist(), strict=True)))
         rows[i] = [point.value(leg)[0] for point in inner]
     return {point.name: rows[:, k] for k, point in enumerate(inner)}
 
 
 def _measure(
-    evaluated: Evaluated, drawn: FloatArray | None, result: FitResult, assessment: Assessment,
-    spread: Spread,
-) -> Measure:  # fmt: skip
+    evaluated: Evaluated, drawn: FloatArray | None, result: FitResult, assessment: Assessment
+) -> Measure:
+    known = assessment.uncertainty
     definition, name = evaluated.point.definition, evaluated.point.name
     unit, value = definition.unit, evaluated.value
     if unit == "Nm/mV" and result.problem.inputs[0].emg_unit == "1":
@@ -212,16 +211,13 @@ def _measure(
     if definition.span:
         low, high = definition.span(leg_of(result), evaluated.point.at)
         bare = replace(bare, from_deg=low, to_deg=high)
-    touched = [n for n, g in zip(spread.names, evaluated.gradient, strict=True) if g != 0.0]
+    touched = [n for n, g in zip(known.names, evaluated.gradient, strict=True) if g != 0.0]
     if not touched:
         return replace(bare, verdict=Verdict.FIXED, note="it rests on nothing that was estimated")
-    if lost := [n for n in touched if n in spread.lost]:
+    if lost := [n for n in touched if n in known.lost]:
         return replace(bare, note=f"no interval: the recordings do not determine {', '.join(lost)}")
     g = evaluated.gradient
-    sd, again = spread.sd(g), spread.sd(g, 2.0 * spread.repeat)
-    if result.family is None:
-        again = sd  # as of its parameters: a named model does not know what trials share
-    half, method = NORMAL * sd, "linear"
+    half, method = known.half_width(g), "linear"
     ci95 = (value - half, value + half)
     if drawn is not None:
         if np.isnan(drawn).mean() > _LACKING:
@@ -230,9 +226,9 @@ def _measure(
         if float(np.abs(ends - np.array(ci95)).max()) > _BENT * half:
             low, high = min(float(ends[0]), value), max(float(ends[1]), value)
             ci95, method = (low, high), "draws"
-    share = again / sd if sd > 0.0 else 0.0
+    share = known.repeat_half_width(g) / half if half > 0.0 else 0.0
     repeat = tuple(value + share * (end - value) for end in ci95)
-    verdict, note = _judge(evaluated, ci95, result, assessment, spread)
+    verdict, note = _judge(evaluated, ci95, result, assessment)
     return replace(
         bare, ci95=ci95, ci95_repeat=(repeat[0], repeat[1]), verdict=verdict, note=note,
         method=method,
@@ -240,9 +236,8 @@ def _measure(
 
 
 def _judge(
-    evaluated: Evaluated, ci95: tuple[float, float], result: FitResult, assessment: Assessment,
-    spread: Spread,
-) -> tuple[Verdict, str]:  # fmt: skip
+    evaluated: Evaluated, ci95: tuple[float, float], result: FitResult, assessment: Assessment
+) -> tuple[Verdict, str]:
     """Verdict and sentence of a measure that has an interval."""
     assert evaluated.value is not None
     half = max(ci95[1] - evaluated.value, evaluated.value - ci95[0])
@@ -262,7 +257,7 @@ def _judge(
         return Verdict.WEAK, note
     if beyond := extrapolated(evaluated, result):
         return Verdict.WEAK, f"{beyond}; {known} if the model holds there"
-    if bound := _through_bound(evaluated, spread):
+    if bound := _through_bound(evaluated, assessment.uncertainty):
         return Verdict.WEAK, f"it rests on {bound}, which lies at its bound"
     if relative <= IDENTIFIED:
         return Verdict.IDENTIFIED, f"known to {known}"
@@ -295,13 +290,13 @@ def extrapolated(evaluated: Evaluated, result: FitResult) -> str:
     return "" if at <= most else f"the muscles added {most:.3g} Nm at most at 0°"
 
 
-def _through_bound(evaluated: Evaluated, spread: Spread) -> str:
+def _through_bound(evaluated: Evaluated, known: Uncertainty) -> str:
     """Parameters at a bound that most of a measure's uncertainty goes through."""
-    g, V = evaluated.gradient, spread.total
+    g, V = evaluated.gradient, known.covariance()
     whole = float(g @ V @ g)
     if not whole > 0.0:
         return ""
-    at = {name: spread.names.index(name) for name in spread.at_bound}
+    at = {name: known.names.index(name) for name in known.at_bound}
     return ", ".join(
         name for name, j in at.items()
         if V[j, j] > 0.0 and float(V[j] @ g) ** 2 / V[j, j] > _BOUND * whole

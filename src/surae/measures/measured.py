@@ -6,12 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.base.frozen import Comparable, read_only
-from surae.base.normal import NORMAL, Student
+from surae.base.normal import Student
 from surae.base.units import FloatArray
 from surae.inference import Assessment, FitResult
 from surae.measures.compute import MeasurePoint, evaluate
 from surae.measures.leg import measured_range
-from surae.measures.spread import spread_of
 from surae.measures.table import DEFINITIONS
 from surae.model.movement import gravity_torque
 
@@ -147,17 +146,20 @@ def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
     low, high = measured_range(result)
     low, high = min(max(low, _LOWEST), _HIGHEST), max(min(high, _HIGHEST), _LOWEST)
     angle = np.linspace(low, high, _COUNT)
-    spread = spread_of(result, assessment)
+    known = assessment.uncertainty
     (torque,) = (each for each in DEFINITIONS if each.name == "passive_torque")
-    evaluated = evaluate(result, spread, [MeasurePoint(torque, float(at)) for at in angle])
+    evaluated = evaluate(result, known, [MeasurePoint(torque, float(at)) for at in angle])
     values = np.array([np.nan if t.value is None else t.value for t in evaluated])
     options = result.problem.options
     weight, _ = gravity_torque(
         angle=np.radians(angle), theta_foot=options.theta_foot, distance=options.anatomy.distance
     )
     values += result.values.get("m", 0.0) * weight
-    lost = np.isin(spread.names, spread.lost)
-    half = NORMAL * np.array([
-        np.nan if t.missing or t.gradient[lost].any() else spread.sd(t.gradient) for t in evaluated
-    ])  # fmt: skip
+    lost = np.isin(known.names, known.lost)
+    half = np.array(
+        [
+            np.nan if t.missing or t.gradient[lost].any() else known.half_width(t.gradient)
+            for t in evaluated
+        ]
+    )
     return TorqueCurve(*map(read_only, (angle, values, values - half, values + half)))

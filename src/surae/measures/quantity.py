@@ -13,7 +13,6 @@ from surae.base.records import OrNaN
 from surae.inference import Adequacy, Assessment, FitResult, Grade
 from surae.measures.compute import ANGLES, extrapolated, judged_measures, points
 from surae.measures.leg import leg_of
-from surae.measures.spread import spread_of
 from surae.measures.table import ELECTRODES, LEADING
 from surae.model.laboratory import group_of
 
@@ -76,7 +75,7 @@ def quantities(
 
     At the `end` [deg] of the range that others moved through too, those at the end are compared.
     """
-    problem, spread = result.problem, spread_of(result, assessment)
+    problem, known = result.problem, assessment.uncertainty
     has_reference = all(
         recording.emg_reference is not None and recording.emg_reference.kind == "mvc"
         for recording in problem.inputs
@@ -84,9 +83,9 @@ def quantities(
     adequacy, inadequate = assessment.adequacy, ""
     if adequacy.grade is Grade.INADEQUATE:
         inadequate = f"the fit is inadequate: {adequacy.reasons[0]}"
-    timing = np.isin(spread.names, _TIMING) & problem.has_unheard
+    timing = np.isin(known.names, _TIMING) & problem.has_unheard
     by_name: dict[str, Quantity] = {}
-    for evaluated, m in judged_measures(result, assessment, spread, points(angles, end)):
+    for evaluated, m in judged_measures(result, assessment, points(angles, end)):
         alone = evaluated.point.definition.alone
         common = m.name in LEADING and math.isfinite(end)
         if common or (alone == ELECTRODES and has_reference):
@@ -94,7 +93,7 @@ def quantities(
         if m.value is None or m.ci95 is None:
             deviations, why = _NONE, inadequate or m.note
         else:
-            deviations = spread.deviations(evaluated.gradient)
+            deviations = known.deviations(evaluated.gradient)
             # where the measure bends too much for the covariance, draws are wider or narrower
             total, session, model = deviations
             bent = max(standard_error_of(m.ci95) / total if total > 0.0 else 1.0, 1.0)
@@ -106,8 +105,7 @@ def quantities(
             m.name, m.unit, m.meaning, "measure", m.value, *deviations, why,
             from_deg=m.from_deg, to_deg=m.to_deg, is_comparable_between_legs=between,
         )  # fmt: skip
-    own = np.diag(np.where(spread.log, spread.values, 1.0))
-    for name, gradient in zip(spread.names, own, strict=True):
+    for name in known.names:
         if group_of(name) is not None or name not in assessment.parameters:
             continue
         p, why = assessment.parameters[name], ""
@@ -119,7 +117,7 @@ def quantities(
             why = ELECTRODES
         elif name in _TIMING and problem.has_unheard:
             why = _UNHEARD
-        deviations = _NONE if p.ci95 is None else spread.deviations(gradient)
+        deviations = _NONE if p.ci95 is None else known.deviations(known.along(name))
         by_name[name] = Quantity(
             name, p.unit, p.meaning, "parameter", p.value, *deviations, inadequate or why,
             p.at_bound, (p.lower, p.upper),

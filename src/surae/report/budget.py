@@ -8,7 +8,6 @@ import numpy as np
 from surae.base.formatting import listed
 from surae.inference import Assessment, FitResult, ParameterEstimate, Verdict
 from surae.inference.adequacy import Grade
-from surae.inference.marginal import budgets
 from surae.inference.parameter import percent
 from surae.model.sources import SOURCES
 from surae.protocol.planning.information import covariance_if_filmed
@@ -109,14 +108,16 @@ def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...
             text += f" instead of ±{percent(before)}"
             gains.setdefault(remedy, {})[name] = part, text
 
-    for name, budget in budgets(result.family, result.problem.free).items():
+    known = assessment.uncertainty
+    for name in known.names:
+        budget = known.budget(known.along(name))
         for source, without in budget.without.items():
             if budget.shares.get(source, 0.0) >= _WORTH:
                 note(SOURCES[source].advice, name, without / budget.sd)
     for muscle, words in _MUSCLES.items():
-        filmed = covariance_if_filmed(result, muscle)
+        filmed = covariance_if_filmed(result, known, muscle)
         if filmed is not None:
-            parts = np.sqrt(np.diag(filmed) / np.diag(result.family.covariance))
+            parts = np.sqrt(np.diag(filmed) / np.diag(known.covariance()))
             for name, part in zip(result.problem.free, parts.tolist(), strict=True):
                 note(f"film the {words}", name, part)
     narrowed = {remedy: sorted(by_name.values()) for remedy, by_name in gains.items()}

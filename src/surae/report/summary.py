@@ -9,7 +9,6 @@ from surae.base.tables import TextTable
 from surae.inference import Assessment, FitResult
 from surae.inference.assessment import outdated
 from surae.measures.compute import judged_measures, points
-from surae.measures.spread import spread_of
 from surae.measures.table import LEADING
 from surae.report.budget import what_would_help
 from surae.report.joint import given_in, reworded
@@ -56,7 +55,7 @@ def fit_table(result: FitResult, assessment: Assessment, width: int = 100) -> Te
 def _leading(result: FitResult, assessment: Assessment) -> Iterator[str]:
     """Stiffness and torque at the end of the range that was moved, a line each."""
     wanted = tuple(each for each in points() if each.definition.name in LEADING)
-    for _, m in judged_measures(result, assessment, spread_of(result, assessment), wanted):
+    for _, m in judged_measures(result, assessment, wanted):
         if m.value is not None and m.from_deg is not None and m.to_deg is not None:
             text, ends = of_interval(m.value, m.ci95), dict.fromkeys((m.from_deg, m.to_deg))
             span = " to ".join(f"{end:.0f}°".replace("-", "−") for end in ends)

@@ -9,6 +9,7 @@ from surae.base.formatting import listed
 from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.identifiability.advice import trade_off
+from surae.inference.uncertainty.combined import information_root
 from surae.model.registry import PARAMETERS
 
 #: Widening by the others from which a parameter trades off with them: that of two parameters with a
@@ -95,8 +96,9 @@ def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Id
     sigma = float(np.sqrt(variance_inflation * result.sse / (problem.n - len(inside))))
     values = np.array([result.values[name] for name in problem.free])
     sizes = np.maximum(np.abs(values), _LEAST * (problem.upper - problem.lower))
-    scaled = result.R * sizes
+    scaled = information_root(result) * sizes
     effects = np.linalg.norm(scaled, axis=0)
+    felt = np.linalg.norm(result.R * sizes, axis=0)
     weakest = directions(names, scaled[:, inside], effects[inside], sigma) if inside else ()
     condition = None
     if weakest and weakest[0].uncertainty is not None:
@@ -112,7 +114,7 @@ def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Id
             partners = _partners(name, names, weakest, widened)
         parameters[name] = Identified(
             name,
-            sensitivity=effect / torque if torque else 0.0,
+            sensitivity=float(felt[j]) / torque if torque else 0.0,
             alone=sigma / effect if effect > 0 else None,
             collinearity=widened,
             partners=partners,

@@ -21,6 +21,7 @@ from surae.base.records import Listed
 from surae.inference import FitResult
 from surae.inference.identifiability.identified import unexplained
 from surae.inference.likelihood.conditional import ConditionalMinimum, Surface, surface_of
+from surae.inference.uncertainty.combined import information_root
 from surae.inference.uncertainty.covariance import half_width
 from surae.model import adapted
 
@@ -199,7 +200,8 @@ class _Search:
         self.unit = sigma2 * variance_inflation
         self.threshold = half_width(1.0, dof) ** 2
         self._aim = float(np.sqrt(self.threshold))
-        known = 0.0 if name in at_bound else unexplained(result.R, free.index(name), rest)
+        R = information_root(result)
+        known = 0.0 if name in at_bound else unexplained(R, free.index(name), rest)
         #: Those at a bound taken as known.
         self.sem = float(np.sqrt(variance * variance_inflation / known)) if known > 0 else None
         fit = self.minima.fit

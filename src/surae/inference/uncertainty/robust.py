@@ -21,6 +21,7 @@ from surae.base.frozen import Comparable
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.inference import FitResult, Outliers
+from surae.inference.evidence import root as root_of
 from surae.inference.noise import NoiseModel, autoregressive
 from surae.inference.residual import Whiteness, autocovariance, most_lags, whiteness
 from surae.inference.residuals import Residuals
@@ -41,6 +42,9 @@ class RobustCovariance(Comparable):
     #: the uncertainty of the noise model, shape (k,).
     dof: FloatArray
     noise: tuple[NoiseModel, ...]  #: Of each recording.
+    #: Shifts of all free parameters, what lies at a bound included, whose outer products add up to
+    #: their covariance, shape (r, p).
+    rows: FloatArray
 
 
 def robust_covariance(
@@ -82,8 +86,7 @@ def robust_covariance(
             for own, inputs in zip(seen, problem.inputs, strict=True)
         )
         models = _noise_models(seen)
-        known = [j for j in root.known if problem.free[root.kept[j]] in estimated.names]
-        robust = _covariance(root, known, seen, models, estimated, result.outliers)
+        robust = _covariance(root, problem.free, seen, models, estimated, result.outliers)
         return robust if np.isfinite(robust.matrix).all() else None, white
 
 
@@ -181,7 +184,7 @@ def _noise_models(seen: Sequence[_Seen]) -> tuple[NoiseModel, ...]:
 
 def _covariance(
     root: InverseRoot,
-    known: Sequence[int],
+    free: Sequence[str],
     seen: Sequence[_Seen],
     models: Sequence[NoiseModel],
     estimated: Covariance,
@@ -190,21 +193,29 @@ def _covariance(
     observed = sum((recording.gram for recording in seen), start=np.zeros(()))
     # Without priors the information is the unit matrix: what is missing of it comes from them.
     prior = np.eye(len(observed)) - observed
-    C, sigma2 = root.matrix[list(known)], estimated.sigma2
+    C, sigma2 = root.matrix, estimated.sigma2
     if outliers is not None:
         C = np.asarray(np.linalg.solve(observed / outliers.widening + prior, C.T).T)
         sigma2 = outliers.scale**2
     inner = sigma2 * prior
-    parts = []
     for recording, model in zip(seen, models, strict=True):
         inner += recording.meat(model)
-        parts.append(_variance_and_doubt(C @ recording.transformed, recording, model))
+    # a root of what is between them, which is of the size of the noise
+    between = root_of(inner)
+    rows = np.zeros((len(between), len(free)))
+    rows[:, list(root.kept)] = between @ C.T
+    known = [j for j in root.known if free[root.kept[j]] in estimated.names]
+    C = C[known]
     matrix = C @ inner @ C.T
     matrix = (matrix + matrix.T) / 2
+    parts = [
+        _variance_and_doubt(C @ recording.transformed, recording, model)
+        for recording, model in zip(seen, models, strict=True)
+    ]
     total = np.where(np.diag(matrix) > 0, np.diag(matrix), 1.0)
     doubt = sum(((v / total) ** 2 * u for v, u in parts), start=np.zeros(len(total)))
     dof = np.minimum(2.0 / np.maximum(doubt, 1e-300), estimated.dof)
-    return RobustCovariance(estimated.names, matrix, dof, tuple(models))
+    return RobustCovariance(estimated.names, matrix, dof, tuple(models), rows)
 
 
 def _variance_and_doubt(

@@ -14,6 +14,7 @@ from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.film import DRIFT, DRIFT_S, group_of_film, names_of_film
+from surae.inference.uncertainty.combined import Uncertainty
 from surae.inference.uncertainty.covariance import Covariance, covariance
 from surae.model import ModelSpec, with_optional
 from surae.model.laboratory import laboratory
@@ -153,16 +154,16 @@ def rows_of_films(
     return whitened
 
 
-def covariance_if_filmed(result: FitResult, muscle: str) -> FloatArray | None:
+def covariance_if_filmed(result: FitResult, known: Uncertainty, muscle: str) -> FloatArray | None:
     """Covariance of a fit's parameters, had a muscle been filmed; None if it was, or named."""
     names, problem = names_of_film(muscle), result.problem
-    if result.family is None or names[0] in problem.free:
+    if known.is_of_noise_alone or names[0] in problem.free:
         return None
     spec, free = with_optional(problem.spec, names), (*problem.free, *names)
     values = spec.vector({**result.values, **dict.fromkeys(names, 0.0)}, problem.options)
-    p, known = len(problem.free), laboratory()
-    V = np.diag([0.0] * p + [known[name].sd ** 2 for name in names])
-    V[:p, :p] = result.family.covariance
+    p, priors = len(problem.free), laboratory()
+    V = np.diag([0.0] * p + [priors[name].sd ** 2 for name in names])
+    V[:p, :p] = known.covariance()
     for whole in problem.inputs:
         recording = thinned(whole, max(int(whole.rate_hz / _SIMULATED + 1e-9), 1))
         simulator = spec.simulator(recording, problem.options)

@@ -7,9 +7,9 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.frozen import Comparable, read_only
-from surae.base.normal import standard_error_of
 from surae.base.units import FloatArray
 from surae.inference import Assessment, FitResult
+from surae.inference.uncertainty.combined import Uncertainty
 from surae.model import ModelOptions, ModelSpec, get_model, with_optional
 from surae.model.joint import ANKLE
 from surae.model.laboratory import AUTO, COMPLIANT, EACH_TRIAL, NONE, group_of, laboratory, richest
@@ -110,32 +110,17 @@ def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int
     if result.status == "failed":
         raise InputError("the fit failed and describes no leg; name a population instead")
     priors = {} if result.family is None else dict(result.family.beliefs)
-    own = tuple(name for name in problem.free if name not in priors)
     centre = problem.spec.vector(result.values, problem.options)
-    estimated = assessment.covariance
-    spread = np.array([_spread(name, assessment) for name in own])
-    shared = np.eye(len(own))
-    at = [own.index(name) for name in estimated.names if name in own]
-    shared[np.ix_(at, at)] = estimated.correlation
-    root = np.linalg.cholesky(shared + 1e-9 * np.eye(len(own)))
-    rng = np.random.default_rng(seed)
-    columns = [problem.spec.names.index(name) for name in own]
-    limits = {n: (lo, hi) for n, lo, hi in zip(problem.free, problem.lower, problem.upper,
-                                               strict=True)}  # fmt: skip
-    rows = [centre]
-    for _ in range(count - 1):
-        off = np.clip(spread * (root @ rng.standard_normal(len(own))), -_WIDEST, _WIDEST)
-        row = centre.copy()
-        for column, name, by in zip(columns, own, off, strict=True):
-            row[column] = np.clip(row[column] * np.exp(by), *limits[name])
-        rows.append(row)
+    columns = [problem.spec.names.index(name) for name in problem.free]
+    rows = np.tile(centre, (count, 1))
+    rows[1:, columns] = _possible(assessment.uncertainty, priors).draw(count - 1, seed)
     # what the fit's recordings reach, or a typical one if at rest
     typical = EMG_FULL if problem.inputs[0].emg_unit == "V" else 1.0
     seen = np.array(emg_levels(problem.inputs))
     levels = np.where(seen > 0.2 * typical, seen, typical)
     return Legs(
         "the fitted leg, as far as the fit knows it", problem.spec, problem.options, problem.free,
-        priors, read_only(np.array(rows)), emg_rest=read_only(np.zeros(4)),
+        priors, read_only(rows), emg_rest=read_only(np.zeros(4)),
         emg_full=read_only(levels), emg_unit=problem.inputs[0].emg_unit,
     )  # fmt: skip
 
@@ -155,12 +140,22 @@ def _spec_of(
     return spec, priors, (*base.free, *(n for n in spec.names if n in priors))
 
 
-def _spread(name: str, assessment: Assessment) -> float:
-    """Standard deviation of a parameter's logarithm, by the fit, or by both populations."""
-    estimate = assessment.parameters[name]
-    if estimate.ci95 is not None and estimate.value:
-        sd = standard_error_of(estimate.ci95)
-        return min(sd / abs(estimate.value), float(_WIDEST))
+def _possible(known: Uncertainty, priors: Mapping[str, Gaussian]) -> Uncertainty:
+    """What is known of the leg alone: what has no interval is as far off as in both populations."""
+    sd = np.sqrt(np.diag(known.covariance()))
+    most, wide = _WIDEST * np.abs(known.values), np.zeros((len(sd), len(sd)))
+    for j, name in enumerate(known.names):
+        if name in priors:
+            most[j] = 0.0
+        elif name in (*known.lost, *known.at_bound) or not sd[j] > 0.0:
+            most[j], wide[j, j] = 0.0, _spread(name) * abs(known.values[j])
+    part = np.minimum(most / np.where(sd > 0.0, sd, 1.0), 1.0)
+    rows = np.concatenate([*known.rows.values(), np.zeros((0, len(sd)))]) * part
+    return replace(known, rows={"noise": np.concatenate([rows, wide])})
+
+
+def _spread(name: str) -> float:
+    """Standard deviation of a parameter's logarithm in both populations."""
     ranges = [p[name] for p in (*POPULATIONS.values(), *TENDONS.values()) if name in p]
     if not ranges:
         return _VAGUE

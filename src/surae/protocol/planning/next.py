@@ -69,15 +69,12 @@ def known_from(result: FitResult, assessment: Assessment, legs: Legs) -> FloatAr
     free, own = legs.free, legs.each_trial
     alone = own | {n for n in free if n not in result.problem.free}  # another film
     known = np.diag([legs.priors[n].sd ** -2.0 if n in alone else 0.0 for n in free])
-    if result.family is not None:
-        names, matrix = result.problem.free, result.family.covariance
-    else:
-        believed = assessment.robust if assessment.robust is not None else assessment.covariance
-        names, matrix = believed.names, believed.matrix
-    shared_at = [j for j, name in enumerate(names) if name in free and name not in own]
-    if shared_at:
-        at = [free.index(names[j]) for j in shared_at]
-        block = matrix[np.ix_(shared_at, shared_at)]
+    told = assessment.uncertainty
+    shares = {*free} - {*own, *told.lost}
+    names = [n for n in told.names if n in shares and told.budget(told.along(n)).sd > 0.0]
+    if names:
+        at = [free.index(name) for name in names]
+        block = told.covariance(*names)
         scale = np.sqrt(np.diag(block))
         inverse = np.linalg.pinv(block / np.outer(scale, scale), hermitian=True)
         known[np.ix_(at, at)] += inverse / np.outer(scale, scale)

@@ -1,0 +1,222 @@
+"""What a fit knows of its parameters together: the one uncertainty that all else is made of.
+
+Every source is rows of shifts of all free parameters, in their units; the outer products of its
+rows add up to its covariance, those of all sources to the combined one (GUM, JCGM 100:2008). What
+is made of parameters has a gradient by them, shape (p,), and is as unsure as the rows move it.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.base.frozen import Comparable, FrozenDict, read_only
+from surae.base.normal import NORMAL
+from surae.base.units import FloatArray
+from surae.inference.contradiction import Contradiction
+from surae.inference.coordinates import is_straight
+from surae.inference.residuals import stiffness_valleys
+from surae.inference.result import FitResult
+from surae.inference.uncertainty.covariance import Covariance, inverse_root
+from surae.inference.uncertainty.robust import RobustCovariance
+from surae.model.sources import SOURCES
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """What makes one number unsure."""
+
+    sd: float  #: Standard deviation, everything included.
+    repeat: float  #: Standard deviation of the difference between two trials of the leg.
+    shares: Mapping[str, float]  #: Parts of the variance by source; they add up to 1.
+    without: Mapping[str, float]  #: Standard deviation that would be left with the source known.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Uncertainty(Comparable):
+    """The combined uncertainty of a fit's free parameters."""
+
+    names: tuple[str, ...]  #: Free parameters of the fit, those of the laboratory included.
+    #: `values`, `lower`, `upper`: estimates and bounds, in their units, shape (p,).
+    values: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    #: From where the logarithm is taken on which each is nearly normal, shape (p,): zero, or of a
+    #: slack length the longest muscle; NaN where it is normal as it is.
+    origin: FloatArray
+    rows: Mapping[str, FloatArray]  #: By source, shape (r, p) each.
+    #: How far a better model would move each, which no source stands for, shape (p,).
+    shift: FloatArray
+    dof: FloatArray  #: Degrees of freedom of each variance, for Student's t, shape (p,).
+    at_bound: tuple[str, ...]  #: Those that lie at a bound.
+    #: Those that the recordings cannot tell from others at all: they have no variance.
+    lost: tuple[str, ...]
+
+    @property
+    def scale(self) -> FloatArray:
+        """Derivative of each value by its logarithm, or 1, shape (p,)."""
+        return np.where(np.isnan(self.origin), 1.0, self.values - self.origin)
+
+    @property
+    def is_of_noise_alone(self) -> bool:
+        """Whether it is of a named model, which does not know what another trial shares."""
+        return set(self.rows) <= {"noise"}
+
+    def along(self, name: str) -> FloatArray:
+        """The gradient of a parameter itself."""
+        return np.array([float(other == name) for other in self.names])
+
+    def covariance(self, *names: str) -> FloatArray:
+        """Covariance of these, or of all, in the products of their units, shape (k, k)."""
+        at = [self.names.index(name) for name in names or self.names]
+        parts = (by[:, at].T @ by[:, at] for by in self.rows.values())
+        return sum(parts, np.zeros((len(at), len(at))))
+
+    def variances(self, gradient: FloatArray) -> dict[str, float]:
+        """Variance by source."""
+        return {source: float(np.sum((by @ gradient) ** 2)) for source, by in self.rows.items()}
+
+    def sd(self, gradient: FloatArray) -> float:
+        """Standard deviation, everything included."""
+        return math.sqrt(sum(self.variances(gradient).values())) + self.bias(gradient) / NORMAL
+
+    def bias(self, gradient: FloatArray) -> float:
+        """By how much a better model would move it."""
+        return abs(float(gradient @ self.shift))
+
+    def repeat(self, gradient: FloatArray) -> float:
+        """Standard deviation of what another trial of the leg would give, from this one."""
+        parts = self.variances(gradient)
+        if self.is_of_noise_alone:
+            return math.sqrt(sum(parts.values()))
+        return math.sqrt(sum(2.0 * SOURCES[s].anew * part for s, part in parts.items()))
+
+    def repeat_half_width(self, gradient: FloatArray) -> float:
+        """Half of the 95 % interval of what another trial of the leg would give."""
+        return self._quantile(gradient) * self.repeat(gradient)
+
+    def deviations(self, gradient: FloatArray) -> tuple[float, float, float]:
+        """The same in all; of what another session, mounted anew, has anew; and between models."""
+        parts, total = self.variances(gradient), self.sd(gradient)
+        anew = (SOURCES[s].anew_when(mounted=True) * part for s, part in parts.items())
+        session = total if self.is_of_noise_alone else math.sqrt(sum(anew))
+        return total, session, math.sqrt(parts.get("model", 0.0))
+
+    def half_width(self, gradient: FloatArray) -> float:
+        """Half of the 95 % interval."""
+        sd = math.sqrt(sum(self.variances(gradient).values()))
+        return self._quantile(gradient) * sd + self.bias(gradient)
+
+    def _quantile(self, gradient: FloatArray) -> float:
+        """Student's t of the fewest degrees of freedom that an interval rests on."""
+        from scipy.special import stdtrit
+
+        fewest = self.dof[gradient != 0.0].min(initial=math.inf)
+        return float(stdtrit(fewest, 0.975)) if math.isfinite(fewest) else NORMAL
+
+    def budget(self, gradient: FloatArray) -> Budget:
+        """What makes it unsure, source by source."""
+        parts = self.variances(gradient)
+        total = sum(parts.values())
+        left = {s: math.sqrt(max(total - v, 0.0)) for s, v in parts.items() if SOURCES[s].knowable}
+        shares = {s: v / total if total > 0.0 else 0.0 for s, v in parts.items()}
+        return Budget(math.sqrt(total), self.repeat(gradient), FrozenDict(shares), left)
+
+    def moved(self, j: int, by: float) -> float:
+        """Value of one parameter, moved by so much on its scale, bounds or not."""
+        value, origin = float(self.values[j]), float(self.origin[j])
+        return value + by if math.isnan(origin) else origin + (value - origin) * math.exp(by)
+
+    def at(self, away: FloatArray) -> FloatArray:
+        """Values within bounds that are `away` from the estimates on their scale, (…, p)."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            grown = self.origin + self.scale * np.exp(np.clip(away, -50.0, 50.0))
+        moved = np.where(np.isnan(self.origin), self.values + away, grown)
+        low, high = np.minimum(self.lower, self.values), np.maximum(self.upper, self.values)
+        return np.asarray(np.clip(moved, low, high))
+
+    def interval(self, name: str, half: float) -> tuple[float, float]:
+        """Ends of an interval within bounds, of so much to either side on the parameter's scale."""
+        away = half * self.along(name) / self.scale
+        low, high = sorted(float(self.at(by)[self.names.index(name)]) for by in (-away, away))
+        return low, high
+
+    def draw(self, count: int, seed: int) -> FloatArray:
+        """Values of legs that the fit leaves possible, shape (count, p), each with its opposite."""
+        rows = np.concatenate([*self.rows.values(), np.zeros((1, len(self.names)))]) / self.scale
+        sd = np.sqrt(np.sum(rows**2, axis=0))
+        unit = np.where(sd > 0.0, sd, 1.0)
+        w, vectors = np.linalg.eigh((rows / unit).T @ (rows / unit))
+        root = vectors * np.sqrt(np.maximum(w, 0.0)) * unit[:, None]
+        half = np.random.default_rng(seed).standard_normal(((count + 1) // 2, len(w))) @ root.T
+        half += self.shift / self.scale
+        return self.at(np.concatenate([half, -half])[:count])
+
+
+def combined(
+    result: FitResult, rows: Mapping[str, FloatArray], *, shift: Mapping[str, float] | None = None,
+    dof: FloatArray | None = None, lost: tuple[str, ...] = (),
+) -> Uncertainty:  # fmt: skip
+    """The uncertainty of a fit, whose sources have these rows."""
+    names, problem = result.problem.free, result.problem
+    values = np.array([result.values[name] for name in names])
+    longest = {x0: length for _, x0, length in stiffness_valleys(problem)}
+    origin = np.full(len(names), np.nan)
+    for j, name in enumerate(names):
+        if values[j] < longest.get(name, -np.inf):
+            origin[j] = longest[name]
+        elif values[j] > 0.0 and not is_straight(name):
+            origin[j] = 0.0
+    if not (np.isfinite(result.sse) and all(np.isfinite(by).all() for by in rows.values())):
+        rows, lost = {}, names
+    return Uncertainty(
+        names, values, problem.lower, problem.upper, origin,
+        FrozenDict({source: read_only(by) for source, by in rows.items()}),
+        np.array([(shift or {}).get(name, 0.0) for name in names]),
+        np.full(len(names), np.inf) if dof is None else dof, result.at_bound, lost,
+    )  # fmt: skip
+
+
+def of_least_squares(
+    result: FitResult, estimated: Covariance, robust: RobustCovariance | None,
+    against: Contradiction | None,
+) -> Uncertainty:  # fmt: skip
+    """The uncertainty of a named model: of white noise, or of noise that is as the residual says.
+
+    What lies at a bound may be anywhere between the bounds, and the others move with it. Where the
+    data contradict the model, it reaches to where a better one has the parameters.
+    """
+    free = result.problem.free
+    if not np.isfinite(result.sse):
+        return combined(result, {})
+    root = inverse_root(result.R, free, estimated.sigma2, result.bounded)
+    dof = np.full(len(free), float(estimated.dof))
+    rows = np.zeros((root.matrix.shape[1], len(free)))
+    if robust is not None:
+        rows = robust.rows
+        dof[[free.index(name) for name in robust.names]] = robust.dof
+    elif root.matrix.size:
+        rows[:, list(root.kept)] = math.sqrt(estimated.sigma2) * root.matrix.T
+    return combined(
+        result, {"noise": rows}, shift=None if against is None else against.shift, dof=dof,
+        lost=tuple(free[root.kept[j]] for group in root.groups for j in group),
+    )  # fmt: skip
+
+
+def information_root(result: FitResult) -> FloatArray:
+    """R whose σ²(RᵀR)⁻¹ is the covariance, σ² the residual's variance, shape (p, p).
+
+    Of least squares the factor of the Jacobian; a posterior's comes from its covariance.
+    """
+    if result.family is None or not np.isfinite(result.sse):
+        return result.R
+    covariance, problem = result.family.covariance, result.problem
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    scaled = covariance * scale * scale[:, None]
+    if not np.isfinite(scaled).all():
+        return covariance * np.nan
+    lower = np.linalg.cholesky(scaled + 1e-10 * np.eye(len(scale)))
+    root = np.linalg.inv(lower) * scale
+    dof = max(problem.n - len(problem.free), 1)
+    return np.asarray(np.sqrt(max(result.sse, 1e-300) / dof) * np.linalg.qr(root)[1])
