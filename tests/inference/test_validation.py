@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from surae.base.errors import InputError
+from surae.inference import assess
 from surae.inference.residual import rmse, vaf
 from surae.inference.validation import pooled, predict_others
 from surae.protocol import Protocol, generate
@@ -19,7 +20,12 @@ def others(subject, trajectory):
     return virtual_trial(subject, trajectory, seed=1), virtual_trial(subject, passive)
 
 
-def test_parameters_predict_a_repetition_and_another_protocol(fitted, others) -> None:
+@pytest.fixture(scope="module")
+def known(fitted):
+    return assess(fitted).uncertainty
+
+
+def test_parameters_predict_a_repetition_and_another_protocol(fitted, known, others) -> None:
     again, ramp = predict_others(fitted, others, known)
     assert again.vaf > 99.8
     assert ramp.vaf > 99.5
@@ -32,7 +38,7 @@ def test_parameters_predict_a_repetition_and_another_protocol(fitted, others) ->
         np.testing.assert_array_equal(one.measured, inputs.torque)
 
 
-def test_a_prediction_is_judged_by_what_the_fit_promises(fitted, others) -> None:
+def test_a_prediction_is_judged_by_what_the_fit_promises(fitted, known, others) -> None:
     again, ramp = predict_others(fitted, others, known)
     assert again.adequacy.grade == ramp.adequacy.grade == "adequate"
     assert again.adequacy.reasons == ()
@@ -45,20 +51,20 @@ def test_a_prediction_is_judged_by_what_the_fit_promises(fitted, others) -> None
 
 
 @pytest.mark.parametrize("seed", [4, 5, 6])
-def test_another_leg_is_not_predicted(fitted, trajectory, seed) -> None:
+def test_another_leg_is_not_predicted(fitted, known, trajectory, seed) -> None:
     (other,) = predict_others(fitted, [virtual_trial(virtual_subject(seed), trajectory)], known)
     assert other.adequacy.grade != "adequate"
     assert any("where the fit promises" in reason for reason in other.adequacy.reasons)
 
 
-def test_what_holds_still_is_no_test(fitted, others) -> None:
+def test_what_holds_still_is_no_test(fitted, known, others) -> None:
     held = replace(others[0], angle=np.full(others[0].n, 0.1))
     (still,) = predict_others(fitted, [held], known)
     assert still.adequacy.grade != "adequate"
     assert "the ankle holds still there" in still.adequacy.reasons[0]
 
 
-def test_pooled_figures_are_those_of_one_long_recording(fitted, others) -> None:
+def test_pooled_figures_are_those_of_one_long_recording(fitted, known, others) -> None:
     found = predict_others(fitted, others, known)
     measured = np.concatenate([one.torque for one in others])
     residual = measured - np.concatenate([one.torque for one in found])
@@ -68,7 +74,7 @@ def test_pooled_figures_are_those_of_one_long_recording(fitted, others) -> None:
     assert together.bias == pytest.approx(residual.mean())
 
 
-def test_samples_left_out_are_in_no_figure(fitted, others) -> None:
+def test_samples_left_out_are_in_no_figure(fitted, known, others) -> None:
     spoilt = others[0].torque.copy()
     spoilt[100:200] += 1000.0
     weight = np.ones(others[0].n)
@@ -82,7 +88,7 @@ def test_samples_left_out_are_in_no_figure(fitted, others) -> None:
     assert len(without.torque) == bad.n
 
 
-def test_what_does_not_carry_over(fitted, others) -> None:
+def test_what_does_not_carry_over(fitted, known, others) -> None:
     with pytest.raises(InputError, match="the weights do not carry over"):
         predict_others(fitted, [replace(others[0], emg_unit="1")], known)
     with pytest.raises(InputError, match="no EMG of muscle 'sol', whose weight the fit estimated"):

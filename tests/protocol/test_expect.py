@@ -123,7 +123,11 @@ def test_a_fit_is_a_leg_too(tmp_path) -> None:
     assert told.noise == pytest.approx(NOISE, rel=0.4)
     for name in ("k_tri", "k_tib", "l0_tri", "g1"):
         own = fit.parameters[name]
-        assert told.parameters[name].relative_sem == pytest.approx(own.sem / own.value, rel=0.6)
+        half = (own.ci95[1] - own.ci95[0]) / 2.0 / own.value
+        assert told.parameters[name].now == pytest.approx(half, rel=0.01)
+        # a trial as this one comes to what it knows already
+        assert told.parameters[name].half_width == pytest.approx(half / 2.0**0.5, rel=0.6)
+        assert told.parameters[name].half_width < half
 
 
 @pytest.mark.parametrize(

@@ -301,8 +301,8 @@ def validate(
     >>> surae.validate(surae.load("fit.json"), ["other.csv"])[0].adequacy.grade
     """
     inputs = as_in_fit(fitted.result.problem, several(recordings), prepared)
-    inputs = inputs if weights is None else weighted(inputs, weights)
-    return predict_others(fitted.result, inputs, fitted.assessment.uncertainty)
+    counted = inputs if weights is None else weighted(inputs, weights)
+    return predict_others(fitted.result, counted, fitted.assessment.uncertainty)
 
 
 def export(fit: Fit | PathLike, *, to: str) -> ExportedModel:

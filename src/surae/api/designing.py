@@ -27,7 +27,7 @@ from surae.protocol.planning.design import Design, make_design
 from surae.protocol.planning.expectation import NOISE, Expectation, expected
 from surae.protocol.planning.information import filmed
 from surae.protocol.planning.legs import Legs, fit_legs, population_legs
-from surae.protocol.planning.next import NextTrial, known_from, measure_next_of
+from surae.protocol.planning.next import NextTrial, measure_next_of, told_by
 from surae.protocol.planning.ready import ready_protocols, start_for
 
 #: Legs that a design is searched for, of a rigid and of a compliant model, and those that it is
@@ -95,6 +95,7 @@ def design(
     unseen, _ = requested_legs(settings, who, _JUDGED, options, rate_hz)
     legs, unseen = (filmed(each, muscles_of(settings.film)) for each in (legs, unseen))
     limits = as_device(device)
+    told = {} if who is None else told_by(who.result, who.assessment, unseen)
     return make_design(
         name=f"design of {duration:g} s",
         seconds=float(duration),
@@ -108,7 +109,8 @@ def design(
         effort=effort,
         evaluations=settings.evaluations or (_EVALUATIONS if rigid else _EVALUATIONS_COMPLIANT),
         seed=settings.seed,
-        known=None if after is None else known_from(after.result, after.assessment, legs),
+        known=None if after is None else told["known"],
+        told=told,
         start=start_for(duration, AUTO if chosen == AUTO else chosen, settings.aim, effort),
         progress=progress,
     )
@@ -227,8 +229,8 @@ def expect(
         Name of a model; ``"auto"``: muscles on compliant tendons with all that the laboratory
         cannot rule out, under its priors.
     fit : Fit, optional
-        Instead of a population: one leg, as far as this fit knows it; model and noise are then the
-        fit's too.
+        Instead of a population: one leg, as far as this fit knows it, which counts too; model and
+        noise are then the fit's.
     {settings}
 
     Returns
@@ -249,7 +251,9 @@ def expect(
     settings, options = parted(ExpectSettings, {"model": model, **keywords})
     rate_hz = trajectory.settings.rate_hz
     who, level = requested_legs(settings, fit, settings.legs, options, rate_hz)
-    return expected(trajectory, filmed(who, muscles_of(settings.film)), level)
+    legs = filmed(who, muscles_of(settings.film))
+    told = {} if fit is None else told_by(fit.result, fit.assessment, legs)
+    return expected(trajectory, legs, level, **told)
 
 
 def muscles_of(film: str | Sequence[str]) -> tuple[str, ...]:

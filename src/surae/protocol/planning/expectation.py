@@ -9,7 +9,8 @@ import numpy as np
 from surae.base.filed import filed
 from surae.base.formatting import part
 from surae.base.frozen import Comparable, FrozenDict, read_only
-from surae.base.records import to_plain
+from surae.base.normal import NORMAL
+from surae.base.records import finite, to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
@@ -46,6 +47,9 @@ class Expected:
     identified_share: float  #: Part of the legs in which it would be identified.
     #: Parts of the variance by source; they add up to 1. Empty where there is none.
     budget: Mapping[str, float] = field(default_factory=FrozenDict)
+    #: Half of the 95 % interval that the fit has without this trial, as a part of the value; None
+    #: without a fit.
+    now: float | None = None
 
 
 @filed(
@@ -106,9 +110,10 @@ class Expectation(Tabular, Comparable):
         TextTable
             A row for each parameter, and what holds of all.
         """
+        of_fit = any(p.now is not None for p in self.parameters.values())
         rows = tuple(
             (
-                p.name, part(p.relative_sem), part(p.half_width),
+                p.name, *([part(p.now)] * of_fit), part(p.relative_sem), part(p.half_width),
                 f"{100 * p.identified_share:.0f} %",
                 SOURCES[max(p.budget, key=lambda name: p.budget[name])].label if p.budget else "—",
                 str(p.verdict),
@@ -117,8 +122,8 @@ class Expectation(Tabular, Comparable):
         )  # fmt: skip
         low, high = self.torque
         return TextTable(
-            ("parameter", "standard error", "95 % within", "identified in", "most of it",
-             "verdict"),
+            ("parameter", *(["the fit has"] * of_fit), "standard error", "95 % within",
+             "identified in", "most of it", "verdict"),
             rows,
             above=(f"{self.protocol}: {self.seconds:g} s, {self.legs}, {self.model}, noise "
                    f"{self.noise:.2g} Nm at {self.rate_hz:g} Hz",),
@@ -135,9 +140,13 @@ class Expectation(Tabular, Comparable):
 
 
 def expected(
-    trajectory: Trajectory, legs: Legs, noise: float = NOISE, *, known: FloatArray | None = None
-) -> Expectation:
-    """What a trial tells of each leg; `known`, shape (p, p), is there before: by default priors."""
+    trajectory: Trajectory, legs: Legs, noise: float = NOISE, *, known: FloatArray | None = None,
+    now: Mapping[str, float] = FrozenDict(), stays: Mapping[str, float] = FrozenDict(),
+) -> Expectation:  # fmt: skip
+    """What a trial tells of each leg; `known`, shape (p, p), is there before: by default priors.
+
+    `now` are half widths that a fit has already, `stays` what of them no trial lowers (`told_by`).
+    """
     with one_blas_thread():
         trial = information(trajectory, legs, noise)
         known = prior_precision(trial.names, legs) if known is None else known
@@ -154,7 +163,8 @@ def expected(
             value = abs(float(legs.values[k, column]))
             if name in estimate.names and value > 0.0:
                 i = estimate.names.index(name)
-                relative[k, j] = np.sqrt(estimate.matrix[i, i]) / value
+                sem = np.hypot(estimate.matrix[i, i] ** 0.5 / value, stays.get(name, 0.0) / NORMAL)
+                relative[k, j] = min(float(sem), now.get(name, np.inf) / NORMAL)
         shares.append(_shares(estimate, own))
     # the leg whose largest error is the median one
     order = np.argsort(relative.max(axis=1), kind="stable")
@@ -179,8 +189,9 @@ def expected(
         budget = {source: float(np.mean([part.get(source, 0.0) for part in parts]))
                   for source in dict.fromkeys(s for part in parts for s in part)}  # fmt: skip
         parameters[name] = Expected(
-            name, p.unit, p.meaning, value, sem, half, verdict, note, share, FrozenDict(budget)
-        )
+            name, p.unit, p.meaning, value, sem, half, verdict, note, share, FrozenDict(budget),
+            finite(now[name]) if name in now else None,
+        )  # fmt: skip
     return Expectation(
         protocol=trajectory.settings.profile, model=legs.spec.name, legs=legs.name,
         seconds=float(trajectory.time[-1]), noise=noise, rate_hz=trajectory.settings.rate_hz,

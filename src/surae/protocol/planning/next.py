@@ -109,9 +109,7 @@ def measure_next_of(
     best: tuple[float, Ready, Trajectory, FloatArray] | None = None
     names = tuple(n for n in legs.free if n not in legs.each_trial)
     with one_blas_thread():
-        before = _half_widths(names, known, legs)
-        stays = _stays(assessment, legs, before)
-        before = {n: np.hypot(before[n], stays[n]) for n in before}
+        before, stays = _kept(assessment, legs, known)
 
         def after(adds: FloatArray) -> dict[str, float]:
             halves = _half_widths(names, known, legs, adds)
@@ -161,6 +159,32 @@ def measure_next_of(
     return NextTrial(ready.name, tuple(sentences), gains, FrozenDict(many), trajectory)
 
 
+def told_by(result: FitResult, assessment: Assessment, legs: Legs) -> dict[str, Any]:
+    """What a fit tells an expectation: information, half widths, and what of these stays."""
+    known = known_from(result, assessment, legs)
+    now, stays = _kept(assessment, legs, known)
+    return {"known": known, "now": now, "stays": stays}
+
+
+def _kept(
+    assessment: Assessment, legs: Legs, known: FloatArray
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Half of each interval that a fit has, as a part of the value, and what of it stays.
+
+    What is not noise no further trial of the same model lowers.
+    """
+    names = tuple(n for n in legs.free if n not in legs.each_trial)
+    before = _half_widths(names, known, legs)
+    stays = dict.fromkeys(before, 0.0)
+    told = assessment.uncertainty
+    for name in legs.own:
+        value, alone = abs(assessment.parameters[name].value), before[name]
+        if name not in told.lost and value and np.isfinite(alone):
+            half = told.half_width(told.along(name)) / value
+            stays[name] = max(half**2 - alone**2, 0.0) ** 0.5
+    return {n: float(np.hypot(before[n], stays[n])) for n in before}, stays
+
+
 def _half_widths(
     names: Sequence[str], known: FloatArray, legs: Legs, adds: FloatArray | None = None
 ) -> dict[str, float]:
@@ -174,17 +198,6 @@ def _half_widths(
             if value > 0.0:
                 parts[name] = half_width(1.0, 1e9) * float(variance) ** 0.5 / value
     return parts
-
-
-def _stays(assessment: Assessment, legs: Legs, before: Mapping[str, float]) -> dict[str, float]:
-    """What of each half width is not noise: no further trial of the same model lowers it."""
-    stays = dict.fromkeys(before, 0.0)
-    for name in legs.own:
-        p = assessment.parameters[name]
-        if p.ci95 is not None and p.value and np.isfinite(before[name]):
-            half = (p.ci95[1] - p.ci95[0]) / 2.0 / abs(p.value)
-            stays[name] = max(half**2 - before[name] ** 2, 0.0) ** 0.5
-    return stays
 
 
 def _capped(part: float) -> float:
