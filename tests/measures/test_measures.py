@@ -69,7 +69,8 @@ def zero_known(fit: surae.Fit, sd: float) -> surae.Fit:
     """The same fit where the laboratory says how its angle's zero was set."""
     problem = fit.result.problem
     settings = replace(problem.settings, angle_zero_sd=sd)
-    return replace(fit, result=replace(fit.result, problem=replace(problem, settings=settings)))
+    other = replace(fit.result, problem=replace(problem, settings=settings))
+    return replace(fit, result=other).reassess()
 
 
 def half(m) -> float:

@@ -234,12 +234,12 @@ def _promised(
     pairs = zip(*map(counted, problem.inputs, result.residuals), strict=True)
     changes, own = (np.concatenate([part - part.mean() for part in each]) for each in pairs)
     grown = max(1.0, changing / max(float(np.std(changes)), 1e-12))
-    columns = [problem.spec.names.index(name) for name in known.names]
+    columns = problem.columns
     values = problem.spec.vector(result.values, problem.options)
     _, rows = problem.spec.simulator(recording, problem.options).torque_jacobian(values, columns)
     rows = rows[:, recording.counts]
     rows = rows - rows.mean(axis=1, keepdims=True)
-    V = known.covariance()
+    V = known.covariance(*problem.free)
     unsure = float(np.einsum("in,ij,jn->n", rows, V, rows, optimize=True).mean())
     return float(np.sqrt((grown * np.std(own)) ** 2 + max(unsure, 0.0)))
 

@@ -51,7 +51,7 @@ def marginal(
     if adequacy.grade is Grade.INADEQUATE:
         withheld = INADEQUATE
     judged = {}
-    for name in known.names:
+    for name in problem.free:
         p, budget = table[name], known.budget(known.along(name))
         if p.at_bound or group_of(name) is not None or not budget.sd > 0.0:
             continue

@@ -15,6 +15,7 @@ import numpy as np
 from surae.base.errors import ComputationError
 from surae.base.units import FloatArray
 from surae.inference import FitResult
+from surae.inference.uncertainty.combined import ZERO
 from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model, with_optional
 from surae.model.contraction import FECC, MVSH, force_length
 from surae.model.equilibrium import solve
@@ -37,8 +38,6 @@ _STILL = 1e-9
 _DEGREE = np.pi / 180.0
 #: How parameters begin that are the paths and curves of a leg.
 _OF_LEG = ("arm_", "path_", "length_", "fl_", "fv_", "joint_")
-#: Of measures alone: the angle of the fit at which the ankle has its own zero [rad].
-ZERO = "zero_of_angle"
 #: Angles between which a length is looked for [deg].
 _ENDS = (-150.0, 150.0)
 

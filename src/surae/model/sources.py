@@ -65,6 +65,9 @@ class UncertaintySource:
     nuisance: Nuisance | None = None  #: None where nothing is estimated for it.
     leg: tuple[str, ...] = ()  #: Parameters of the leg whose ignorance is this source, too.
     fresh: bool = False  #: Whether another trial has it anew, though no nuisance stands for it.
+    #: Parts of its variance that another trial has anew, and another mounting of electrodes and
+    #: foot, where these are known.
+    again: tuple[float, float] | None = None
     #: Whether it can be known, so that the budget says how narrow an interval then is.
     knowable: bool = True
 
@@ -80,10 +83,12 @@ class UncertaintySource:
 
     def anew_when(self, *, mounted: bool) -> float:
         """Part of its variance that another trial has anew, electrodes and foot mounted or not."""
+        if self.again is not None:
+            return self.again[mounted]
         when = self.nuisance.anew if self.nuisance else "trial" if self.fresh else "never"
         if when == "trial" or (mounted and when == "mounting"):
             return 1.0
-        return 0.0 if self.name == "lengths" else SHARED
+        return SHARED
 
     @property
     def advice(self) -> str:
@@ -250,7 +255,8 @@ _SOURCES = (
         Fill("series-2", "-"), Nuisance(
             "length", OPTIONAL["length_zero"], Gaussian(0.0, 0.005), "m",
             "fascicles are 10 to 20 % off what size predicts (Ward et al. 2009)", of_leg=True,
-            measured=FrozenDict(dict.fromkeys(OPTIONAL["length_zero"], Gaussian(0.0, 0.0025))))),
+            measured=FrozenDict(dict.fromkeys(OPTIONAL["length_zero"], Gaussian(0.0, 0.0025)))),
+        again=(0.0, 0.0)),
     UncertaintySource(
         "curves", "muscle curves", "widths of force over length, bend of force over velocity",
         N_("Record more angles and velocities under effort."), Fill("series-3", "x"), Nuisance(
@@ -266,6 +272,11 @@ _SOURCES = (
             "reflex", OPTIONAL["reflex"], Gaussian(0.0, 2000.0), "N·s/m",
             "some Nm at a stretch of 3 rad/s; assumed", of_leg=True, departs=True,
             own=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}))),
+    UncertaintySource(
+        "angle_zero", "zero of the angle", "how far the angle’s zero is from the ankle’s own",
+        N_("Strap the foot tighter, or measure the angle at the ankle."), Fill("ink", "\\"),
+        # half of it another mounting by the same hands has anew; assumed
+        again=(0.0, 0.25)),
     UncertaintySource(
         "population", "population prior", "the spread of legs in the population",
         N_("Record more trials, with other movement and effort, and fit them together."),

@@ -109,7 +109,7 @@ def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...
             gains.setdefault(remedy, {})[name] = part, text
 
     known = assessment.uncertainty
-    for name in known.names:
+    for name in result.problem.free:
         budget = known.budget(known.along(name))
         for source, without in budget.without.items():
             if budget.shares.get(source, 0.0) >= _WORTH:
@@ -117,7 +117,7 @@ def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...
     for muscle, words in _MUSCLES.items():
         filmed = covariance_if_filmed(result, known, muscle)
         if filmed is not None:
-            parts = np.sqrt(np.diag(filmed) / np.diag(known.covariance()))
+            parts = np.sqrt(np.diag(filmed) / np.diag(known.covariance(*result.problem.free)))
             for name, part in zip(result.problem.free, parts.tolist(), strict=True):
                 note(f"film the {words}", name, part)
     narrowed = {remedy: sorted(by_name.values()) for remedy, by_name in gains.items()}

@@ -194,7 +194,8 @@ def gaussian_data(result: FitResult, assessment: Assessment, draws: int, seed: i
     """Draws of what the fit leaves possible, of all that has an interval (`Uncertainty.draw`)."""
     known = assessment.uncertainty
     every = {**assessment.parameters, **assessment.nuisances}
-    units = {name: every[name].unit for name in known.names if every[name].ci95 is not None}
+    free = result.problem.free
+    units = {name: every[name].unit for name in free if every[name].ci95 is not None}
     if not units:
         raise InputError("no parameter of this fit has an interval, so there is nothing to draw")
     drawn = known.draw(draws, seed)[:, [known.names.index(name) for name in units]]

@@ -22,6 +22,9 @@ from surae.inference.uncertainty.covariance import Covariance, inverse_root
 from surae.inference.uncertainty.robust import RobustCovariance
 from surae.model.sources import SOURCES
 
+#: The angle of the fit at which the ankle has its own zero [rad], of which measures alone are made.
+ZERO = "zero_of_angle"
+
 
 @dataclass(frozen=True, slots=True)
 class Budget:
@@ -37,7 +40,8 @@ class Budget:
 class Uncertainty(Comparable):
     """The combined uncertainty of a fit's free parameters."""
 
-    names: tuple[str, ...]  #: Free parameters of the fit, those of the laboratory included.
+    #: Free parameters of the fit, those of the laboratory included; `ZERO` where it is not known.
+    names: tuple[str, ...]
     #: `values`, `lower`, `upper`: estimates and bounds, in their units, shape (p,).
     values: FloatArray
     lower: FloatArray
@@ -61,7 +65,7 @@ class Uncertainty(Comparable):
     @property
     def is_of_noise_alone(self) -> bool:
         """Whether it is of a named model, which does not know what another trial shares."""
-        return set(self.rows) <= {"noise"}
+        return set(self.rows) <= {"noise", "angle_zero"}
 
     def along(self, name: str) -> FloatArray:
         """The gradient of a parameter itself."""
@@ -87,10 +91,8 @@ class Uncertainty(Comparable):
 
     def repeat(self, gradient: FloatArray) -> float:
         """Standard deviation of what another trial of the leg would give, from this one."""
-        parts = self.variances(gradient)
-        if self.is_of_noise_alone:
-            return math.sqrt(sum(parts.values()))
-        return math.sqrt(sum(2.0 * SOURCES[s].anew * part for s, part in parts.items()))
+        parts, twice = self.variances(gradient), 1.0 if self.is_of_noise_alone else 2.0
+        return math.sqrt(sum(twice * SOURCES[s].anew * part for s, part in parts.items()))
 
     def repeat_half_width(self, gradient: FloatArray) -> float:
         """Half of the 95 % interval of what another trial of the leg would give."""
@@ -100,7 +102,7 @@ class Uncertainty(Comparable):
         """The same in all; of what another session, mounted anew, has anew; and between models."""
         parts, total = self.variances(gradient), self.sd(gradient)
         anew = (SOURCES[s].anew_when(mounted=True) * part for s, part in parts.items())
-        session = total if self.is_of_noise_alone else math.sqrt(sum(anew))
+        session = math.sqrt(sum(anew)) + self.bias(gradient) / NORMAL
         return total, session, math.sqrt(parts.get("model", 0.0))
 
     def half_width(self, gradient: FloatArray) -> float:
@@ -168,13 +170,26 @@ def combined(
             origin[j] = longest[name]
         elif values[j] > 0.0 and not is_straight(name):
             origin[j] = 0.0
+    rows, zero = dict(rows), np.radians(problem.settings.zero_sd)
+    lower, upper = problem.lower, problem.upper
+    moved = np.array([(shift or {}).get(name, 0.0) for name in names])
+    dof = np.full(len(names), np.inf) if dof is None else dof
     if not (np.isfinite(result.sse) and all(np.isfinite(by).all() for by in rows.values())):
-        rows, lost = {}, names
+        rows, lost, zero = {}, names, 0.0
+    if zero and "angle_zero" not in names:
+        names, values = (*names, ZERO), np.append(values, 0.0)
+        origin, dof, moved = (
+            np.append(origin, np.nan),
+            np.append(dof, np.inf),
+            np.append(moved, 0.0),
+        )
+        lower, upper = np.append(lower, -1.0), np.append(upper, 1.0)
+        rows = {source: np.pad(by, ((0, 0), (0, 1))) for source, by in rows.items()}
+        rows["angle_zero"] = np.array([[0.0] * (len(names) - 1) + [zero]])
     return Uncertainty(
-        names, values, problem.lower, problem.upper, origin,
-        FrozenDict({source: read_only(by) for source, by in rows.items()}),
-        np.array([(shift or {}).get(name, 0.0) for name in names]),
-        np.full(len(names), np.inf) if dof is None else dof, result.at_bound, lost,
+        names, values, lower, upper, origin,
+        FrozenDict({source: read_only(by) for source, by in rows.items()}), moved, dof,
+        result.at_bound, lost,
     )  # fmt: skip
 
 

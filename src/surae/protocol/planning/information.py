@@ -163,7 +163,7 @@ def covariance_if_filmed(result: FitResult, known: Uncertainty, muscle: str) -> 
     values = spec.vector({**result.values, **dict.fromkeys(names, 0.0)}, problem.options)
     p, priors = len(problem.free), laboratory()
     V = np.diag([0.0] * p + [priors[name].sd ** 2 for name in names])
-    V[:p, :p] = known.covariance()
+    V[:p, :p] = known.covariance(*problem.free)
     for whole in problem.inputs:
         recording = thinned(whole, max(int(whole.rate_hz / _SIMULATED + 1e-9), 1))
         simulator = spec.simulator(recording, problem.options)

@@ -9,7 +9,7 @@ from surae.base.errors import InputError
 from surae.base.frozen import Comparable, read_only
 from surae.base.units import FloatArray
 from surae.inference import Assessment, FitResult
-from surae.inference.uncertainty.combined import Uncertainty
+from surae.inference.uncertainty.combined import ZERO, Uncertainty
 from surae.model import ModelOptions, ModelSpec, get_model, with_optional
 from surae.model.joint import ANKLE
 from surae.model.laboratory import AUTO, COMPLIANT, EACH_TRIAL, NONE, group_of, laboratory, richest
@@ -113,7 +113,8 @@ def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int
     centre = problem.spec.vector(result.values, problem.options)
     columns = [problem.spec.names.index(name) for name in problem.free]
     rows = np.tile(centre, (count, 1))
-    rows[1:, columns] = _possible(assessment.uncertainty, priors).draw(count - 1, seed)
+    drawn = _possible(assessment.uncertainty, priors).draw(count - 1, seed)
+    rows[1:, columns] = drawn[:, : len(columns)]
     # what the fit's recordings reach, or a typical one if at rest
     typical = EMG_FULL if problem.inputs[0].emg_unit == "V" else 1.0
     seen = np.array(emg_levels(problem.inputs))
@@ -145,7 +146,7 @@ def _possible(known: Uncertainty, priors: Mapping[str, Gaussian]) -> Uncertainty
     sd = np.sqrt(np.diag(known.covariance()))
     most, wide = _WIDEST * np.abs(known.values), np.zeros((len(sd), len(sd)))
     for j, name in enumerate(known.names):
-        if name in priors:
+        if name in (*priors, ZERO):
             most[j] = 0.0
         elif name in (*known.lost, *known.at_bound) or not sd[j] > 0.0:
             most[j], wide[j, j] = 0.0, _spread(name) * abs(known.values[j])
