@@ -89,6 +89,10 @@ def test_a_whole_fit_is_the_same_on_any_number_of_cores(fitted, tmp_path):
     assert tree["posterior"]["f0"].attrs["units"] == "Hz"
     assert tree.attrs["status"] == "reliable"
     assert np.array_equal(tree["posterior"]["f0"].values[0], first.of("f0"))
+    known = first["f0"].prior
+    drawn = np.log(tree["prior"]["f0"].values)
+    assert drawn.mean() == pytest.approx(np.log(known.median), abs=4 * known.spread / 250**0.5)
+    assert float(tree["sample_stats"]["k_hat"]) == first.k_hat
 
 
 def test_too_few_effective_draws_have_no_intervals(fitted):
@@ -160,9 +164,27 @@ def test_a_fit_gives_draws_with_its_own_intervals_and_correlations(fitted):
         assert np.abs(found - [p.ci95[0], p.value, p.ci95[1]]).max() < bends * half
     names = fit.covariance.names
     k, x0 = names.index("k_tri"), names.index("x0_tri")
-    r = np.corrcoef(drawn["k_tri"].values[0], drawn["x0_tri"].values[0])[0, 1]
+    assert dict(drawn.sizes) == {"chain": 4, "draw": 5000}
+    r = np.corrcoef(drawn["k_tri"].values.ravel(), drawn["x0_tri"].values.ravel())[0, 1]
     assert r == pytest.approx(fit.correlation[k, x0], abs=0.03)
     assert fit.to_inference_data(seed=1).equals(fit.to_inference_data(seed=1))
+
+
+def test_arviz_has_what_was_seen_and_how_likely_it_is(fitted):
+    fit = surae.Fit(fitted, assess(fitted))
+    tree = fit.to_inference_data(8, seed=1, log_likelihood=True)
+    (inputs,) = fitted.problem.inputs
+    np.testing.assert_array_equal(tree["observed_data"]["torque"].values, inputs.torque)
+    told = tree["log_likelihood"]["torque"]
+    assert dict(told.sizes) == {"chain": 4, "draw": 2, "sample": inputs.n}
+    best = -0.5 * fitted.sse / fit.covariance.sigma2
+    free = told.sum("sample").values + 0.5 * inputs.n * np.log(2 * np.pi * fit.covariance.sigma2)
+    assert np.all(free < best + 1e-6)
+    assert np.all(free > best - 60.0)  # a χ² of fifteen
+    over_time = fit.to_xarray()
+    np.testing.assert_allclose(
+        over_time["torque"].values - over_time["modelled"].values, fitted.residuals[0], atol=1e-12
+    )
 
 
 def test_draws_leave_out_what_has_no_interval(fitted):

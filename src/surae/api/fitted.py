@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING, Any
 from surae.api.plots import Plots, numbered
 from surae.api.recordings import AnyRecording, as_in_fit
 from surae.api.simulation import parts_of, tendon_of
-from surae.base.errors import InputError
 from surae.base.files import PathLike
-from surae.base.formatting import nearest
 from surae.base.tables import Tabular, TextTable
 from surae.inference import FitResult
 from surae.inference.adequacy import Adequacy
@@ -95,47 +93,60 @@ class Fit(Tabular):
             })  # fmt: skip
         return frame(rows, {}).set_index("parameter")
 
-    def to_inference_data(self, draws: int = 1000, *, seed: int = 0) -> Any:
-        """Draws for ArviZ from the Gaussian of the fit: estimates, intervals and correlations.
+    def to_inference_data(
+        self, draws: int = 1000, *, seed: int = 0, log_likelihood: bool = False
+    ) -> Any:
+        """Draws for ArviZ of what the fit leaves possible: estimates, intervals and correlations.
 
         Of a valley that bends they know nothing: `surae.profile` follows it.
 
         Parameters
         ----------
         draws : int
-            How many, as one chain.
+            How many.
         seed : int
             Of the draws.
+        log_likelihood : bool
+            Whether each sample's is computed at each draw, its noise taken for white, which
+            simulates every one of them.
 
         Returns
         -------
-        xarray.DataTree
-            As `Posterior.to_inference_data` gives it; parameters without an interval are left out.
+        xarray.DataTree or arviz.InferenceData
+            As the installed ArviZ has it: groups ``posterior``, ``observed_data`` and, where there
+            are priors, ``prior``. Parameters without an interval are left out.
 
         Raises
         ------
         InputError
             The package xarray is not installed, or no parameter has an interval.
         """
-        from surae.inference.sampling.sample import gaussian_data
+        from surae.inference.sampling.arviz_data import of_fit
 
-        return gaussian_data(self.result, self.assessment, draws, seed)
+        return of_fit(self.result, self.assessment, draws, seed, log_likelihood=log_likelihood)
 
-    def __getitem__(self, name: str) -> ParameterEstimate:
-        """A parameter or nuisance by name: ``fit["l0_tri"].ci95``.
+    def to_xarray(self, recording: int = 0) -> Any:
+        """Angle, torque and modelled torque of the fit's first, second, … recording over time.
+
+        Parameters
+        ----------
+        recording : int
+            Its number, from 0.
+
+        Returns
+        -------
+        xarray.Dataset
+            By time [s], units as attributes.
 
         Raises
         ------
         InputError
-            The fit has none of that name.
+            The package xarray is not installed, or the fit has no such recording.
         """
-        both = {**self.parameters, **self.nuisances}
-        if name not in both:
-            raise InputError(
-                f"this fit has no parameter {name!r}{nearest(name, both)}; it has: "
-                f"{', '.join(both)}"
-            )
-        return both[name]
+        from surae.inference.sampling.arviz_data import traces_of_fit
+
+        numbered(self.result.problem.inputs, recording)
+        return traces_of_fit(self.result, recording)
 
     @property
     def parameters(self) -> Mapping[str, ParameterEstimate]:

@@ -226,6 +226,28 @@ class Recording:
 
         return channels_frame(self.channels, {"name": self.name, "emg": self.emg})
 
+    def to_xarray(self) -> Any:
+        """The channels as an xarray Dataset over time, as `to_dataframe` has them.
+
+        Returns
+        -------
+        xarray.Dataset
+            By ``time_s``, units as attributes.
+
+        Raises
+        ------
+        InputError
+            The package pandas or xarray is not installed.
+        """
+        from surae.recording.frames import library
+
+        library("xarray", "a Dataset")
+        table = self.to_dataframe()
+        made = table.set_index("time_s").to_xarray().assign_attrs(name=self.name, emg=self.emg)
+        for name in made:
+            made[name].attrs["units"] = table.attrs["units"][name]
+        return made
+
     @classmethod
     def from_arrays(
         cls,

@@ -23,7 +23,7 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.inference import FitResult
-from surae.inference.assessment import Assessment, described
+from surae.inference.assessment import described
 from surae.inference.sampling.density import SamplingPrior, Target
 from surae.inference.sampling.importance import ENOUGH, Weighted, weighted_draws
 from surae.inference.uncertainty.covariance import Covariance, covariance, half_width
@@ -147,21 +147,37 @@ class Posterior(Tabular, Saved, Comparable):
         return self.draws[:, self.names.index(name)]
 
     def to_inference_data(self) -> Any:
-        """The draws for ArviZ, as one chain, units and the status as attributes.
+        """The draws for ArviZ, with draws of their priors, units and the status as attributes.
 
         Returns
         -------
-        xarray.DataTree
-            InferenceData as ArviZ 1.0 has it, its group ``posterior`` by (chain, draw); older ones
-            take it as ``arviz.InferenceData.from_datatree(...)``.
+        xarray.DataTree or arviz.InferenceData
+            As the installed ArviZ has it: groups ``posterior`` and ``prior`` by (chain, draw), and
+            ``sample_stats``. Independent draws are dealt to four chains.
 
         Raises
         ------
         InputError
             The package xarray is not installed.
         """
+        from surae.inference.sampling import arviz_data
+
+        xarray = library("xarray", "InferenceData")
         units = {name: self.marginals[name].unit for name in self.names}
-        return inference_data(self.draws, units, self.versions["surae"], self.status, self.message)
+        known = {name: m.prior for name, m in self.marginals.items()}
+        priors = {
+            name: (float(np.log(p.median)) if p.log else p.median, p.spread, p.log)
+            for name, p in known.items()
+        }
+        worth = {"k_hat": self.k_hat, "effective": self.effective}
+        found = {name: ((), value) for name, value in worth.items() if value is not None}
+        groups = {
+            "posterior": arviz_data.drawn(self.draws, units),
+            "prior": arviz_data.prior_draws(priors, units, len(self.draws), self.seed),
+            "sample_stats": xarray.Dataset(found),
+        }
+        made_by = self.versions["surae"]
+        return arviz_data.inference_data(groups, made_by, self.status, self.message)
 
     def as_dict(self) -> dict[str, Any]:
         """The posterior as plain data, as it is saved."""
@@ -171,38 +187,6 @@ class Posterior(Tabular, Saved, Comparable):
             "draws": len(self.draws),
             "samples": {name: self.of(name).tolist() for name in self.names},
         }
-
-
-def inference_data(
-    draws: FloatArray, units: Mapping[str, str], version: str, status: str, message: str
-) -> Any:
-    """Draws of shape (n, p) for ArviZ, of parameters in the order of their `units`."""
-    xarray = library("xarray", "InferenceData")
-    variables = {
-        name: (("chain", "draw"), own[None], {"units": units[name]})
-        for name, own in zip(units, draws.T, strict=True)
-    }
-    about = {"inference_library": "surae", "inference_library_version": version, "status": status,
-             "message": message}  # fmt: skip
-    along = {"chain": [0], "draw": np.arange(len(draws))}
-    return xarray.DataTree.from_dict(
-        {"/": xarray.Dataset(attrs=about), "/posterior": xarray.Dataset(variables, along, about)}
-    )
-
-
-def gaussian_data(result: FitResult, assessment: Assessment, draws: int, seed: int) -> Any:
-    """Draws of what the fit leaves possible, of all that has an interval (`Uncertainty.draw`)."""
-    known = assessment.uncertainty
-    every = {**assessment.parameters, **assessment.nuisances}
-    free = result.problem.free
-    units = {name: every[name].unit for name in free if every[name].ci95 is not None}
-    if not units:
-        raise InputError("no parameter of this fit has an interval, so there is nothing to draw")
-    drawn = known.draw(draws, seed)[:, [known.names.index(name) for name in units]]
-    message = "Gaussian about the estimates, on their scale; `profile` follows valleys"
-    if left := [p.name for p in every.values() if p.free and p.name not in units]:
-        message += f"; without an interval, left out: {', '.join(left)}"
-    return inference_data(drawn, units, result.versions["surae"], "approximation", message)
 
 
 def sample(

@@ -1,0 +1,126 @@
+"""Fits and posteriors as ArviZ and xarray have them."""
+
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import numpy as np
+
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
+from surae.inference import Assessment, FitResult
+from surae.inference.coordinates import is_straight
+from surae.inference.observed import measured
+from surae.inference.residuals import simulators
+from surae.recording.frames import library
+
+#: Chains that independent draws are dealt to, so that ArviZ can compare them.
+_CHAINS = 4
+
+
+def inference_data(groups: Mapping[str, Any], made_by: str, status: str, message: str) -> Any:
+    """Datasets by group as the ArviZ that is installed has them.
+
+    That is a DataTree, before ArviZ 1.0, which Python 3.11 has, an ``InferenceData``.
+    """
+    xarray = library("xarray", "InferenceData")
+    about = {"inference_library": "surae", "inference_library_version": made_by, "status": status,
+             "message": message}  # fmt: skip
+    try:
+        before_one = int(version("arviz").split(".")[0]) < 1
+    except PackageNotFoundError:
+        before_one = False
+    if before_one:
+        from arviz import InferenceData
+
+        return InferenceData(attrs=about, **groups)
+    root = {"/": xarray.Dataset(attrs=about)}
+    return xarray.DataTree.from_dict(root | {f"/{name}": group for name, group in groups.items()})
+
+
+def drawn(draws: FloatArray, units: Mapping[str, str]) -> Any:
+    """Draws of shape (n, p) by chain, of parameters in the order of their `units`."""
+    xarray = library("xarray", "InferenceData")
+    chains = _CHAINS if len(draws) % _CHAINS == 0 else 1
+    variables = {
+        name: (("chain", "draw"), own.reshape(chains, -1), {"units": units[name]})
+        for name, own in zip(units, draws.T, strict=True)
+    }
+    along = {"chain": np.arange(chains), "draw": np.arange(len(draws) // chains)}
+    return xarray.Dataset(variables, along)
+
+
+def prior_draws(
+    priors: Mapping[str, tuple[float, float, bool]], units: Mapping[str, str], count: int, seed: int
+) -> Any:
+    """Draws of priors: centre, spread, and whether it is on a logarithm."""
+    rng = np.random.default_rng([seed, 2])
+    by_name = {}
+    for name, (centre, spread, log) in priors.items():
+        own = centre + spread * rng.standard_normal(count)
+        by_name[name] = np.exp(own) if log else own
+    return drawn(np.array([*by_name.values()]).T, {name: units[name] for name in by_name})
+
+
+def of_fit(
+    result: FitResult, assessment: Assessment, draws: int, seed: int, *, log_likelihood: bool
+) -> Any:
+    """What a fit leaves possible (`Uncertainty.draw`), its priors, and what it has seen."""
+    xarray = library("xarray", "InferenceData")
+    known, problem = assessment.uncertainty, result.problem
+    every = {**assessment.parameters, **assessment.nuisances}
+    free = [name for name in problem.free if every[name].ci95 is not None]
+    if not free:
+        raise InputError("no parameter of this fit has an interval, so there is nothing to draw")
+    units = {name: every[name].unit for name in free}
+    legs = known.draw(draws, seed)
+    groups = {"posterior": drawn(legs[:, [known.names.index(name) for name in free]], units)}
+    priors = {n: (np.log(p.median), p.spread, True) for n, p in problem.priors.items()}
+    if result.family is not None:
+        population = result.family.population
+        priors = {n: (p.mean, p.sd, not is_straight(n)) for n, p in population.items()}
+        priors |= {n: (p.mean, p.sd, False) for n, p in result.family.beliefs.items()}
+    if shown := {n: prior for n, prior in priors.items() if n in units}:
+        groups["prior"] = prior_draws(shown, units, draws, seed)
+    samples = np.concatenate([np.arange(own.n)[own.counts] for own in problem.inputs])
+    which = np.concatenate([np.full(int(own.counts.sum()), i) for i, own in
+                            enumerate(problem.inputs)])  # fmt: skip
+    time = np.concatenate([own.time[own.counts] for own in problem.inputs])
+    along = {"sample": samples, "recording": ("sample", which), "time": ("sample", time)}
+    torque = np.concatenate([measured(own)[own.counts] for own in problem.inputs])
+    groups["observed_data"] = xarray.Dataset({"torque": ("sample", torque, {"units": "Nm"})}, along)
+    if log_likelihood:
+        each = np.array([_log_likelihood(result, assessment, leg) for leg in legs])
+        chains = groups["posterior"].sizes["chain"]
+        by = ("chain", "draw", "sample")
+        groups["log_likelihood"] = xarray.Dataset(
+            {"torque": (by, each.reshape(chains, -1, len(torque)))}, along
+        )
+    message = "Gaussian about the estimates, on their scale; `profile` follows valleys"
+    if left := [p.name for p in every.values() if p.free and p.name not in units]:
+        message += f"; without an interval, left out: {', '.join(left)}"
+    return inference_data(groups, result.versions["surae"], "approximation", message)
+
+
+def _log_likelihood(result: FitResult, assessment: Assessment, leg: FloatArray) -> FloatArray:
+    """Logarithm of the likelihood of every sample that counts, its noise taken for white."""
+    problem, sigma2, parts = result.problem, assessment.covariance.sigma2, []
+    values = problem.values(leg[: len(problem.free)])
+    for simulator, own in zip(simulators(problem), problem.inputs, strict=True):
+        weight = np.ones(own.n) if own.weight is None else own.weight
+        e = (measured(own) - simulator.torque(values))[own.counts]
+        variance = sigma2 / weight[own.counts]
+        parts.append(-0.5 * (e**2 / variance + np.log(2.0 * np.pi * variance)))
+    return np.concatenate(parts)
+
+
+def traces_of_fit(result: FitResult, number: int) -> Any:
+    """What a recording of a fit was, and what is modelled of it, over time."""
+    xarray = library("xarray", "a Dataset")
+    own, residual = result.problem.inputs[number], result.residuals[number]
+    torque = measured(own)
+    columns = {
+        "angle": (own.angle, "rad"), "torque": (torque, "Nm"), "modelled": (torque - residual, "Nm")
+    }  # fmt: skip
+    variables = {name: ("time", values, {"units": u}) for name, (values, u) in columns.items()}
+    return xarray.Dataset(variables, {"time": own.time}, {"name": own.name})
