@@ -1,17 +1,25 @@
 """The public functions: every form of recording, the same numbers whichever way they are called."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
 import surae
+from surae.api.keywords import FitKeywords
 from surae.base.errors import InputError
+from surae.model import ModelOptions
 from surae.model.parameters import MUSCLE_PARAMETERS
 from surae.protocol import Protocol, generate
+from surae.settings import FitSettings
 from surae.studies import virtual_subject, virtual_trial
 
 FIFTEEN = [p.name for p in MUSCLE_PARAMETERS]
+
+
+def test_keywords_for_type_checkers_are_the_settings() -> None:
+    told = {f.name for kind in (FitSettings, ModelOptions) for f in fields(kind)} - {"model"}
+    assert set(FitKeywords.__annotations__) == told
 
 
 def trial(seed=1, noise=0.02):

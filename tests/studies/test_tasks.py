@@ -2,20 +2,18 @@
 
 import json
 from dataclasses import asdict, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import surae
 from surae.base.errors import ComputationError
 from surae.base.records import from_plain
 from surae.inference import assess, fit_problem, make_problem
 from surae.protocol import Protocol, generate
-from surae.studies import tasks as study_tasks
 from surae.studies import virtual, virtual_subject, virtual_trial
-from surae.studies.study import parse_study
-from surae.studies.tasks import BOOKKEEPING, TaskOutcome, outcome_of, run_task, task_of
+from surae_thesis.studies import tasks as study_tasks
+from surae_thesis.studies.study import parse_study
+from surae_thesis.studies.tasks import TaskOutcome, outcome_of, run_task, task_of
 
 TEXT = 'protocol = "ramp-and-hold"\nrate_hz = 50\nstarts = 1\nchirp_amplitude = 0.2\n'
 
@@ -95,7 +93,7 @@ def test_what_does_not_matter_is_shared() -> None:
 def test_another_program_has_other_keys(monkeypatch) -> None:
     (task,) = tasks(TEXT)
     before = task.key
-    monkeypatch.setattr("surae.studies.tasks.fingerprint", lambda: "another")
+    monkeypatch.setattr("surae_thesis.studies.tasks.fingerprint", lambda: "another")
     assert task.key != before
 
 
@@ -104,7 +102,7 @@ def test_a_worker_gives_the_same_and_refuses_another_program(monkeypatch) -> Non
     call = json.loads(json.dumps({"key": task.key, "settings": asdict(task)}))
     outcome = from_plain(TaskOutcome, outcome_of(**call))
     assert replace(outcome, seconds=0) == replace(run_task(task), seconds=0)
-    monkeypatch.setattr("surae.studies.tasks.fingerprint", lambda: "another")
+    monkeypatch.setattr("surae_thesis.studies.tasks.fingerprint", lambda: "another")
     with pytest.raises(ComputationError, match="a worker has another surae"):
         outcome_of(**call)
 
@@ -112,20 +110,15 @@ def test_a_worker_gives_the_same_and_refuses_another_program(monkeypatch) -> Non
 def test_the_fingerprint_follows_the_sources(tmp_path, monkeypatch) -> None:
     for folder in (*study_tasks._COMPUTING,):
         (tmp_path / folder).mkdir()
-    kernel, keeping = tmp_path / "model" / "kernel.py", tmp_path / "studies" / "store.py"
+    kernel, shown = tmp_path / "model" / "kernel.py", tmp_path / "report.py"
     kernel.write_text("a = 1\n")
     monkeypatch.setattr(study_tasks, "_PACKAGE", tmp_path)
     fresh = study_tasks.fingerprint.__wrapped__
     before = fresh()
-    keeping.write_text("b = 1\n")
+    shown.write_text("b = 1\n")
     assert fresh() == before
     kernel.write_text("a = 2\n")
     assert fresh() != before
-
-
-def test_bookkeeping_names_modules_that_are_there() -> None:
-    folder = Path(surae.__file__).parent / "studies"
-    assert all((folder / f"{name}.py").is_file() for name in BOOKKEEPING)
 
 
 def test_subjects_differ_and_do_not_depend_on_the_noise() -> None:

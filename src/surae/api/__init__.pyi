@@ -161,11 +161,3 @@ from surae.studies import virtual_subject as virtual_subject
 from surae.studies import virtual_trial as virtual_trial
 from surae.studies.imperfections import Imperfections as Imperfections
 from surae.studies.populations import TENDONS as TENDONS
-from surae.studies.store import Store as Store
-from surae.studies.store import export_study as export_study
-from surae.studies.store import run_study as run_study
-from surae.studies.store import study_columns as study_columns
-from surae.studies.store import study_table as study_table
-from surae.studies.study import Study as Study
-from surae.studies.study import parse_study as parse_study
-from surae.studies.study import read_study as read_study

@@ -2,9 +2,10 @@
 
 import warnings
 from collections.abc import Sequence
-from typing import Any
+from typing import Unpack
 
 from surae.api.fitted import Fit
+from surae.api.keywords import FitKeywords
 from surae.api.recordings import AnyRecording, check_for, explained, read_in, several
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
@@ -34,7 +35,7 @@ def fit(
     quality: Sequence[Quality] | None = None,
     progress: SearchProgress | None = None,
     follow: Follow | None = None,
-    **keywords: Any,
+    **keywords: Unpack[FitKeywords],
 ) -> Fit:
     """Estimate a model's parameters from one recording, or from several together.
 

@@ -3,15 +3,18 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 from surae.api.fitted import Fit
 from surae.api.fitting import asks_as_fit, fit_inputs
+from surae.api.keywords import FitKeywords
 from surae.api.recordings import check_for
 from surae.api.session_result import SessionResult
 from surae.api.session_run import StepProgress, run
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
+from surae.base.progress import SearchProgress
+from surae.inference.starts import Follow
 from surae.model.laboratory import AUTO
 from surae.recording import Recording
 from surae.recording.corrections import Corrections
@@ -31,7 +34,10 @@ class Session(TrialSet):
         self,
         trials: str | Sequence[str] | None = None,
         model: str | FitSettings = AUTO,
-        **keywords: Any,
+        *,
+        progress: SearchProgress | None = None,
+        follow: Follow | None = None,
+        **keywords: Unpack[FitKeywords],
     ) -> Fit:
         """Fit one trial, or several jointly: they share all parameters of the leg.
 
@@ -40,6 +46,8 @@ class Session(TrialSet):
         trials : str or sequence of str, optional
             Names of `fitted`; by default all of them.
         model : str or FitSettings
+            As of `surae.fit`.
+        progress, follow : callable, optional
             As of `surae.fit`.
         **keywords
             Keywords of `surae.fit`. ``normalise`` divides EMG by the session's reference.
@@ -54,7 +62,6 @@ class Session(TrialSet):
         InputError
             A trial is unknown or cannot be fitted, or a setting makes no sense.
         """
-        callbacks = {key: keywords.pop(key, None) for key in ("progress", "follow")}
         settings = FitSettings.of(model, **keywords)
         chosen = self.fitted if trials is None else [trials] if isinstance(trials, str) else trials
         if not chosen:
@@ -63,7 +70,7 @@ class Session(TrialSet):
         reference = self.emg_reference(settings)
         inputs = [prepared_for(settings, recording, reference) for recording in recordings]
         quality = tuple(check_for(settings, each) for each in recordings)
-        return fit_inputs(inputs, settings, quality, **callbacks)
+        return fit_inputs(inputs, settings, quality, progress, follow)
 
     @asks_as_fit
     def run(
@@ -73,7 +80,7 @@ class Session(TrialSet):
         *,
         progress: StepProgress | None = None,
         workers: int | None = 1,
-        **keywords: Any,
+        **keywords: Unpack[FitKeywords],
     ) -> SessionResult:
         """Check every trial, fit each and all together, and predict each by the others.
 

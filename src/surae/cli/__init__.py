@@ -45,7 +45,7 @@ COMMANDS = {
     "protocol": ("surae.cli.protocol", "Make a measurement protocol for a device."),
     "expect": ("surae.cli.expect", "Predict how well a protocol determines each parameter."),
     "design": ("surae.cli.design", "Design the most informative protocol."),
-    "study": ("surae.cli.study", "Fit thousands of virtual trials over crossed factors."),
+    "study": ("surae-thesis", "Fit thousands of virtual trials over crossed factors."),
     "reproduce": ("surae-thesis", "Compute the thesis's results again, claim by claim."),
     "live": ("surae-workbench[live]", "Record, show and judge trials as they are measured."),
     "serve": ("surae-workbench", "Open the workbench in the browser."),

@@ -6,6 +6,5 @@ from surae.studies.populations import POPULATIONS as POPULATIONS
 from surae.studies.populations import VirtualSubject as VirtualSubject
 from surae.studies.populations import stream as stream
 from surae.studies.populations import virtual_subject as virtual_subject
-from surae.studies.tasks import fingerprint as fingerprint
 from surae.studies.virtual import virtual_recording as virtual_recording
 from surae.studies.virtual import virtual_trial as virtual_trial

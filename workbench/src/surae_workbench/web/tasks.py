@@ -17,6 +17,7 @@ from surae.base.errors import InputError
 from surae.base.files import write_json
 from surae.base.names import LANGUAGES
 from surae.processes import tell
+from surae_thesis import studies
 from surae_workbench.web import imports, sliders
 from surae_workbench.web.draft import settings_of
 from surae_workbench.web.fit_progress import FitProgress
@@ -170,8 +171,8 @@ def _counting(before: int = 0, total: int | None = None) -> Callable[..., None]:
 
 def study(task: Task) -> dict[str, Any]:
     """Run a study, or go on with it."""
-    with api.Store(_file(task, "study", task["study"]), write=True) as store:
-        finished = api.run_study(api.parse_study(task["toml"]), store, progress=_counting())
+    with studies.Store(_file(task, "study", task["study"]), write=True) as store:
+        finished = studies.run_study(studies.parse_study(task["toml"]), store, progress=_counting())
     return {"message": f"{finished.fits} fits, all there", "interrupted": False}
 
 

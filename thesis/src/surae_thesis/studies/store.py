@@ -13,8 +13,8 @@ from surae.base.records import from_plain, to_plain
 from surae.model import MODELS
 from surae.processes import Plain
 from surae.runner import Batch, Died, Engine, Ledger, results
-from surae.studies.study import Study, Value, parse_study
-from surae.studies.tasks import FitTask, TaskOutcome, run_task, task_of
+from surae_thesis.studies.study import Study, Value, parse_study
+from surae_thesis.studies.tasks import FitTask, TaskOutcome, run_task, task_of
 
 
 class Store(Ledger):
@@ -181,4 +181,4 @@ def _computed(tasks: Mapping[str, FitTask], engine: Engine) -> Generator[Batch]:
             yield [(key, to_plain(run_task(rest.pop(key))))]
     if rest:
         calls = {key: {"key": key, "settings": asdict(task)} for key, task in rest.items()}
-        yield from results("surae.studies.tasks:outcome_of", calls, engine)
+        yield from results("surae_thesis.studies.tasks:outcome_of", calls, engine)

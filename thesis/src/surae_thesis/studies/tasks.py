@@ -12,18 +12,17 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import surae
 from surae._version import __version__
 from surae.base.errors import ComputationError
 from surae.base.records import from_plain, to_plain
 from surae.protocol import TASKS, Trajectory, generate
 from surae.protocol.effort import effort
-from surae.studies.study import OPTIONS, Value, motion, rise
+from surae_thesis.studies.study import OPTIONS, Value, motion, rise
 
-_PACKAGE = Path(__file__).resolve().parents[1]
+_PACKAGE = Path(surae.__file__).resolve().parent
 #: Folders whose code a result depends on.
 _COMPUTING = ("signals", "model", "protocol", "inference", "studies")
-#: Modules of this folder that plan, keep and hand on results, and change none.
-BOOKKEEPING = ("store", "study")
 _LIBRARIES = ("numba", "numpy", "scipy")
 
 
@@ -36,9 +35,9 @@ def fingerprint() -> str:
             digest.update(f"{name} {version(name)}\n".encode())
     for folder in _COMPUTING:
         for source in sorted((_PACKAGE / folder).rglob("*.py")):
-            if folder != "studies" or source.stem not in BOOKKEEPING:
-                digest.update(source.relative_to(_PACKAGE).as_posix().encode())
-                digest.update(source.read_bytes())
+            digest.update(source.relative_to(_PACKAGE).as_posix().encode())
+            digest.update(source.read_bytes())
+    digest.update(Path(__file__).read_bytes())  # what plans and keeps them changes none
     return digest.hexdigest()
 
 

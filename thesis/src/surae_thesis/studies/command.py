@@ -5,13 +5,13 @@ from functools import partial
 
 import click
 
-from surae import api
 from surae.base.errors import InputError
 from surae.base.files import shown
 from surae.cli.options import DASK, engine_of, workers_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_line
+from surae_thesis import studies
 
 #: Reasons of failures that `status` lists.
 _REASONS = 5
@@ -37,13 +37,13 @@ def run_command(study: str, store: str, workers: int | None, dask: str | None, r
     engine = engine_of(dask, workers)
     check_outputs({"--store": store}, [study])
 
-    plan = api.read_study(study)
+    plan = studies.read_study(study)
 
-    with api.Store(store, write=True) as opened:
+    with studies.Store(store, write=True) as opened:
         try:
             with work() as progress, compilation_notice():
                 progress.describe(f"planning {plan.size:,} fits")
-                done = api.run_study(
+                done = studies.run_study(
                     plan,
                     opened,
                     engine=engine,
@@ -73,7 +73,7 @@ def run_command(study: str, store: str, workers: int | None, dask: str | None, r
 @click.argument("store", metavar="S.db")
 def status_command(store: str) -> None:
     """Show how far a study is, also while it runs."""
-    with api.Store(store) as opened:
+    with studies.Store(store) as opened:
         now = opened.status()
     part = f" ({100 * now.done / now.calls:.0f} %)" if now.calls else ""
     show_line(f"{now.name}: {now.done:,} of {_counted(now.calls, now.rows)} done{part}")
@@ -97,8 +97,8 @@ def export_command(store: str, output: str) -> None:
     """Write the table of a study: a row for each combination, as far as they are there."""
     check_outputs({"--output": output}, [store, f"{store}-wal", f"{store}-shm", f"{store}.lock"])
 
-    with api.Store(store) as opened:
-        rows, hash_ = api.export_study(opened, output)
+    with studies.Store(store) as opened:
+        rows, hash_ = studies.export_study(opened, output)
         all_rows = opened.status().rows
     show_line(f"table: {shown(output)}, {rows:,} rows; without its seconds it has the hash {hash_}")
     if rows < all_rows:
