@@ -7,7 +7,6 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.inference import Verdict, assess, fit_problem, make_problem
-from surae.inference.assessment import _noise_share
 from surae.inference.parameter import IDENTIFIED, judge_interval
 from surae.inference.residuals import Residuals
 from surae.inference.uncertainty.covariance import half_width
@@ -245,8 +244,3 @@ def test_predict_needs_a_torque(fitted, noisy):
     for torque in (None, np.zeros(noisy.n)):
         with pytest.raises(InputError, match="no torque to compare"):
             predict_others(fitted, [replace(noisy, torque=torque)], None)
-
-
-def test_the_share_of_noise_is_finite_however_wide_an_interval_is():
-    assert _noise_share(3.0, 1.0) == pytest.approx(9.0 / 16.0)
-    assert _noise_share(3e200, 1e200) == pytest.approx(9.0 / 16.0)

@@ -166,7 +166,7 @@ def test_a_fit_gives_draws_with_its_own_intervals_and_correlations(fitted):
     k, x0 = names.index("k_tri"), names.index("x0_tri")
     assert dict(drawn.sizes) == {"chain": 4, "draw": 5000}
     r = np.corrcoef(drawn["k_tri"].values.ravel(), drawn["x0_tri"].values.ravel())[0, 1]
-    assert r == pytest.approx(fit.correlation[k, x0], abs=0.03)
+    assert r == pytest.approx(fit.covariance.correlation[k, x0], abs=0.03)
     assert fit.to_inference_data(seed=1).equals(fit.to_inference_data(seed=1))
 
 

@@ -226,11 +226,10 @@ def _parameters(
             if robust is not None:
                 j = robust.names.index(name)
                 sem_robust = float(np.sqrt(robust.matrix[j, j]))
-            whole, away = known.half_width(known.along(name)), known.bias(known.along(name))
-            half = whole - away
+            whole, half = (known.half_width(known.along(name), biased=b) for b in (True, False))
             again, budget = (value - half, value + half), {"noise": 1.0}
             repeatable = half <= IDENTIFIED * abs(value) and not withheld
-            if away > 0.0:
+            if whole > half:
                 noise = (half / whole) ** 2  # of a variance that a bias shares, whatever their size
                 budget, half = {"noise": noise, "model": 1.0 - noise}, whole
             ci95 = (value - half, value + half)

@@ -105,10 +105,10 @@ class Uncertainty(Comparable):
         session = math.sqrt(sum(anew)) + self.bias(gradient) / NORMAL
         return total, session, math.sqrt(parts.get("model", 0.0))
 
-    def half_width(self, gradient: FloatArray) -> float:
-        """Half of the 95 % interval."""
+    def half_width(self, gradient: FloatArray, *, biased: bool = True) -> float:
+        """Half of the 95 % interval, with what a better model would move or without."""
         sd = math.sqrt(sum(self.variances(gradient).values()))
-        return self._quantile(gradient) * sd + self.bias(gradient)
+        return self._quantile(gradient) * sd + (self.bias(gradient) if biased else 0.0)
 
     def _quantile(self, gradient: FloatArray) -> float:
         """Student's t of the fewest degrees of freedom that an interval rests on."""
