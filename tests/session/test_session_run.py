@@ -207,6 +207,8 @@ def test_the_command(leg, tmp_path, run):
     assert done.code == 0
     assert "could not be read: broken" in done.err
     assert "[6/6] all together" in done.err
+    for question in ("How stiff is it?", "Did it change? One visit", "Can I trust it?"):
+        assert question in done.out
     assert "joint" in done.out
     again = run(*command)
     assert again.err.count("(kept)") == 4

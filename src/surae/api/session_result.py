@@ -120,6 +120,27 @@ class SessionResult:
         """
         self._report(before, language).write(path)
 
+    def answers(
+        self, *, before: "SessionResult | None" = None, language: str = "en"
+    ) -> Mapping[str, str]:
+        """The questions of the leg's page and the answer to each, in a line.
+
+        Parameters
+        ----------
+        before : SessionResult, optional
+            An earlier visit of the leg, to say what has changed since.
+        language : {"en", "nl", "de", "fr"}
+            The reader's.
+
+        Returns
+        -------
+        mapping of str to str
+            By question: how stiff, of what, whether it changed, whether to trust it.
+        """
+        from surae.report.session import answers_in
+
+        return FrozenDict(answers_in(self._report(before, language).document))
+
     def blocks(self, language: str = "en") -> dict[str, Any]:
         """The leg's page as plain data.
 

@@ -61,6 +61,11 @@ def command(
                 output, settings, progress=lambda step: _tell(progress, step), workers=workers
             )
     _show(result, output)
+    if result.fits:
+        show_line("")
+        for question, answer in result.answers(before=earlier, language=language).items():
+            show_line(f"{question} {answer}")
+        show_line("")
     if earlier is not None:
         result.report(Path(output, "report.html"), before=earlier)
     if language != "en":

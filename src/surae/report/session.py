@@ -59,6 +59,20 @@ class FittedLeg:
         return self.joint or (next(iter(self.fits.values())) if len(self.fits) == 1 else None)
 
 
+def answers_in(document: block.Document) -> tuple[tuple[str, str], ...]:
+    """Each question of a leg's page, and its answer in a line."""
+    page = next(b for b in document.blocks if isinstance(b, block.Section) and b.look == "leg")
+    lines = []
+    for card in page.blocks:
+        assert isinstance(card, block.Section)
+        for said in card.blocks:
+            if isinstance(said, block.AdequacyWords):
+                lines.append((card.title, said.sentence))
+            elif isinstance(said, block.Text) and said.look == "say":
+                lines.append((card.title, f"{said.lead} {said.text}".strip()))
+    return tuple(lines)
+
+
 def session_report(
     leg: FittedLeg, *, created: datetime, before: AssessedFit | None = None, language: str = "en"
 ) -> Report:

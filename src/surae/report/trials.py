@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from surae.base.formatting import NO_NUMBER, percentage, signed
+from surae.base.normal import NORMAL
 from surae.inference import Assessment, ParameterEstimate, Verdict
 from surae.quality import SEVERITIES, Finding, Quality
 from surae.report import block
@@ -180,29 +181,32 @@ def agreement_section(contradicted: Mapping[str, list[str]]) -> block.Section:
 def contradictions(
     alone: Mapping[str, Assessment], joint: Assessment | None
 ) -> dict[str, list[str]]:
-    """Trials whose 95 % interval and that of all together do not even touch, by parameter.
+    """Trials whose interval and that of all together do not even touch, by parameter.
 
     An interval cannot say by itself that it is too narrow; another trial of the leg can. What a fit
-    does not tell, such as the gain of a muscle that rested, contradicts nothing.
+    does not tell, such as the gain of a muscle that rested, contradicts nothing, and intervals are
+    as wide as so many comparisons need for 95 % of legs to show none by chance (Bonferroni).
     """
-    contradicted = {}
-    for p in () if joint is None else joint.parameters.values():
-        if p.ci95 is None or not _tells(p):
-            continue
-        low, high = p.ci95
-        apart = [
-            name
-            for name, assessment in alone.items()
-            if (own := assessment.parameters.get(p.name)) is not None
-            and own.ci95 is not None
-            and _tells(own)
-            and (own.ci95[0] > high or own.ci95[1] < low)
-        ]
-        if apart:
-            contradicted[p.name] = apart
+    from scipy.special import ndtri
+
+    pairs = [
+        (p.name, trial, p.ci95, own.ci95)
+        for p in (() if joint is None else joint.parameters.values())
+        for trial, assessment in alone.items()
+        if (own := assessment.parameters.get(p.name)) is not None and _tells(p) and _tells(own)
+    ]
+    wider = float(ndtri(1.0 - 0.025 / max(len(pairs), 1))) / NORMAL
+    contradicted: dict[str, list[str]] = {}
+    for name, trial, together, own_ci in pairs:
+        assert together is not None
+        assert own_ci is not None
+        apart = abs(sum(together) - sum(own_ci)) / 2.0
+        if apart > wider * (together[1] - together[0] + own_ci[1] - own_ci[0]) / 2.0:
+            contradicted.setdefault(name, []).append(trial)
     return contradicted
 
 
 def _tells(p: ParameterEstimate) -> bool:
-    """Whether a fit tells a parameter at all."""
-    return p.free and not p.at_bound and p.verdict in (Verdict.IDENTIFIED, Verdict.WEAK)
+    """Whether a fit tells a parameter; an interval that a limit of the search cuts does not."""
+    told = p.free and not p.at_bound and p.verdict in (Verdict.IDENTIFIED, Verdict.WEAK)
+    return told and p.ci95 is not None and p.lower < p.ci95[0] and p.ci95[1] < p.upper
