@@ -5,6 +5,7 @@ import pytest
 
 import surae
 from surae.base.errors import InputError
+from surae.recording.corrections import Corrections
 
 HEADER = "time_s,angle_deg,torque_Nm,emg_ta_V,emg_sol_V"
 
@@ -22,7 +23,7 @@ def test_an_offset_is_in_the_files_unit_and_acts_before_the_sign(file) -> None:
     k = np.arange(40.0)
     np.testing.assert_allclose(right.channels["angle"].values, -np.radians(k), atol=1e-12)
     np.testing.assert_allclose(right.channels["torque"].values, 72 * k)
-    assert right.channels["angle"].source.endswith("put right: sign -1, offset -90")
+    assert right.channels["angle"].source.endswith("put right: offset -90, sign -1")
     assert surae.read(file).channels["angle"].values[0] == pytest.approx(np.pi / 2)
 
 
@@ -42,6 +43,37 @@ def test_exchanged_electrodes_come_back_in_either_way(file, tmp_path) -> None:
         assert right.channels["emg_ta"].source.endswith("emg_sol_V [V], swapped")
 
 
+def test_jumps_by_a_period_are_taken_out_before_an_offset(file) -> None:
+    wrapped = file.with_name("wrapped.csv")
+    rows = [f"{0.1 * k:.1f},{(350 + k) % 360}" for k in range(40)]
+    wrapped.write_text("\n".join(["time_s,angle_deg", *rows]) + "\n")
+    right = surae.read(wrapped, wrap={"angle": 360}, offset={"angle": -350})
+    np.testing.assert_allclose(right.channels["angle"].values, np.radians(np.arange(40.0)))
+
+
+def test_the_lines_of_a_correction_do_what_it_does(file, tmp_path) -> None:
+    """Also where a mapping, or an earlier correction, has changed the signal already."""
+    mapping = tmp_path / "map.toml"
+
+    def written(line: str) -> None:
+        mapping.write_text(f'[channels.angle]\ncolumn = "angle_deg"\n{line}\n')
+
+    written("sign = -1\noffset = -80\nscale = 2")
+    mapped = surae.read(file, mapping=mapping)
+    right = Corrections(sign={"angle": -1}, offset={"angle": 10})(mapped)
+    again = Corrections(offset={"angle": 3}, scale={"angle": 0.5})
+    lines = again.lines(right)
+    toml, options = lines.removeprefix("Write ").split(" for the angle in the TOML, or give ")
+    written(toml.replace(" and ", "\n"))
+    wanted = again(right).channels["angle"].values
+    np.testing.assert_allclose(surae.read(file, mapping=mapping).channels["angle"].values, wanted)
+    written("sign = -1\noffset = -80\nscale = 2")
+    words = options.removesuffix(".").split()
+    given = {n[2:]: {"angle": float(v.split("=")[1])} for n, v in zip(words[::2], words[1::2])}
+    same = surae.read(file, mapping=mapping, **given)
+    np.testing.assert_allclose(same.channels["angle"].values, wanted)
+
+
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
@@ -49,6 +81,7 @@ def test_exchanged_electrodes_come_back_in_either_way(file, tmp_path) -> None:
         ({"scale": {"torque": 0}}, "not 0"),
         ({"offset": {"angel": 1}}, "no such signal"),
         ({"offset": {"emg_gm": 1}}, "no emg_gm"),
+        ({"wrap": {"angle": 0}}, "a period"),
         ({"swap": [("ta", "gm")]}, "no emg_gm"),
         ({"swap": [("ta", "tib")]}, "give two of"),
     ],

@@ -121,6 +121,7 @@ def session(
     scale: Mapping[str, float] | None = None,
     offset: Mapping[str, float] | None = None,
     swap: Sequence[Sequence[str]] = (),
+    wrap: Mapping[str, float] | None = None,
 ) -> Session:
     """Read the trials of one leg, and decide what each of them is.
 
@@ -135,7 +136,7 @@ def session(
         Of the session, in place of what the mapping says.
     efforts : mapping of str to str, optional
         Of trials: ``"passive"``, ``"active"`` or ``"maximal"``, where the data say otherwise.
-    sign, scale, offset, swap : optional
+    sign, scale, offset, swap, wrap : optional
         What is to be put right in all trials, as of `surae.read`.
 
     Returns
@@ -155,7 +156,7 @@ def session(
     description = None if mapping is None else Description.of(open_mapping(mapping))
     alone = isinstance(recordings, str) or hasattr(recordings, "__fspath__")
     sources: list[Any] = [recordings] if alone else list(recordings)  # type: ignore[arg-type]
-    right = Corrections(sign or {}, scale or {}, offset or {}, swap)
+    right = Corrections(sign or {}, scale or {}, offset or {}, swap, wrap or {})
     in_memory = [reading_of(right(each)) for each in sources if isinstance(each, Recording)]
     paths = [each for each in sources if not isinstance(each, Recording)]
     files = trial_files(paths, description) if paths else {}

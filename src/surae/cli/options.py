@@ -240,7 +240,8 @@ def corrections(function: F) -> F:
     parts = {
         "sign": (-1, "The direction that is positive in our signs."),
         "scale": (72, "What a signal is multiplied by, as by the body mass [kg] for Nm/kg."),
-        "offset": (-90, "What is added first, in the file's unit."),
+        "offset": (-90, "What is added then, before the sign, in the file's unit."),
+        "wrap": (360, "A period of which a signal jumps at the end of its range, in its unit."),
     }
 
     def command(**values: Any) -> Any:

@@ -12,7 +12,14 @@ from surae.base.frozen import FrozenDict, freeze
 from surae.base.units import FACTORS, SI, kind
 from surae.recording.recording import MUSCLES, ROLES, Channel, Recording
 
-_WORDS = {"sign": "1 or -1", "scale": "a factor that is not 0", "offset": "a number"}
+_WORDS = {
+    "wrap": "a period, as 360",
+    "scale": "a factor that is not 0",
+    "offset": "a number",
+    "sign": "1 or -1",
+}
+#: What a channel's source says before what was put right.
+_PUT_RIGHT = ", put right: "
 #: A unit in a channel's source, as `Scaling.describe` writes it.
 _UNIT = re.compile(r"\[([^][]+)\]")
 
@@ -21,7 +28,7 @@ _UNIT = re.compile(r"\[([^][]+)\]")
 class Corrections:
     """What is to be put right in recordings, by role: ``sign * (scale * value + offset)``.
 
-    It acts on what the file, or its mapping, gives; an offset is in the unit that the file has.
+    It acts on what the file, or its mapping, gives; offset and wrap are in the unit of the file.
 
     Raises
     ------
@@ -33,6 +40,8 @@ class Corrections:
     scale: Mapping[str, float] = field(default_factory=FrozenDict)
     offset: Mapping[str, float] = field(default_factory=FrozenDict)
     swap: Sequence[Sequence[str]] = ()  #: Pairs of muscles whose electrodes were exchanged.
+    #: Periods of signals that jump by one at the end of their range; the jumps are taken out first.
+    wrap: Mapping[str, float] = field(default_factory=FrozenDict)
 
     def __post_init__(self) -> None:
         """Refuse what no recording has."""
@@ -41,6 +50,7 @@ class Corrections:
                 if role not in ROLES:
                     raise InputError(f"{name} of {role!r}: no such signal; use: {listed(ROLES)}")
                 wrong = not np.isfinite(value) or (name == "scale" and value == 0.0)
+                wrong |= name == "wrap" and value <= 0.0
                 if wrong or (name == "sign" and abs(value) != 1.0):
                     raise InputError(f"{name} of {role} is {value:g}; give {words}")
         pairs = [self.swap] if self.swap and isinstance(self.swap[0], str) else self.swap
@@ -61,25 +71,70 @@ class Corrections:
                 role: replace(other, role=role, source=f"{other.source}, swapped")
                 for role, other in ((first, channels[second]), (second, channels[first]))
             }
-        for role in {**self.sign, **self.scale, **self.offset}:
+        for role in {role: None for name in _WORDS for role in getattr(self, name)}:
             if role not in channels:
                 raise InputError(f"{recording.where}: there is no {role} to put right")
             channels[role] = self._corrected(channels[role])
         return replace(recording, channels=channels)
 
     def _corrected(self, channel: Channel) -> Channel:
-        role = channel.role
-        sign, scale, offset = (getattr(self, name).get(role) for name in _WORDS)
-        zero = (offset or 0.0) * FACTORS[kind(role)][stated_unit(channel)]
-        values = (sign or 1.0) * ((scale or 1.0) * channel.values + zero)
-        done = ", ".join(
-            f"{name} {value:g}"
-            for name, value in zip(_WORDS, (sign, scale, offset), strict=True)
-            if value is not None
-        )
-        return replace(
-            channel, values=freeze(values), source=f"{channel.source}, put right: {done}"
-        )
+        given = {name: getattr(self, name).get(channel.role) for name in _WORDS}
+        wrap, scale, offset, sign = given.values()
+        factor = FACTORS[kind(channel.role)][stated_unit(channel)]
+        values = channel.values if wrap is None else np.unwrap(channel.values, period=wrap * factor)
+        values = (sign or 1.0) * ((scale or 1.0) * values + (offset or 0.0) * factor)
+        done = _together(_described(channel.source)[1], given)
+        words = ", ".join(f"{name} {v:.6g}" for name, v in done.items() if v is not None)
+        source = channel.source.partition(_PUT_RIGHT)[0] + _PUT_RIGHT + words
+        return replace(channel, values=freeze(values), source=source)
+
+    def lines(self, recording: Recording) -> str:
+        """How to write it: as lines of the recording's TOML, and as options of a command."""
+        lines, options = [], []
+        for role in {role: None for name in _WORDS for role in getattr(self, name)}:
+            given = {name: getattr(self, name).get(role) for name in _WORDS}
+            described, before = _described(recording.channels[role].source)
+            toml = _together(described, _together(before, given))
+            lines.append(
+                " and ".join(f"{n} = {v:.6g}" for n, v in toml.items() if v is not None)
+                + f" for the {role}"
+            )
+            options += [
+                f"--{name} {role}={value:.6g}"
+                for name, value in _together(before, given).items()
+                if value is not None
+            ]
+        for pair in self.swap:
+            lines.append('swap = ["{}", "{}"]'.format(*pair))
+            options.append("--swap {}:{}".format(*pair))
+        return f"Write {', '.join(lines)} in the TOML, or give {' '.join(options)}."
+
+
+_Given = Mapping[str, float | None]
+
+
+def _described(source: str) -> tuple[_Given, _Given]:
+    """What a channel's source says that a mapping and an earlier correction have done."""
+    mapped, _, before = source.partition(_PUT_RIGHT)
+    numbers = {name: re.search(rf"\b{name} ([-+.\de]+)", mapped) for name in ("scale", "offset")}
+    given: dict[str, float | None] = {n: float(m[1]) for n, m in numbers.items() if m}
+    if "sign reversed" in mapped:
+        given["sign"] = -1.0
+    words = (part.split() for part in before.split(", ") if part)
+    return given, {name: float(value) for name, value in words}
+
+
+def _together(first: _Given, then: _Given) -> dict[str, float | None]:
+    """Two corrections, one after the other, as one."""
+    both = {name: [each.get(name) for each in (first, then)] for name in _WORDS}
+    known = {name: any(value is not None for value in pair) for name, pair in both.items()}
+    (c1, c2), (o1, o2), (s1, s2) = (
+        [neutral if value is None else value for value in both[name]]
+        for name, neutral in (("scale", 1.0), ("offset", 0.0), ("sign", 1.0))
+    )
+    made = {"scale": c1 * c2, "offset": c2 * o1 + s1 * o2, "sign": s1 * s2}
+    wrap = both["wrap"][1] if both["wrap"][1] is not None else both["wrap"][0]
+    return {"wrap": wrap} | {name: made[name] if known[name] else None for name in made}
 
 
 def stated_unit(channel: Channel) -> str:

@@ -39,6 +39,10 @@ class MappedChannel:
     sign: Literal[1, -1] = setting(1, "-1 where the file counts the other direction as positive.")
     scale: float = setting(1.0, "What the file's numbers are multiplied by first.")
     offset: float = setting(0.0, "What is added then, before the sign.")
+    wrap: float | None = setting(
+        None, "A period of which it jumps at the end of its range, as 360, in its unit; the jumps "
+        "are taken out first.",
+    )  # fmt: skip
     zero: str | tuple[float, float] | None = setting(
         None, "Instead of an offset: a file in which it is zero, or `[start, end]` of such a "
         "stretch in s.",
@@ -56,6 +60,8 @@ class MappedChannel:
             raise InputError("file is empty; name it, or leave it out")
         if self.scale == 0.0:
             raise InputError("scale is 0, which would erase the signal")
+        if self.wrap is not None and self.wrap <= 0.0:
+            raise InputError(f"wrap is {self.wrap:g}; give a period, as 360")
         if self.zero is not None and self.offset:
             raise InputError("zero and offset both say where the zero is; give one")
         if self.zero == "":

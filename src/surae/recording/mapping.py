@@ -18,7 +18,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
-from surae.base.frozen import as_read_only
+from surae.base.frozen import as_read_only, freeze
 from surae.base.records import brief, from_plain, parse_toml
 from surae.base.units import FACTORS, spelled, to_si
 from surae.recording.channels import Scaling, channel, settle_unit
@@ -231,6 +231,8 @@ class _Reader:
             table = tables[role]
             unit = settle_unit(table, role, own.column, own.unit, self._at(role))
             column = _timed(own, columns[table.file], table, self._at(role))
+            if own.wrap is not None:
+                column = replace(column, values=freeze(np.unwrap(column.values, period=own.wrap)))
             offset, note = own.offset, ""
             if own.zero is not None:
                 offset, note = self._zero(role, own, own.zero, column, unit)

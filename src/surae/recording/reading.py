@@ -25,6 +25,7 @@ def read(
     scale: Mapping[str, float] | None = None,
     offset: Mapping[str, float] | None = None,
     swap: Sequence[Sequence[str]] = (),
+    wrap: Mapping[str, float] | None = None,
 ) -> Recording:
     """Read a recording: our CSV or HDF5, a TOML mapping, or a file whose columns have our names.
 
@@ -41,6 +42,8 @@ def read(
         the unit of the file, as ``offset={"angle": -90}`` where 90° is the neutral position.
     swap : sequence of pairs of str
         Muscles whose electrodes were exchanged, as ``[("ta", "sol")]``.
+    wrap : mapping of str to float, optional
+        Periods of signals that jump by one at the end of their range, as ``{"angle": 360}``.
 
     Returns
     -------
@@ -56,7 +59,7 @@ def read(
     --------
     >>> surae.read("trial.csv").channels["torque"].unit
     """
-    corrections = Corrections(sign or {}, scale or {}, offset or {}, swap)
+    corrections = Corrections(sign or {}, scale or {}, offset or {}, swap, wrap or {})
     if mapping is not None:
         return corrections(Description.of(open_mapping(mapping)).read(path))
     source = open_source(path)
