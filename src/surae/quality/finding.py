@@ -205,6 +205,8 @@ _KINDS = (
         "Record longer, with holds, or fix tau_rel and k_rel.", unit="s"),
     FindingKind("angle-sign", "an angle that is turned, by what a quick fit then explains",
         "Write sign = -1 for the angle in the TOML.", "error"),
+    FindingKind("electrodes-swapped", "electrodes of two muscles that were exchanged, by the same",
+        'Write swap = ["ta", "sol"] in the TOML, with the two that it says.', "error"),
     FindingKind("angle-still", "a static hold",
         "Record a trial that moves: one hold can’t show stiffness, lengths or relaxation.",
         "error", "rad"),

@@ -7,13 +7,10 @@ import numpy as np
 from surae.base.units import FloatArray
 from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import runs, smooth, span_of
-from surae.quality.trial import IMPOSSIBLE_ANGLE, CheckedTrial
-from surae.recording import Channel
+from surae.quality.trial import CheckedTrial, to_radians
 
 #: No ankle goes further than this from neutral [rad]: 63° up, 92° down.
-_HIGHEST, _LOWEST = 1.1, -1.6
-#: A range between these [rad] would be one of 20 to 115° had degrees been divided by 57 twice.
-_TWICE = (0.006, 0.035)
+HIGHEST, LOWEST = 1.1, -1.6
 #: Range of motion that determines the passive parameters [rad]: 60 % of the healthy 1.5 rad.
 ROM = 0.9
 #: Below this, not even the optimal lengths are determined.
@@ -32,39 +29,19 @@ _ALONE = 8.0
 
 
 def units(trial: CheckedTrial) -> Iterator[Finding]:
-    """Degrees under the name of radians, radians under that of degrees, another zero."""
+    """An angle that no ankle reaches: `surae.diagnosis` says what it may be."""
     channel = trial.recording.channels["angle"]
     low, high = float(channel.values.min()), float(channel.values.max())
-    span = high - low
-    value = far = max(abs(low), abs(high))
-    # A small angle may be a sensor's noise about a fixed position.
-    noise = float(np.std(np.diff(channel.values))) > 0.5 * float(np.std(channel.values))
-    if far > IMPOSSIBLE_ANGLE:
-        text = f"The angle goes from {low:.3g} to {high:.3g} rad: these are degrees."
-        advice = 'Name the column angle_deg, or write unit = "deg" in the TOML.'
-    elif _TWICE[0] <= span <= _TWICE[1] and not noise:
-        text = (
-            f"The angle moves by {span:.2g} rad in all, {np.rad2deg(span):.2g}°: radians taken for "
-            "degrees."
-        )
-        advice = 'Name the column angle_rad, or write unit = "rad" in the TOML.'
-        value = span
-    elif high > _HIGHEST or low < _LOWEST:
-        text = (
+    if high > HIGHEST or low < LOWEST:
+        yield make_finding(
+            "angle-units", "angle", trial.span, max(abs(low), abs(high)),
             f"The angle goes from {low:.3g} to {high:.3g} rad, further than an ankle can: its zero "
-            "is not the neutral position, or its unit is not what it says."
-        )
-        advice = "Give the angle an offset or its sign in the TOML: 0 with the foot at 90°."
-    else:
-        return
-    yield make_finding("angle-units", "angle", trial.span, value, text, advice=advice)
+            "is not the neutral position, or its unit is not what it says.",
+        )  # fmt: skip
 
 
 def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     """A range too small to tell the parameters, or smaller than was commanded."""
-    angle = trial.recording.channels["angle"].values
-    if float(np.ptp(angle)) <= _TWICE[1] and any(units(trial)):
-        return  # its unit is a finding of its own
     span = float(np.ptp(trial.angle))
     low, high = float(trial.angle.min()), float(trial.angle.max())
     given = trial.commanded is not None and trial.commanded.given
@@ -81,15 +58,10 @@ def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     )  # fmt: skip
 
 
-def _to_radians(channel: Channel) -> float:
-    """The factor of an angle that may be in degrees under the name of radians."""
-    return np.pi / 180.0 if float(np.abs(channel.values).max()) > IMPOSSIBLE_ANGLE else 1.0
-
-
 def steps(trial: CheckedTrial) -> Iterator[Finding]:
     """Jumps of the position (thesis 4.4: steps instead of the profile)."""
     channel = trial.recording.channels["angle"]
-    moved = np.diff(channel.values) * _to_radians(channel)
+    moved = np.diff(channel.values) * to_radians(channel)
     size = np.abs(moved)
     # A jump may fall on two samples; the two next to it are not looked at.
     around = np.lib.stride_tricks.sliding_window_view(np.pad(size, 5, mode="edge"), 11)
@@ -152,7 +124,7 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
         # A recognised profile was fitted to the angle's own samples.
         channel = trial.recording.channels["angle"]
         own = channel.values[np.searchsorted(channel.time, commanded.time)]
-        best = (own - commanded.angle) * _to_radians(channel)
+        best = (own - commanded.angle) * to_radians(channel)
         time = commanded.time
     span = float(np.ptp(trial.angle))
     left = np.abs(best)

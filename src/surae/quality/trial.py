@@ -13,6 +13,7 @@ from surae.quality.commanded import Commanded, recognised
 from surae.quality.numeric import BoolArray, correlation, quantiles, smooth, span_of
 from surae.quality.torque_model import TorqueModel, torque_model
 from surae.recording import MUSCLES, Channel, Recording
+from surae.recording.corrections import stated_unit
 from surae.recording.emg_kind import emg_contradictions
 
 #: Rate at which signals are compared [Hz]: fine enough for a reflex's 25 ms.
@@ -127,17 +128,15 @@ def signals_of(recording: Recording) -> Signals:
     end = min(float(c.time[-1]) for c in channels.values())
     time = start + np.arange(max(int((end - start) * rate), 1) + 1) / rate
     kind = emg_kind(recording)
-    angle = _sampled(channels["angle"], time, rate)
-    if float(np.abs(angle).max()) > IMPOSSIBLE_ANGLE:
-        angle = np.deg2rad(angle)
-    torque = _sampled(channels["torque"], time, rate) if "torque" in channels else None
+    angle = to_radians(channels["angle"]) * sampled(channels["angle"], time, rate)
+    torque = sampled(channels["torque"], time, rate) if "torque" in channels else None
     fast = {}
     for muscle in MUSCLES:
         channel = channels.get(f"emg_{muscle}")
         if channel is not None and float(np.ptp(values := channel.values)) > 0.0:
             if kind == "raw":
                 values = np.abs(values - smooth(values, round(_DETREND * channel.rate_hz)))
-            fast[muscle] = _sampled(channel, time, rate, values)
+            fast[muscle] = sampled(channel, time, rate, values)
     return Signals(kind, time, rate, angle, torque, fast)
 
 
@@ -159,7 +158,13 @@ def emg_kind(recording: Recording) -> Literal["raw", "envelope"]:
     return "envelope" if positive and alive[0].rate_hz < _RAW_RATE else "raw"
 
 
-def _sampled(
+def to_radians(angle: Channel) -> float:
+    """The factor of an angle that may be in degrees under the name of radians."""
+    far = float(np.abs(angle.values).max()) > IMPOSSIBLE_ANGLE
+    return np.pi / 180.0 if far and stated_unit(angle) == "rad" else 1.0
+
+
+def sampled(
     channel: Channel, time: FloatArray, rate: float, values: FloatArray | None = None
 ) -> FloatArray:
     """A channel (or what was made of it) at the instants of `time`, averaged between them."""

@@ -5,8 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from surae.inference.diagnosis.angle import wrong_angle
+from surae.inference.diagnosis.explanations import (
+    EXPLAINS,
+    Explanation,
+    compared,
+    possible,
+    swapped,
+    tried,
+    turned,
+)
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
-from surae.inference.diagnosis.units import scaled, wrong_units
+from surae.inference.diagnosis.units import wrong_units
 from surae.quality import Commanded, Finding, Quality, check_recording
 from surae.quality.finding import make_finding
 from surae.quality.numeric import quantiles, span_of
@@ -17,8 +27,6 @@ from surae.recording import MUSCLES, Recording
 
 #: R² from which on nothing else is tried.
 _GOOD = 0.99
-#: What is claimed must explain this much, and leave so many times less than what is given.
-_EXPLAINS, _CLEARLY = 0.8, 2.5
 #: Part of what a fit leaves that shifting the EMG must take away before a lag is claimed.
 _SHIFT_GAIN = 0.03
 #: An angle that keeps within this [rad] for all but a hundredth of the time is held still.
@@ -36,15 +44,13 @@ def examined(recording: Recording, commanded: Commanded | None = None) -> Qualit
     `commanded` is the motion that the device was to follow.
     """
     findings, right = wrong_units(recording)
+    if "angle" in right.channels and (angle := wrong_angle(right)) is not None:
+        findings.append(angle[0])
+        right = angle[1]
     quality = check_recording(right, commanded)
     if unfit(right) is not None:
         return _together(quality, findings)
     signals = signals_of(right)
-    if (degrees := _degrees(right, signals, quality)) is not None:
-        finding, right = degrees
-        findings.append(finding)
-        signals = signals_of(right)
-        quality = check_recording(right, commanded)
     low, high = quantiles(signals.angle, 0.005, 0.995)
     if high - low < STILL:
         text = (
@@ -56,13 +62,15 @@ def examined(recording: Recording, commanded: Commanded | None = None) -> Qualit
     fit = None if signals.torque is None else quick_fit(right, signals)
     if fit is None:
         return _together(quality, findings)
-    turned, with_signs = _signs(right, signals, fit)
-    if turned:
+    wrong, with_signs = _signs(right, signals, fit)
+    if wrong:
         if with_signs is not right:
             quality = check_recording(with_signs, commanded)
-        return _together(quality, [*findings, *turned], but=("torque-sign",))
+        return _together(quality, [*findings, *wrong], but=("torque-sign",))
     lags = [f for f in quality.findings if f.code in ("electrode-lag", "emg-torque-lag")]
     false = [lag for lag in lags if not _explains(lag, right, signals, fit)]
+    if fit.r2 >= EXPLAINS:  # and no other signs explain clearly more
+        false += [f for f in quality.findings if f.code == "torque-sign"]
     constant = next((f for f in quality.findings if f.code == "torque-offset"), None)
     if constant is None:
         findings += _zero(right, signals, fit)
@@ -83,57 +91,38 @@ def _together(quality: Quality, findings: list[Finding], but: tuple[str, ...] = 
     return replace(quality, findings=ordered([*findings, *kept]), skipped=skipped)
 
 
-def _degrees(
-    recording: Recording, signals: Signals, quality: Quality
-) -> tuple[Finding, Recording] | None:
-    """Radians taken for degrees: a small angle that explains the torque when it is made larger."""
-    claimed = next((f for f in quality.findings if f.code == "angle-units"), None)
-    if claimed is None or np.ptp(signals.angle) > STILL * 1.5 or signals.torque is None:
-        return None
-    right = scaled(recording, "angle", float(np.rad2deg(1.0)))
-    before, after = quick_fit(recording, signals), quick_fit(right, signals_of(right))
-    if before is None or after is None or after.r2 < max(_EXPLAINS, before.r2):
-        return None
-    rises = f"with the larger angle R² rises from {percent(before.r2)} to {percent(after.r2)}"
-    return replace(claimed, message=f"{claimed.message[:-1]}: {rises}."), right
-
-
 def _signs(
     recording: Recording, signals: Signals, first: QuickFit
 ) -> tuple[list[Finding], Recording]:
-    """Findings about the signs, none where they are right, and the recording with them right."""
+    """What is turned or swapped, nothing where it is right, and the recording with that right."""
     if first.r2 >= _GOOD:
         return [], recording
-    fits = {
-        (a, t): fit
-        for a, t in ((-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
-        if (fit := quick_fit(recording, signals, angle=a, torque=t)) is not None
-    }
-    best = max(fits.values(), key=lambda fit: fit.r2, default=first)
-    if best.r2 < _EXPLAINS or first.left < _CLEARLY * best.left:
+    as_it_is = Explanation("", departures=0, fit=first)
+    others = [turned(-1.0, 1.0), turned(1.0, -1.0), turned(-1.0, -1.0)]
+    if "ta" in signals.fast:
+        others += [swapped("ta", muscle) for muscle in MUSCLES[1:] if muscle in signals.fast]
+    tries = [tried(recording, signals, each) for each in others]
+    good = possible([as_it_is, *tries])
+    if not good or as_it_is in good:
         return [], recording
-    possible = [signs for signs, fit in fits.items() if fit.left < _CLEARLY * best.left]
-    each = dict(zip(("angle", "torque"), zip(*possible, strict=True), strict=True))
-    turned = [name for name, signs in each.items() if max(signs) < 0.0]
-    unsure = [name for name, signs in each.items() if min(signs) < 0.0 < max(signs)]
-    numbers = f"R² rises from {percent(first.r2)} to {percent(best.r2)}"
-    if not turned:
-        turned = ["angle", "torque"]
-        text = f"The angle or the torque is turned: with one sign = −1 {numbers}; "
+    span, best = span_of(signals.time), good[0]
+    codes = {role: f"{role}-sign" for role in best.right.sign} or {"emg_ta": "electrodes-swapped"}
+    if len(good) > 1:
+        words = " or ".join(each.words for each in good)
+        numbers = f"R² rises from {percent(first.r2)} to {percent(best.r2)}"
+        text = f"{words[:1].upper()}{words[1:]}: with one of these {numbers}; "
         text += "which of them, the data cannot tell."
         advice = "Find out which: the angle is positive in dorsiflexion, the torque when the "
-        advice += "triceps pulls."
+        advice += "triceps pulls, and each electrode is on the muscle that it is called by."
     else:
-        also, sign = (" and so is the torque", "both signs") if len(turned) > 1 else ("", "sign")
-        text = f"The {turned[0]} is turned{also}: with {sign} = −1 {numbers}"
-        text += f"; whether the {unsure[0]} is too, the data cannot tell." if unsure else "."
-        advice = f"Write sign = -1 for the {' and the '.join(turned)} in the TOML."
-        for name in turned:
-            recording = scaled(recording, name, -1.0)
-    texts = zip(turned, (text, "The torque is turned, too: see angle-sign."), strict=False)
+        numbers = compared(best, as_it_is, [each for each in tries if each is not best])
+        text = f"{best.words[:1].upper()}{best.words[1:]}: {numbers}."
+        advice = best.right.lines(recording)
+        recording = best.right(recording)
+    texts = zip(codes.items(), (text, "The torque is turned, too: see angle-sign."), strict=False)
     return [
-        make_finding(f"{name}-sign", name, span_of(signals.time), best.r2, message, advice=advice)
-        for name, message in texts
+        make_finding(code, role, span, best.r2, message, advice=advice)
+        for (role, code), message in texts
     ], recording
 
 

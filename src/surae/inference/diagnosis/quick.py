@@ -47,14 +47,12 @@ def quick_fit(
     recording: Recording,
     signals: Signals,
     *,
-    angle: float = 1.0,
-    torque: float = 1.0,
     later: dict[str, float] | None = None,
     zero: bool = True,
 ) -> QuickFit | None:
     """Fit model 1.0 quickly to what a recording might be.
 
-    `angle` and `torque` are factors: signs or units; `later` is by how much the EMG of a muscle is
+    `signals` are those of what it might be; `later` is by how much the EMG of a muscle is
     late [s], which is taken away; `zero` says whether the torque's zero is free. None where the
     model cannot be fitted to it.
     """
@@ -62,7 +60,7 @@ def quick_fit(
     rate = signals.rate_hz
     step = max(1, min(int(rate / _RATE), len(signals.time) // _SAMPLES))
     thin = slice(step // 2, None, step)
-    moved = angle * smooth(signals.angle, round(0.05 * rate))
+    moved = smooth(signals.angle, round(0.05 * rate))
     velocity = np.gradient(moved, 1.0 / rate)
     emg = np.zeros((len(signals.time), len(MUSCLES)))
     for muscle, envelope in signals.fast.items():
@@ -73,7 +71,7 @@ def quick_fit(
                 level = shifted(level, -round(later[muscle] * rate))
             emg[:, MUSCLES.index(muscle)] = smooth(level, step)
     silent = [f"g{k + 1}" for k in range(len(MUSCLES)) if not emg[:, k].any()]
-    measured = read_only(torque * signals.torque[thin])
+    measured = read_only(signals.torque[thin])
     inputs = ModelInputs(
         recording.name,
         rate / step,
@@ -108,7 +106,7 @@ def quick_fit(
             move=curved_move(problem), max_iterations=40, ftol=1e-3, stall=1e-3,
         )  # fmt: skip
         offset = float(np.mean(residuals.of(best.x)[0])) if zero else 0.0
-    return QuickFit(1.0 - best.sse / power, torque * offset) if np.isfinite(best.sse) else None
+    return QuickFit(1.0 - best.sse / power, offset) if np.isfinite(best.sse) else None
 
 
 def percent(r2: float) -> str:

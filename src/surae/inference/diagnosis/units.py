@@ -5,16 +5,23 @@ from dataclasses import replace
 import numpy as np
 
 from surae.base.frozen import read_only
-from surae.inference.diagnosis.quick import percent, quick_fit
+from surae.inference.diagnosis.explanations import Explanation, compared, possible, tried
 from surae.quality import Finding
 from surae.quality.finding import make_finding
 from surae.quality.numeric import quantile, quantiles, span_of
 from surae.quality.registry import unfit
 from surae.quality.trial import signals_of
 from surae.recording import MUSCLE_NAMES, MUSCLES, Recording
+from surae.recording.corrections import Corrections
 
 #: Torque of an ankle [Nm] and duration [s] and rate [Hz] of a trial: least and most.
 _TORQUES, _SECONDS, _RATES = (1.0, 400.0), (2.0, 3600.0), (20.0, 50_000.0)
+#: A torque that stays below this [Nm] may be per kilogram: 1 to 2 Nm/kg are an ankle's most in
+#: walking and jumping (Winter 2009), while gravity alone turns a foot by 2 to 4 Nm.
+_SMALL = 4.0
+#: Body mass [kg] for which per kilogram is tried, and the units that a torque may be in.
+_BODY, _PER_KG = 70.0, "per kilogram of body mass"
+_UNITS = {"in mNm": 1e-3, "in kNm": 1e3, _PER_KG: _BODY}
 #: No two muscles of a leg differ by this factor.
 _MUSCLES = 100.0
 #: The largest EMG that skin gives [V], and the largest of any amplifier's output.
@@ -69,30 +76,42 @@ def _time_unit(recording: Recording) -> _Righted | None:
 
 
 def _torque_unit(recording: Recording) -> _Righted | None:
-    """A torque in mNm or kNm that is declared as Nm."""
+    """A torque in mNm, in kNm or per kilogram that is declared as Nm."""
     if (torque := recording.channels.get("torque")) is None:
         return None
-    top = quantile(np.abs(torque.values), 0.99)
-    least, most = _TORQUES
-    for unit, factor in (("mNm", 1e-3), ("kNm", 1e3)):
-        if least <= top <= 2.0 * most or not least <= top * factor <= most:
-            continue
-        right = scaled(recording, "torque", factor)
-        fits = [
-            quick_fit(each, signals_of(each), zero=False)
-            for each in (recording, right)
-            if unfit(each) is None
-        ]
-        numbers = " to ".join(percent(fit.r2) for fit in fits if fit is not None)
-        finding = make_finding(
-            "torque-unit", "torque", span_of(torque.time), top,
-            f"The torque reaches {top:.3g} Nm: taken as {unit}, {top * factor:.3g} Nm."
-            + (f" R² rises from {numbers}." if " to " in numbers else ""),
-            advice=f'Write unit = "{unit}" for the torque in the TOML, or multiply it by '
-            f"{factor:g}.",
-        )  # fmt: skip
-        return finding, right
-    return None
+    top, (least, most) = quantile(np.abs(torque.values), 0.99), _TORQUES
+    if _SMALL <= top <= 2.0 * most:
+        return None
+    others = [
+        Explanation(words, Corrections(scale={"torque": factor}))
+        for words, factor in _UNITS.items()
+        if least <= top * factor <= most
+    ]
+    as_it_is = Explanation("")
+    if unfit(recording) is None:
+        signals = signals_of(recording)
+        as_it_is, *others = (tried(recording, signals, each) for each in (as_it_is, *others))
+    good = possible([as_it_is, *others])
+    likely = [each for each in good or others if each is not as_it_is]
+    # Below what any ankle has in a trial worth fitting it is an error even where no fit can tell.
+    plausible = least <= top <= most
+    if not likely or (plausible and (as_it_is in good or not good)):
+        return None
+    best, *more = likely
+    text = f"The torque reaches {top:.3g} Nm, "
+    text += "more than any ankle makes: " if top > most else "too little for an ankle: "
+    if more:
+        text += f"the data cannot tell whether it is {' or '.join(each.words for each in likely)}."
+    else:
+        numbers = compared(best, as_it_is, [each for each in others if each is not best])
+        text += f"it is {best.words}{', ' if numbers else ''}{numbers}."
+    advice = best.right.lines(recording)
+    if best.words == _PER_KG:
+        advice += f" {_BODY:g} stands for the body mass in kg."
+    righted = recording if more else best.right(recording)
+    return make_finding(
+        "torque-unit", "torque", span_of(torque.time), top, text, advice=advice
+    ), righted
 
 
 def _emg_unit(recording: Recording) -> _Righted | None:

@@ -1,0 +1,137 @@
+"""An angle that no ankle has: degrees, jumps by a turn, another zero, each tried by a quick fit."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from surae.inference.diagnosis.explanations import Explanation, compared, possible, tried, turned
+from surae.quality import Finding
+from surae.quality.finding import make_finding
+from surae.quality.numeric import quantiles, span_of
+from surae.quality.position import HIGHEST, LOWEST
+from surae.quality.registry import unfit
+from surae.quality.trial import signals_of
+from surae.recording import Recording
+from surae.recording.corrections import Corrections, stated_unit
+from surae.base.units import FACTORS, FloatArray
+
+#: A range between these [rad] would be one of 20 to 115° had degrees been divided by 57 twice.
+_TWICE = (0.006, 0.035)
+#: A jump from one sample to the next by more than this part of a turn is one by a whole turn.
+_JUMP = 0.8
+#: Zeros that laboratories have [deg]: the neutral foot at 90° to the shank, at 180° to it. Others
+#: are tried in steps, but for those so close to one of these.
+_ZEROS, _STEP = (0.0, -90.0, 90.0, -180.0, 180.0), 15.0
+#: Part of the samples, at either end of the angle's values, that may lie anywhere.
+_STRAY = 0.001
+
+
+def wrong_angle(recording: Recording) -> tuple[Finding, Recording] | None:
+    """What is wrong with an angle that an ankle cannot have, and the recording with it put right.
+
+    The recording is as it was where the data cannot tell what its angle is.
+    """
+    channel = recording.channels["angle"]
+    low, high = float(channel.values.min()), float(channel.values.max())
+    noise = float(np.std(np.diff(channel.values))) > 0.5 * float(np.std(channel.values))
+    far = high > HIGHEST or low < LOWEST
+    if not far and (noise or not _TWICE[0] <= high - low <= _TWICE[1]):
+        return None
+    unit = stated_unit(channel)
+    whats = _far(channel.values, unit) if far else [_RADIANS]
+    tries = [(what, each) for what in whats for each in _signed(recording, what)]
+    as_it_is = Explanation("")
+    if "torque" in recording.channels and unfit(recording) is None:
+        signals = signals_of(recording)
+        as_it_is = tried(recording, signals, as_it_is)
+        tries = [(what, tried(recording, signals, each)) for what, each in tries]
+    good = possible([each for _, each in tries] + ([] if far else [as_it_is]))
+    if not far and (not good or as_it_is in good):
+        return None
+    left = [(what, each) for what, each in tries if each in good] or tries
+    fewest = min((what.departures for what, _ in left), default=0)
+    left = [(what, each) for what, each in left if what.departures == fewest]
+    named = {what.words: what for what, _ in left}
+    ends = " to ".join(f"{value / FACTORS['angle'][unit]:.3g}" for value in (low, high))
+    found = f"The angle goes from {ends} {unit}".replace("-", "−").replace(" deg", "°")
+    found += ", further than an ankle can" if far else ""
+    right, advice = recording, "Find out its unit and zero: 0 is the foot at 90° to the shank."
+    if len(named) == 1:
+        best = _certain(left, good)
+        others = [each for what, each in tries if what.words not in named]
+        numbers = compared(best, as_it_is, others)
+        text = f"{found}: {best.words}{': ' if numbers else ''}{numbers}."
+        right, advice = best.right(recording), best.right.lines(recording)
+        if best.words == _DEGREES.words:
+            advice = 'Name the column angle_deg, or write unit = "deg" in the TOML.'
+    elif named:
+        first, second, *_ = named.values()
+        text = f"{found}: the data cannot tell whether {first.words} or {second.words}."
+        advice += f" For the first: {first.right.lines(recording)}"
+    else:
+        text = f"{found}: neither another unit nor another zero makes it an ankle's."
+    value = max(abs(low), abs(high)) if far else high - low
+    span = span_of(channel.time)
+    return make_finding("angle-units", "angle", span, value, text, advice=advice), right
+
+
+_DEGREES = Explanation("these are degrees", Corrections(scale={"angle": float(np.deg2rad(1.0))}))
+_RADIANS = Explanation(
+    "these are radians taken for degrees", Corrections(scale={"angle": float(np.rad2deg(1.0))})
+)
+
+
+def _far(values: FloatArray, unit: str) -> Iterator[Explanation]:
+    """What an angle beyond an ankle's may be."""
+    jump = float(np.abs(np.diff(values)).max())
+    factor = FACTORS["angle"][unit]
+    bases = [Explanation("", departures=0)]
+    if unit == "rad":
+        bases.append(_DEGREES)
+    for base in tuple(bases):
+        turn = 2.0 * np.pi * (np.rad2deg(1.0) if base.words else 1.0)
+        if _JUMP * turn < jump < turn / _JUMP:
+            wrap = replace(base.right, wrap={"angle": float(turn / factor)})
+            words = " and ".join(filter(None, (base.words, "it jumps by a whole turn")))
+            bases.append(Explanation(words, wrap, base.departures + 1))
+    grid = np.arange(-180.0 + 2 * _STEP, 180.0, _STEP)
+    elsewhere = [x for x in grid if min(abs(x - zero) for zero in _ZEROS) > 1.5 * _STEP]
+    for base in bases:
+        for zero in (*_ZEROS, *elsewhere):
+            # The offset is in the unit that the angle has once it is scaled.
+            offset = zero if unit == "deg" else float(np.deg2rad(zero))
+            about = "about " if zero in elsewhere else ""
+            word = f"its zero lies at {about}{-zero:g}°".replace("-", "−") if zero else ""
+            words = " and ".join(filter(None, (base.words, word)))
+            departures = base.departures + (1 if zero else 0) + (1 if about else 0)
+            if words:
+                right = replace(base.right, offset={"angle": offset} if zero else {})
+                yield Explanation(words, right, departures)
+
+
+def _signed(recording: Recording, what: Explanation) -> Iterator[Explanation]:
+    """The same with each pair of signs with which an ankle can have the angle."""
+    angle = what.right(recording).channels["angle"].values
+    for sign in (1.0, -1.0):
+        low, high = quantiles(sign * angle, _STRAY, 1.0 - _STRAY)
+        if low < LOWEST or high > HIGHEST:
+            continue
+        for torque in (1.0, -1.0):
+            signs = turned(sign, torque)
+            if torque > 0.0 or "torque" in recording.channels:
+                words = " and ".join(filter(None, (what.words, signs.words)))
+                right = replace(what.right, sign=signs.right.sign)
+                yield Explanation(words, right, what.departures + signs.departures)
+
+
+def _certain(left: list[tuple[Explanation, Explanation]], good: list[Explanation]) -> Explanation:
+    """What is wrong for certain: with its signs where just one pair is possible, and right."""
+    what = left[0][0]
+    signed = [each for _, each in left]
+    if not good:
+        return what
+    if len(signed) == 1:
+        return signed[0]
+    best = max(signed, key=lambda each: each.r2)
+    return replace(what, fit=best.fit)

@@ -1,0 +1,78 @@
+"""What a recording might be instead, compared by what a quick fit makes of each possibility."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
+from surae.quality.trial import Signals, sampled
+from surae.recording import MUSCLE_NAMES, Recording
+from surae.recording.corrections import Corrections
+
+#: What is claimed must explain this much, and leave so many times less than what it is held
+#: against.
+EXPLAINS, CLEARLY = 0.8, 2.5
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """One way to read a recording: what would then be wrong with it, and what a fit says."""
+
+    words: str  #: Such as "the angle is turned"; empty for the recording as it is.
+    right: Corrections = field(default_factory=Corrections)  #: What puts it right.
+    departures: int = 1  #: How many things would be wrong.
+    fit: QuickFit | None = None  #: None where it was not tried, or no model can be fitted to it.
+
+    @property
+    def r2(self) -> float:
+        """What the fit explains; below everything where there is none."""
+        return -float("inf") if self.fit is None else self.fit.r2
+
+
+def tried(recording: Recording, signals: Signals, how: Explanation) -> Explanation:
+    """An explanation with its fit."""
+    channels = how.right(recording).channels
+    angle, torque = (
+        sampled(channels[role], signals.time, signals.rate_hz) for role in ("angle", "torque")
+    )
+    fast = dict(signals.fast)
+    for a, b in how.right.swap:
+        exchanged = {a: fast.get(b), b: fast.get(a)}
+        fast |= {muscle: each for muscle, each in exchanged.items() if each is not None}
+    fit = quick_fit(recording, replace(signals, angle=angle, torque=torque, fast=fast))
+    return replace(how, fit=fit)
+
+
+def possible(explanations: Iterable[Explanation]) -> list[Explanation]:
+    """Those that no other is clearly better than, the best first; none where none explains much."""
+    ranked = sorted(explanations, key=lambda each: -each.r2)
+    if not ranked or ranked[0].fit is None or ranked[0].r2 < EXPLAINS:
+        return []
+    least = ranked[0].fit.left
+    return [each for each in ranked if each.fit is not None and each.fit.left < CLEARLY * least]
+
+
+def compared(best: Explanation, as_it_is: Explanation, others: Sequence[Explanation]) -> str:
+    """The numbers that an explanation is named by, the next best beside it."""
+    if best.fit is None:
+        return ""
+    text = f"with that R² rises from {percent(as_it_is.r2)} to {percent(best.r2)}"
+    if as_it_is.fit is None or as_it_is.r2 > best.r2:
+        text = f"R² is then {percent(best.r2)}"
+    next_best = max(others, key=lambda each: each.r2, default=None)
+    if next_best is not None and next_best.fit is not None:
+        text += f"; the next best, that {next_best.words}, reaches {percent(next_best.r2)}"
+    return text
+
+
+def turned(angle: float, torque: float) -> Explanation:
+    """Signs that may be the other way round."""
+    roles = [name for name, sign in (("angle", angle), ("torque", torque)) if sign < 0.0]
+    verb = "are" if len(roles) > 1 else "is"
+    words = f"the {' and the '.join(roles)} {verb} turned" if roles else ""
+    return Explanation(words, Corrections(sign=dict.fromkeys(roles, -1.0)), len(roles))
+
+
+def swapped(first: str, second: str) -> Explanation:
+    """Two muscles whose electrodes may have been exchanged."""
+    words = f"the electrodes of {MUSCLE_NAMES[first]} and {MUSCLE_NAMES[second]} are swapped"
+    return Explanation(words, Corrections(swap=((first, second),)))
