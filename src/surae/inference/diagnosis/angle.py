@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from surae.base.units import FACTORS, FloatArray
 from surae.inference.diagnosis.explanations import Explanation, compared, possible, tried, turned
 from surae.quality import Finding
 from surae.quality.finding import make_finding
@@ -14,7 +15,6 @@ from surae.quality.registry import unfit
 from surae.quality.trial import signals_of
 from surae.recording import Recording
 from surae.recording.corrections import Corrections, stated_unit
-from surae.base.units import FACTORS, FloatArray
 
 #: A range between these [rad] would be one of 20 to 115° had degrees been divided by 57 twice.
 _TWICE = (0.006, 0.035)
@@ -86,27 +86,29 @@ def _far(values: FloatArray, unit: str) -> Iterator[Explanation]:
     """What an angle beyond an ankle's may be."""
     jump = float(np.abs(np.diff(values)).max())
     factor = FACTORS["angle"][unit]
-    bases = [Explanation("", departures=0)]
+    bases = [(Explanation("", departures=0), 0.0)]
     if unit == "rad":
-        bases.append(_DEGREES)
-    for base in tuple(bases):
+        bases.append((_DEGREES, 0.0))
+    for base, _ in tuple(bases):
         turn = 2.0 * np.pi * (np.rad2deg(1.0) if base.words else 1.0)
         if _JUMP * turn < jump < turn / _JUMP:
             wrap = replace(base.right, wrap={"angle": float(turn / factor)})
             words = " and ".join(filter(None, (base.words, "it jumps by a whole turn")))
-            bases.append(Explanation(words, wrap, base.departures + 1))
+            # It may have begun a turn away.
+            turns = round(float(np.median(np.unwrap(values, period=turn))) / turn)
+            bases.append((Explanation(words, wrap, base.departures + 1), -360.0 * turns))
     grid = np.arange(-180.0 + 2 * _STEP, 180.0, _STEP)
     elsewhere = [x for x in grid if min(abs(x - zero) for zero in _ZEROS) > 1.5 * _STEP]
-    for base in bases:
+    for base, away in bases:
         for zero in (*_ZEROS, *elsewhere):
             # The offset is in the unit that the angle has once it is scaled.
-            offset = zero if unit == "deg" else float(np.deg2rad(zero))
+            offset = away + zero if unit == "deg" else float(np.deg2rad(away + zero))
             about = "about " if zero in elsewhere else ""
             word = f"its zero lies at {about}{-zero:g}°".replace("-", "−") if zero else ""
             words = " and ".join(filter(None, (base.words, word)))
             departures = base.departures + (1 if zero else 0) + (1 if about else 0)
             if words:
-                right = replace(base.right, offset={"angle": offset} if zero else {})
+                right = replace(base.right, offset={"angle": offset} if offset else {})
                 yield Explanation(words, right, departures)
 
 

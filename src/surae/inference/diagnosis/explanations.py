@@ -11,6 +11,9 @@ from surae.recording.corrections import Corrections
 #: What is claimed must explain this much, and leave so many times less than what it is held
 #: against.
 EXPLAINS, CLEARLY = 0.8, 2.5
+#: So many muscles that do nothing while their EMG shows effort make an explanation unlikely: of 24
+#: legs of other shapes, right ones had one at most, turned ones taken for swapped ones two.
+IDLE = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +51,10 @@ def possible(explanations: Iterable[Explanation]) -> list[Explanation]:
     if not ranked or ranked[0].fit is None or ranked[0].r2 < EXPLAINS:
         return []
     least = ranked[0].fit.left
-    return [each for each in ranked if each.fit is not None and each.fit.left < CLEARLY * least]
+    good = [e for e in ranked if e.fit is not None and e.fit.left < CLEARLY * least]
+    # Two muscles exchanged look like all signs turned, but for the muscles that are then idle.
+    busy = [each for each in good if each.fit is not None and each.fit.idle < IDLE]
+    return busy or good
 
 
 def compared(best: Explanation, as_it_is: Explanation, others: Sequence[Explanation]) -> str:

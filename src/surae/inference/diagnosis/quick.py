@@ -26,6 +26,8 @@ from surae.signals import ModelInputs
 _SAMPLES, _RATE = 500, 15.0
 #: An EMG whose highest level is not so many times its level at rest is at rest throughout.
 _ACTIVE = 2.5
+#: A muscle does nothing whose weight is below this part of the largest.
+_WEIGHTS, _IDLE = ("g1", "g2", "g3", "g4"), 0.01
 #: Largest level [V] to which the EMG is brought, whatever its unit: weights then suit their bounds.
 _FULL = 6e-4
 
@@ -36,6 +38,7 @@ class QuickFit:
 
     r2: float  #: R² about the mean, the torque's zero being free.
     zero: float  #: That zero [Nm].
+    idle: int = 0  #: How many muscles would do nothing while their EMG shows effort.
 
     @property
     def left(self) -> float:
@@ -106,7 +109,11 @@ def quick_fit(
             move=curved_move(problem), max_iterations=40, ftol=1e-3, stall=1e-3,
         )  # fmt: skip
         offset = float(np.mean(residuals.of(best.x)[0])) if zero else 0.0
-    return QuickFit(1.0 - best.sse / power, offset) if np.isfinite(best.sse) else None
+    if not np.isfinite(best.sse):
+        return None
+    weights = [x for name, x in zip(problem.free, best.x, strict=True) if name in _WEIGHTS]
+    idle = sum(weight < _IDLE * max(weights) for weight in weights)
+    return QuickFit(1.0 - best.sse / power, offset, idle)
 
 
 def percent(r2: float) -> str:

@@ -19,6 +19,8 @@ _TORQUES, _SECONDS, _RATES = (1.0, 400.0), (2.0, 3600.0), (20.0, 50_000.0)
 #: A torque that stays below this [Nm] may be per kilogram: 1 to 2 Nm/kg are an ankle's most in
 #: walking and jumping (Winter 2009), while gravity alone turns a foot by 2 to 4 Nm.
 _SMALL = 4.0
+#: Movement [rad] over which the passive torque alone grows by more than that.
+_MOVES = 0.35
 #: Body mass [kg] for which per kilogram is tried, and the units that a torque may be in.
 _BODY, _PER_KG = 70.0, "per kilogram of body mass"
 _UNITS = {"in mNm": 1e-3, "in kNm": 1e3, _PER_KG: _BODY}
@@ -93,14 +95,16 @@ def _torque_unit(recording: Recording) -> _Righted | None:
         as_it_is, *others = (tried(recording, signals, each) for each in (as_it_is, *others))
     good = possible([as_it_is, *others])
     likely = [each for each in good or others if each is not as_it_is]
-    # Below what any ankle has in a trial worth fitting it is an error even where no fit can tell.
-    plausible = least <= top <= most
-    if not likely or (plausible and (as_it_is in good or not good)):
+    plausible = least <= top <= most and (as_it_is in good or not good)
+    # Without gravity a fit of a small torque is as good: but no ankle moves so far with so little.
+    moved = float(np.ptp(recording.channels["angle"].values)) > _MOVES
+    if not likely or (plausible and not (moved and recording.fixed.get("m") == 0.0)):
         return None
     best, *more = likely
     text = f"The torque reaches {top:.3g} Nm, "
     text += "more than any ankle makes: " if top > most else "too little for an ankle: "
-    if more:
+    if more or plausible:
+        likely = [*likely, *([Explanation("in Nm and slight")] if plausible else ())]
         text += f"the data cannot tell whether it is {' or '.join(each.words for each in likely)}."
     else:
         numbers = compared(best, as_it_is, [each for each in others if each is not best])
@@ -108,10 +112,11 @@ def _torque_unit(recording: Recording) -> _Righted | None:
     advice = best.right.lines(recording)
     if best.words == _PER_KG:
         advice += f" {_BODY:g} stands for the body mass in kg."
-    righted = recording if more else best.right(recording)
+    righted = recording if more or plausible else best.right(recording)
     return make_finding(
-        "torque-unit", "torque", span_of(torque.time), top, text, advice=advice
-    ), righted
+        "torque-unit", "torque", span_of(torque.time), top, text, advice=advice,
+        severity="warning" if plausible else "error",
+    ), righted  # fmt: skip
 
 
 def _emg_unit(recording: Recording) -> _Righted | None:
