@@ -178,12 +178,6 @@ def test_a_torque_at_the_limit_of_a_stated_device(recording) -> None:
     assert "the limit of 30 Nm" in finding.message
 
 
-def test_radians_taken_for_degrees(recording) -> None:
-    small = np.deg2rad(recording.channels["angle"].values)
-    finding = only(check_recording(changed(recording, "angle", small)), "angle-units")
-    assert "angle_rad" in finding.advice
-
-
 def test_an_isometric_trial_has_no_wrong_unit(recording) -> None:
     rng = np.random.default_rng(2)
     still = 0.1 + 0.003 * rng.standard_normal(recording.channels["angle"].time.size)

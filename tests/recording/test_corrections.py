@@ -69,7 +69,10 @@ def test_the_lines_of_a_correction_do_what_it_does(file, tmp_path) -> None:
     np.testing.assert_allclose(surae.read(file, mapping=mapping).channels["angle"].values, wanted)
     written("sign = -1\noffset = -80\nscale = 2")
     words = options.removesuffix(".").split()
-    given = {n[2:]: {"angle": float(v.split("=")[1])} for n, v in zip(words[::2], words[1::2], strict=True)}
+    given = {
+        n[2:]: {"angle": float(v.split("=")[1])}
+        for n, v in zip(words[::2], words[1::2], strict=True)
+    }
     same = surae.read(file, mapping=mapping, **given)
     np.testing.assert_allclose(same.channels["angle"].values, wanted)
 

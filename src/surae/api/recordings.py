@@ -17,11 +17,12 @@ from surae.quality import (
     of_joint,
     recording_of,
     recording_or_findings,
+    used,
 )
 from surae.recording import Recording, csv_columns, read, write_csv
 from surae.recording.dataframe import DataFrame, of_frame
 from surae.settings import FitSettings
-from surae.signals import ModelInputs, normalised, prepare
+from surae.signals import ModelInputs, Weighting, normalised, prepare
 from surae.studies import Imperfections, virtual_recording, virtual_subject
 
 #: A recording in any form: read, prepared, the path of its file, or a DataFrame with the columns of
@@ -129,6 +130,7 @@ def check(
     commanded: Commanded | PathLike | None = None,
     prepared: bool = False,
     joint: Joint | PathLike | None = None,
+    exclude: Sequence[Sequence[float]] = (),
 ) -> Quality:
     """Look for faults in a recording before it is fitted.
 
@@ -145,6 +147,8 @@ def check(
         whatever the file says of its EMG.
     joint : Joint or path, optional
         Another joint than the ankle: its words, and no check by limits of ankles.
+    exclude : sequence of (float, float)
+        Windows, start and end [s], that a fit leaves out: no check looks at them.
 
     Returns
     -------
@@ -172,9 +176,9 @@ def check(
     if isinstance(measured, Quality):
         quality = measured
     elif own in (None, ANKLE):
-        quality = examined(measured, protocol)
+        quality = examined(measured, protocol, exclude)
     else:
-        quality = of_joint(check_recording(measured, protocol), own)
+        quality = of_joint(check_recording(used(measured, exclude)[0], protocol), own)
     if not prepared:
         return quality
     right = tuple(f for f in quality.findings if (f.code, f.severity) != ("emg-kind", "warning"))
@@ -183,4 +187,8 @@ def check(
 
 def check_for(settings: FitSettings, recording: AnyRecording) -> Quality:
     """Findings of a recording that is fitted with these settings; see `check`."""
-    return check(recording, prepared=settings.prepared, joint=settings.options.anatomy)
+    counts = settings.weights if isinstance(settings.weights, Weighting) else Weighting()
+    return check(
+        recording, prepared=settings.prepared, joint=settings.options.anatomy,
+        exclude=[(start, end) for start, end, weight in counts.windows if weight == 0.0],
+    )  # fmt: skip

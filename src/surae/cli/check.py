@@ -9,7 +9,7 @@ import click
 
 from surae import api
 from surae.base.files import shown
-from surae.cli.options import MAPPING, corrections
+from surae.cli.options import EXCLUDE, MAPPING, corrections
 from surae.cli.paths import check_recordings
 from surae.cli.progress import work
 from surae.cli.screen import show_answer, show_line
@@ -19,6 +19,7 @@ from surae.cli.screen import show_answer, show_line
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
 @MAPPING
 @corrections
+@EXCLUDE
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
 @click.option("--strict", is_flag=True, help="Exit with 1 if there is a warning or an error.")
 @click.option("--prepared", is_flag=True, help="The signals are used as they are: see `fit`.")
@@ -27,6 +28,7 @@ from surae.cli.screen import show_answer, show_line
 def command(
     recordings: tuple[str, ...], mapping: str | None, as_json: bool, strict: bool, prepared: bool,
     commanded: str | None, joint: str | None, corrections: dict[str, Any],
+    exclude: tuple[tuple[float, float, float], ...],
 ) -> int:  # fmt: skip
     """Look for faults in recordings before they are fitted.
 
@@ -43,7 +45,9 @@ def command(
             progress.describe(f"reading and checking {path}")
             as_it_is = mapping is None and not corrections
             recording = path if as_it_is else api.read(path, mapping=mapping, **corrections)
-            quality = api.check(recording, commanded=protocol, prepared=prepared, joint=joint)
+            quality = api.check(
+                recording, commanded=protocol, prepared=prepared, joint=joint, exclude=exclude
+            )
             qualities.append(quality)
     if as_json:
         click.echo(json.dumps(_plain(recordings, qualities), ensure_ascii=False, indent=2))

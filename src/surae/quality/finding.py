@@ -199,6 +199,8 @@ _KINDS = (
     FindingKind("time-jitter", "time stamps that scatter or go back",
         "Take the time from the sample counter of the device, not from the computer's clock.",
         unit="s"),
+    FindingKind("not-used", "samples that no fit reads: another channel has ended",
+        "Nothing, if that is meant: no check looks at them.", "info", "s"),
     FindingKind("samples-missing", "samples that are not numbers",
         "Cut the recording to a part without them; no fit reads such a file.", "error"),
     FindingKind("trial-too-short", "trials too short for the relaxation",

@@ -1,6 +1,6 @@
 """Findings of the checks and of quick fits together: a sign, a zero or a lag is tried by a fit."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,10 +23,11 @@ from surae.quality.numeric import quantiles, span_of
 from surae.quality.registry import ordered, unfit
 from surae.quality.torque import GRAVITY
 from surae.quality.trial import Signals, signals_of
+from surae.quality.used import used
 from surae.recording import MUSCLES, Recording
 
 #: R² from which on nothing else is tried.
-_GOOD = 0.99
+_GOOD = 0.995
 #: Part of what a fit leaves that shifting the EMG must take away before a lag is claimed.
 _SHIFT_GAIN = 0.03
 #: An angle that keeps within this [rad] for all but a hundredth of the time is held still.
@@ -37,16 +38,24 @@ _ZERO, _GOOD_ENOUGH, _ZERO_GAIN = 8.0, 0.9, 1.3
 _AGREED = 0.25
 
 
-def examined(recording: Recording, commanded: Commanded | None = None) -> Quality:
+def examined(
+    recording: Recording,
+    commanded: Commanded | None = None,
+    left_out: Iterable[Sequence[float]] = (),
+) -> Quality:
     """All findings of a recording: those of the checks, and what is wrong with signs and units.
 
     What is wrong is put right before the checks look, so that what follows from it is no finding.
-    `commanded` is the motion that the device was to follow.
+    Only what a fit reads is judged. `commanded` is the motion that the device was to follow,
+    `left_out` are windows (start and end [s]) that do not count.
     """
     findings, right = wrong_units(recording)
-    if "angle" in right.channels and (angle := wrong_angle(right)) is not None:
-        findings.append(angle[0])
-        right = angle[1]
+    if "angle" in right.channels:
+        right, beside = used(right, left_out)
+        findings += beside
+        if (angle := wrong_angle(right)) is not None:
+            findings.append(angle[0])
+            right = angle[1]
     quality = check_recording(right, commanded)
     if unfit(right) is not None:
         return _together(quality, findings)

@@ -1,0 +1,146 @@
+"""What a recording might be is named by what fits it best; what is right is left alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surae
+from surae.base.frozen import read_only
+from surae.protocol import Protocol, generate
+from surae.quality import recording_of
+from surae.recording import Recording
+from surae.signals import Weighting
+from surae.studies import virtual_subject, virtual_trial
+
+CLAIMS = {"angle-sign", "torque-sign", "angle-units", "torque-unit", "electrodes-swapped"}
+DEGREES = "trial.csv: angle_deg [deg]"
+
+
+@pytest.fixture(scope="module")
+def legs(tmp_path_factory) -> list[Recording]:
+    """Legs of another generator than ours, of families that depart from every model here."""
+    make = pytest.importorskip("ankle_legs.make")
+    folder = tmp_path_factory.mktemp("legs")
+    paths = [make.make(family, 7, folder)[0] for family in "afhk"]
+    return [surae.read(path) for path in paths]
+
+
+@pytest.fixture(scope="module")
+def recording() -> Recording:
+    motion = generate(Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=125.0))
+    return recording_of(virtual_trial(virtual_subject(1), motion, noise=0.05))
+
+
+def changed(recording: Recording, role: str, change, source: str | None = None) -> Recording:
+    channel = recording.channels[role]
+    values, source = read_only(change(channel.values)), source or channel.source
+    channel = replace(channel, values=values, source=source)
+    return replace(recording, channels={**recording.channels, role: channel})
+
+
+def swapped(recording: Recording, other: str) -> Recording:
+    ta, second = (recording.channels[f"emg_{muscle}"] for muscle in ("ta", other))
+    exchanged = {
+        "emg_ta": replace(second, role="emg_ta"),
+        f"emg_{other}": replace(ta, role=f"emg_{other}"),
+    }
+    return replace(recording, channels={**recording.channels, **exchanged})
+
+
+def claims(recording: Recording) -> dict[str, surae.quality.Finding]:
+    return {f.code: f for f in surae.check(recording).findings if f.code in CLAIMS}
+
+
+FAULTS = {
+    "zero at 90°": (
+        lambda r: changed(r, "angle", lambda v: v + np.pi / 2, DEGREES),
+        "angle-units", "--offset angle=-90.", "offset = -90 for the angle",
+    ),
+    "zero at 90°, turned": (
+        lambda r: changed(r, "angle", lambda v: np.pi / 2 - v, DEGREES),
+        "angle-units", "--offset angle=-90 --sign angle=-1.", "offset = -90 and sign = -1",
+    ),
+    "turned, in radians": (
+        lambda r: changed(r, "angle", lambda v: np.pi / 2 - v),
+        "angle-units", "--offset angle=-1.5708 --sign angle=-1.", "offset = -1.5708",
+    ),
+    "wrapped": (
+        lambda r: changed(r, "angle", lambda v: np.mod(v, 2 * np.pi), DEGREES),
+        "angle-units", "--wrap angle=360", "wrap = 360",
+    ),
+    "swapped": (
+        lambda r: swapped(r, "sol"),
+        "electrodes-swapped", "--swap ta:sol.", 'swap = ["ta", "sol"]',
+    ),
+    "per kilogram": (
+        lambda r: changed(r, "torque", lambda v: v / 50),
+        "torque-unit", "--scale torque=70.", "scale = 70 for the torque",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_the_best_explanation_is_named_with_lines_that_work(legs, recording, name) -> None:
+    plant, code, option, line = FAULTS[name]
+    for right in (recording, legs[0], legs[3]):
+        told = claims(plant(right))
+        assert set(told) == {code}
+        assert option in told[code].advice
+        assert line in told[code].advice
+
+
+def test_right_recordings_are_not_claimed_to_be_anything_else(legs, recording) -> None:
+    for right in (recording, *legs):
+        assert claims(right) == {}
+
+
+def test_what_is_said_of_the_angle_has_the_runner_up_beside_it(legs) -> None:
+    turned = changed(legs[0], "angle", np.negative)
+    message = claims(turned)["angle-sign"].message
+    assert "the next best, that" in message
+    assert message.count("%") == 3
+
+
+@pytest.mark.parametrize("name", ["gait/walk36.toml", "dynamometer/PL_50_01.toml"])
+def test_measured_recordings_are_left_alone(shared, name) -> None:
+    assert claims(surae.read(shared / name)) == {}
+
+
+def test_a_joint_moment_per_kilogram_is_asked_about(shared) -> None:
+    """Without gravity no fit tells the unit: it is a question, and nothing is put right."""
+    gait = changed(surae.read(shared / "gait" / "walk36.toml"), "torque", lambda v: v / 70)
+    (finding,) = claims(gait).values()
+    assert (finding.code, finding.severity) == ("torque-unit", "warning")
+    assert "cannot tell" in finding.message
+    assert "per kilogram" in finding.message
+
+
+def test_only_what_is_used_is_judged(recording) -> None:
+    """Faults after the end of the other channels, and in windows that are left out."""
+
+    def junk(v):
+        return np.concatenate([v[:-400], v[-400:] - 2 * np.pi])
+
+    angle = changed(recording, "angle", junk).channels["angle"]
+    shorter = {
+        role: replace(c, time=read_only(c.time[:-500]), values=read_only(c.values[:-500]))
+        for role, c in recording.channels.items()
+    }
+    told = surae.check(replace(recording, channels={**shorter, "angle": angle}))
+    assert "angle-units" not in {f.code for f in told.findings}
+    (beside,) = (f for f in told.findings if f.code == "not-used")
+    assert (beside.severity, beside.channel) == ("info", "angle")
+    assert beside.end_s == pytest.approx(shorter["torque"].time[-1])
+
+    def within(v):
+        return np.where((np.arange(v.size) > 1000) & (np.arange(v.size) < 1100), 6.0, v)
+
+    faulty = changed(recording, "angle", within)
+    time = recording.channels["angle"].time
+    window = (float(time[1000]), float(time[1100]), 0.0)
+    assert "angle-units" in {f.code for f in surae.check(faulty).findings}
+    assert "angle-units" not in {f.code for f in surae.check(faulty, exclude=[window]).findings}
+    settings = surae.api.FitSettings.of("muscle", weights=Weighting((window,)))
+    found = {f.code for f in surae.api.check_for(settings, faulty).findings}
+    assert not {"angle-units", "position-steps"} & found
