@@ -16,6 +16,7 @@ from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.fascicles import fascicles_of
 from surae.inference.residual import centred_r2, counted
+from surae.inference.softening import softening
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.laboratory import group_of
 from surae.recording import MUSCLES
@@ -75,6 +76,7 @@ def judge_adequacy(result: FitResult) -> Adequacy:
         *_laboratory(result),
         *_agreement(inputs, residuals, r2),
         *_films(result),
+        *_softened(result),
     ]
     return _graded(reasons, r2)
 
@@ -191,6 +193,18 @@ def _films(result: FitResult) -> Iterator[_Reason]:
                     f"{film.channel} of {film.recording}: the film shows the muscle move "
                     f"otherwise than the model, by {away:.1f} mm (standard deviation): {why}"
                 ),
+            )
+
+
+def _softened(result: FitResult) -> Iterator[_Reason]:
+    """What is told is to hold for the leg as it stays: conditioned, as after several stretches."""
+    for each in softening(result):
+        if each.is_seen:
+            yield (
+                False,
+                f"{each.recording}: passive tissue was {100.0 * each.size:.0f} % stiffer in the "
+                "first stretches than in the last: it softened within the trial. Stretch it a few "
+                "times before, or leave the first stretches out",
             )
 
 

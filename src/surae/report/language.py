@@ -53,6 +53,7 @@ REASONS = {
     "at a bound": N_("a value lies at the end of what is allowed"),
     "implausible; check electrodes": N_("a value is implausible; check electrodes and set-up"),
     "is not followed (R²": N_("the model does not follow one of the trials"),
+    "it softened within the trial": N_("the leg softened during the trial"),
     "the film shows the muscle move": N_("the film shows the muscle move otherwise than the model"),
 }
 
