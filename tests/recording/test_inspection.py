@@ -300,3 +300,55 @@ def test_units_in_headings_are_units_that_the_file_states(tmp_path):
     (tmp_path / "map.toml").write_text(text.replace('unit = "deg"', 'unit = "rad"'))
     with pytest.raises(InputError, match=r"unit 'rad' contradicts .* states 'deg'"):
         read(tmp_path / "map.toml")
+
+
+def c3d_of(tmp_path, labels, descriptions, signals):
+    import ezc3d
+
+    file = ezc3d.c3d()
+    file["parameters"]["POINT"]["RATE"]["value"] = [100.0]
+    analog = file["parameters"]["ANALOG"]
+    analog["RATE"]["value"] = [1000.0]
+    analog["LABELS"]["value"], analog["UNITS"]["value"] = labels, ["V"] * len(labels)
+    analog["DESCRIPTIONS"] = {"type": -1, "description": "", "is_locked": False,
+                              "value": descriptions}  # fmt: skip
+    file["data"]["analogs"] = np.stack(signals)[None]
+    file["data"]["points"] = np.ones((4, 0, len(signals[0]) // 10))
+    file.write(str(tmp_path / "x.c3d"))
+    return inspect(tmp_path / "x.c3d")
+
+
+def test_the_descriptions_of_a_c3d_say_roles_and_dead_inputs_are_told_apart(tmp_path):
+    rng = np.random.default_rng(3)
+    labels = [f"Voltage.{k}" for k in range(1, 5)]
+    signals = [np.zeros(1000), 1e-4 * rng.normal(size=1000), np.zeros(1000), np.zeros(1000)]
+    signals[3][::7] = 1e-6  # the last step of a converter
+    inspection = c3d_of(tmp_path, labels, ["Analog EMG::Voltage [1,1]"] * 4, signals)
+    assert {c.column for c in inspection.open["emg_sol"]} == {"Voltage.2"}
+    assert [c.alive for c in inspection.channels] == [False, True, False, False]
+    assert "not connected?" in inspection.channels[0].remark
+    assert not {"emg_ta", "emg_sol"} & {*inspection.missing}
+    described = ["Analog EMG::Soleus", "Tibialis anterior", "x", "y"]
+    named = c3d_of(tmp_path, labels, described, [*signals[1:2]] * 4)
+    assert (named.roles["emg_sol"].column, named.roles["emg_ta"].column) == (
+        "Voltage.1",
+        "Voltage.2",
+    )
+    assert "in its description" in named.roles["emg_sol"].guess.rule
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "says"),
+    [
+        ("x.adicht", b"\0" * 200, "LabChart.*MATLAB"),
+        ("x.smr", b"\0\0(C) CED 87" + b"\0" * 100, "Spike2"),
+        ("x.npy", b"\x93NUMPY\x01\0" + b"\0" * 100, "savetxt"),
+        ("x.csv.gz", b"\x1f\x8b\x08\0" + b"\0" * 100, "unpack"),
+        ("x.pkl", b"\x80\x04\x95" + b"\0" * 100, "may run code"),
+        ("x.vhdr", b"Brain Vision Data Exchange Header File Version 1.0\n", "EDF"),
+    ],
+)
+def test_what_is_not_read_is_named_with_how_to_export_it(tmp_path, name, data, says):
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(InputError, match=says):
+        inspect(tmp_path / name)

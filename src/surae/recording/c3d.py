@@ -293,6 +293,7 @@ def _channels(
         yield Parsed(
             name, values, (0.0, rate_hz), "".join(units[index : index + 1]),
             "; ".join(filter(None, remarks)), refused,
+            description="".join(described[index : index + 1]),
         )  # fmt: skip
 
 

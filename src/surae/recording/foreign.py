@@ -41,6 +41,7 @@ class Parsed:
     remark: str = ""  #: What a user should know of it.
     refused: str = ""  #: Why it must not be used; empty where it may be.
     time_name: str = "time"  #: What the file calls its times.
+    description: str = ""  #: What the file says of it beside its name.
 
 
 def packed(columns: Sequence[Parsed]) -> dict[str, Any]:
@@ -103,6 +104,7 @@ def foreign_table(source: Source, format_name: str, module: str) -> Table:
         lambda wanted: {name: loaded(name) for name in wanted},
         units={name: column.unit for name, column in by_name.items() if column.unit},
         remarks={name: column.remark for name, column in by_name.items() if column.remark},
+        descriptions={name: c.description for name, c in by_name.items() if c.description},
     )  # fmt: skip
 
 

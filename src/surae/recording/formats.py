@@ -24,6 +24,7 @@ from surae.recording import (
     parquet,
     poly5,
     trigno,
+    unread,
     vicon,
     xdf,
 )
@@ -89,6 +90,8 @@ def open_table(source: Source, *, timed: bool = True) -> Table:
     """
     source = source.in_utf8()
     form = next((form for form in chain(FORMATS, _plugins()) if form.recognises(source)), None)
+    if form is None and (known := unread.named(source)):
+        raise InputError(known)
     table = form.open_table(source) if form else delimited.open_table(source)
     if timed and not table.time_name:
         row = "" if table.header is None else f"row {table.header}: "
@@ -121,6 +124,7 @@ def _printable(table: Table) -> Table:
         table, names=names, load=load, time_name=cleaned(table.time_name),
         units={cleaned(name): cleaned(unit) for name, unit in table.units.items()},
         remarks={cleaned(name): cleaned(text, 1000) for name, text in table.remarks.items()},
+        descriptions={cleaned(name): cleaned(text) for name, text in table.descriptions.items()},
         notes={key: cleaned(text) for key, text in table.notes.items()},
     )  # fmt: skip
 

@@ -13,6 +13,7 @@ from surae.base.files import PathLike, paths_of, shown
 from surae.base.frozen import FrozenDict
 from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
+from surae.base.units import FloatArray
 from surae.recording.channels import gaps_of, stated_unit, written_unit
 from surae.recording.described import LONGEST_BRIDGE_S
 from surae.recording.emg_kind import Look, contradiction, look_of, relation
@@ -33,6 +34,8 @@ from surae.recording.source import open_source
 from surae.recording.table import Column, Sampling, Table, load_each, sampling_of, some
 
 _SIDES = ("left", "right")
+#: A dead input takes so many of its converter's steps at most; so many samples show them.
+_DEAD, _LOOKED_AT, _FEW = 3.0, 5000, 100
 #: What differs between rules of the same kind.
 _NUMBER = re.compile(r"\d+")
 
@@ -62,6 +65,7 @@ class InspectedChannel:
     #: Longest gap [s] that a straight line would have to fill for it to be usable; 0 where
     #: that would not do.
     bridge_s: float = 0.0
+    alive: bool = True  #: False where its samples never change, as of an input with no sensor.
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -226,6 +230,10 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
         table.remarks.get(name, "") if usable else f"{count} columns have this name: rename one"
     ]
     guess = guess_role(name, unit)
+    if (guess is None or guess.role is None) and (told := table.descriptions.get(name)):
+        by_it = guess_role(told, unit)
+        if by_it is not None and (guess is None or by_it.role is not None):
+            guess = replace(by_it, rule=f"{by_it.rule}, in its description")
     if isinstance(column, InputError):
         reason = str(column).removeprefix(f"{table.file}: ").removeprefix(f"column {name!r}: ")
         remark = "; ".join(filter(None, (reason, *remarks)))
@@ -260,12 +268,15 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
     look = look_of(column.time, column.values) if emg else None
     if look is not None and not column.time_name:  # how fast it changes is not known
         look = replace(look, rule="positive and negative") if look.kind == "raw" else None
+    alive = role in ("angle", "torque") or len(finite) < _FEW or _is_alive(finite)
+    if not alive:
+        remarks.insert(0, "it never changes by more than its own steps: not connected?")
     end_s = None if sampling.start_s is None else float(column.time[-1])
     low, high = (float(finite.min()), float(finite.max())) if len(finite) else (None, None)
     return InspectedChannel(
         path, name, unit, known_unit, scale, sampling.n, sampling.rate_hz, sampling.start_s, end_s,
         low, high, guess, look,
-        "; ".join(filter(None, remarks)), usable and sampling.n > 1, bridge_s,
+        "; ".join(filter(None, remarks)), usable and sampling.n > 1, bridge_s, alive,
     )  # fmt: skip
 
 
@@ -291,6 +302,13 @@ def _of_their_joint(channels: Sequence[InspectedChannel]) -> list[InspectedChann
             changed["guess"] = replace(guess, confidence="possible", rule=rule)
         judged.append(replace(channel, **changed))
     return judged
+
+
+def _is_alive(values: FloatArray) -> bool:
+    """Whether a signal is more than the steps of a converter to which nothing is connected."""
+    low, high = float(values.min()), float(values.max())
+    levels = np.unique(values[:: max(len(values) // _LOOKED_AT, 1)])
+    return low < high and (len(levels) < 2 or high - low > _DEAD * float(np.diff(levels).min()))
 
 
 def _plain_candidates(
@@ -335,6 +353,7 @@ def _assigned(
         if plain[role]:
             continue
         vague = [c for c in fitting if c.usable and c.guess and role in c.guess.roles]
+        vague = [c for c in vague if c.alive] or vague
         unusable = _plain_candidates(fitting, role, usable=False)
         if vague or unusable:
             open_roles[role] = (*unusable, *vague)

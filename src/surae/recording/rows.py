@@ -21,6 +21,8 @@ _CLOCK = re.compile(
     r"(?: ?([AaPp])\.?[Mm]\.?)?Z?",
     re.ASCII,
 )
+#: Texts that pyarrow reads [bytes], and how much of one at a time.
+_LARGE, _BLOCK = 2**23, 2**24
 _HALF_A_DAY = 43200.0
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 
@@ -49,6 +51,8 @@ class Rows:
                 f"{self.source.shown}: row {self.header}: no samples follow the header"
             )
         number, line = first
+        if (table := self._by_arrow(wanted)) is not None:
+            return table
         lines = chain((line,), islice(self.source.lines(), number, None))
         rows = (line for line in lines if (text := line.lstrip()) and text[0] != "#")
         try:  # NumPy's parser takes rows with a number in every cell
@@ -61,6 +65,45 @@ class Rows:
         except (ValueError, csv.Error):
             pass
         return self._load(wanted)
+
+    def _by_arrow(self, wanted: Sequence[int]) -> FloatArray | None:
+        """A large file's columns, which pyarrow reads ten times as fast; None where it cannot.
+
+        It rounds as NumPy does; whatever it refuses is read line by line, and explained.
+        """
+        large = len(self.source.data) >= _LARGE and self.delimiter is not None
+        if not large or self.clock in wanted:
+            return None
+        try:
+            import pyarrow
+            from pyarrow import csv as arrow_csv
+        except ImportError:
+            return None
+        names = [str(index) for index in range(len(self.names))]
+        own = list(dict.fromkeys(names[index] for index in wanted))
+        columns = np.empty((len(own), self.source.data.count(b"\n") + 1))
+        n = 0
+        try:
+            with arrow_csv.open_csv(
+                pyarrow.BufferReader(self.source.data),
+                arrow_csv.ReadOptions(column_names=names, skip_rows=self.header, block_size=_BLOCK),
+                arrow_csv.ParseOptions(delimiter=self.delimiter),
+                arrow_csv.ConvertOptions(
+                    column_types=dict.fromkeys(own, pyarrow.float64()),
+                    include_columns=own,
+                    decimal_point=self.decimal,
+                ),
+            ) as reader:
+                for batch in reader:
+                    for place, values in zip(columns, batch.columns, strict=True):
+                        place[n : n + batch.num_rows] = values.to_numpy(zero_copy_only=False)
+                    n += batch.num_rows
+        except (pyarrow.ArrowException, ValueError):
+            return None
+        of = {name: columns[place, :n] for place, name in enumerate(own)}
+        if own == [names[index] for index in wanted]:
+            return columns[:, :n]
+        return np.array([of[names[index]] for index in wanted])
 
     def columns(self, wanted: Sequence[str], time: str, factor: float) -> dict[str, Column]:
         """The named columns with the times in column `time`, multiplied by `factor` to seconds.

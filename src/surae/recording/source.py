@@ -72,7 +72,8 @@ class Source:
         if b"\0" in self.data:
             raise InputError(
                 f"{self.shown}: the file is binary, in no format that is read here; supported: "
-                "CSV, TOML mapping, our HDF5, MATLAB, C3D, EDF/BDF, Poly5, XDF, Trigno, OpenSim"
+                "CSV, TOML mapping, our HDF5, MATLAB, C3D, EDF/BDF, Poly5, XDF, Trigno, OpenSim, "
+                "Nexus, LabVIEW, AcqKnowledge, Excel, Parquet; export one of these"
             )
         try:
             if not self.data.isascii():

@@ -182,6 +182,8 @@ class Table:
     #: What a user should know of a column, in half a sentence: that the file was cut short, that a
     #: scale was applied.
     remarks: Mapping[str, str] = field(default_factory=dict)
+    #: What the file says of a column beside its name, by which its role may show.
+    descriptions: Mapping[str, str] = field(default_factory=dict)
 
 
 def some(names: Iterable[str], most: int = 8) -> str:
