@@ -1,6 +1,7 @@
 """Parquet and Feather, the tables of pandas, Polars and R, read with pyarrow."""
 
 import io
+import os
 from typing import Any
 
 import numpy as np
@@ -27,12 +28,20 @@ def open_table(source: Source) -> Table:
 
 def parse(data: bytes, shown: str) -> dict[str, Any]:
     """The columns of a file; times are a column of that name, of numbers or of instants."""
+    # Within limits on memory: its own allocators and threads claim more than they use.
+    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
     feather = data.startswith(_FEATHER)
     arrow = optional("pyarrow", "Parquet", shown)
     reader = optional("pyarrow.ipc" if feather else "pyarrow.parquet", "Parquet", shown)
     with untrusted(shown):
+        arrow.set_cpu_count(1)
+        arrow.set_io_thread_count(1)
         buffer, is_ = io.BytesIO(data), arrow.types
-        table = reader.open_file(buffer).read_all() if feather else reader.read_table(buffer)
+        table = (
+            reader.open_file(buffer).read_all()
+            if feather
+            else reader.ParquetFile(buffer, pre_buffer=False).read(use_threads=False)
+        )
         kinds = {field.name: field.type for field in table.schema}
         numbers = [
             name for name, kind in kinds.items()

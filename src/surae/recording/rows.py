@@ -10,7 +10,7 @@ from itertools import chain, islice
 import numpy as np
 
 from surae.base.errors import InputError
-from surae.base.frozen import read_only
+from surae.base.frozen import freeze
 from surae.base.units import FloatArray
 from surae.recording.source import Source
 from surae.recording.table import Column, regular, some
@@ -126,12 +126,12 @@ class Rows:
             remark = "; ".join(filter(None, (f"{time!r} is a clock's: 0 s is its first", rounded)))
         elif time:
             seconds, remark = regular(data[0] * factor)
-        seconds = read_only(seconds)
+        seconds = freeze(seconds)
         return {
             name: Column(
                 name,
                 seconds,
-                read_only(values),
+                freeze(values),
                 time,
                 self.position,
                 self.reason(first[name]),

@@ -78,9 +78,10 @@ def open_table(source: Source) -> Table:
 
 def _times(frames: FloatArray, subs: FloatArray, section: _Section, shown: str) -> FloatArray:
     """Times [s] of samples, which must follow each other without a gap."""
-    each = float(subs.max()) + 1.0
-    counted = (frames - 1.0) * each + subs
-    if not (np.diff(counted) == 1.0).all() or not np.isfinite(counted).all():
+    with np.errstate(all="ignore"):
+        counted = (frames - 1.0) * (subs.max() + 1.0) + subs
+        follows = (np.diff(counted) == 1.0).all() and np.isfinite(counted).all()
+    if not follows:
         raise InputError(f"{shown}: {section.title}: frames are missing or out of order")
     return instants(float(counted[0]) / section.rate_hz, section.rate_hz, len(counted))
 

@@ -29,6 +29,12 @@ _LONGEST = 160
 _RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9¹²³]|lpt[0-9¹²³]|conin\$|conout\$) *(\.|$)", re.I)
 #: What says when the first frame of a film was, and how fast they follow.
 CLOCK = ("time", "start_s", "rate_hz")
+#: What the form is told of a column.
+COLUMN = ("low", "high", "usable", "bridge_s", "scale")
+#: What else a mapping says of a channel, as the form does.
+KEPT = ("column", "unit", "sign", "scale", "offset", "bridge_s")
+#: Signals that must be settled: measured, or left out aloud.
+NEEDED = api.ROLES[:6]
 #: Points of a preview.
 _PREVIEW = 200
 
@@ -94,7 +100,9 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
     taken = {id(channel): role for role, channel in inspection.roles.items()}
     columns = [
         {
-            **{key: getattr(channel, key) for key in ("low", "high", "usable")},
+            **{
+                key: getattr(channel, key) for key in ("low", "high", "usable", "bridge_s", "scale")
+            },
             "upload": ids[channel.file],
             "name": channel.column,
             "unit": channel.known_unit or channel.unit,
@@ -110,7 +118,7 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
             "column": channel.column,
             "unit": channel.known_unit,
             "sign": 1,
-            "scale": 1.0,
+            "scale": channel.scale,
             "offset": 0.0 if channel.look is None else channel.look.offset,
         }
         for role, channel in inspection.roles.items()
@@ -126,6 +134,7 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
             "channels": channels,
             "fixed": {weights[role]: 0.0 for role in silent},
             "prepare": {},
+            "open": [role for role in NEEDED if role in inspection.open],
         },
         "notes": list(inspection.advice),
         "ready": {"angle", "torque"} <= channels.keys()
@@ -149,7 +158,7 @@ def _of_mapping(name: str, ids: Mapping[str, str]) -> dict[str, Any]:
         if own.file is None or file_name(own.file) not in ids:
             missing.append(str(own.file))
             continue
-        kept = {key: getattr(own, key) for key in ("column", "unit", "sign", "scale", "offset")}
+        kept = {key: getattr(own, key) for key in KEPT}
         clock = {key: at for key in CLOCK if (at := getattr(own, key)) is not None}
         channels[role] = {"upload": ids[file_name(own.file)], **kept, **clock}
     mapping = {
@@ -260,7 +269,7 @@ def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
     channels = mapping["channels"]
     if mapping.get("emg") is None and any(role.startswith("emg_") for role in channels):
         raise InputError("EMG is raw or an envelope: choose which, its samples do not say")
-    kept = ("column", "unit", "sign", "scale", "offset", "zero", *CLOCK)
+    kept = (*KEPT, "zero", *CLOCK)
     described = {}
     for role, channel in channels.items():
         if channel["upload"] not in names:
@@ -270,7 +279,7 @@ def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
         described[role] |= {
             key: channel[key] for key in kept if key != left and channel.get(key) is not None
         }
-    whole = {key: mapping.get(key) for key in ("name", "emg", "side", "fixed", "prepare")}
+    whole = {key: mapping.get(key) for key in ("name", "emg", "side", "fixed", "prepare", "open")}
     return api.toml_text(
         {**{key: value for key, value in whole.items() if value is not None}, "channels": described}
     )

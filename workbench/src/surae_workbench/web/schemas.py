@@ -222,6 +222,7 @@ class ChannelEntry(Strict):
     time: Annotated[str, StringConstraints(max_length=500, pattern=r"^[^\x00]+$")] | None = None
     start_s: Number | None = None
     rate_hz: Annotated[float, Field(gt=0, lt=1e6)] | None = None
+    bridge_s: Annotated[float, Field(ge=0, le=1)] = 0.0  #: Longest gap that a line fills.
 
 
 class MappingTable(Strict):
@@ -233,6 +234,7 @@ class MappingTable(Strict):
     channels: Annotated[dict[Role, ChannelEntry], Field(min_length=1, max_length=len(api.ROLES))]
     fixed: Numbers = {}
     prepare: Annotated[dict[Name, bool | Number | Line], Field(max_length=20)] = {}
+    open: Annotated[list[Role], Field(max_length=len(api.ROLES))] = []  #: Not settled.
 
 
 class ImportRequest(Strict):

@@ -4,9 +4,10 @@ import { button, h, select, table } from "../core/dom.js";
 import { EMG, number, ofFilm, roleText, unitText } from "../core/format.js";
 import { sparkline } from "../plot/sparkline.js";
 
-export const emptyMapping = () => ({ name: "", emg: null, side: null, channels: {}, fixed: {}, prepare: {} });
+export const emptyMapping = () => ({ name: "", emg: null, side: null, channels: {}, fixed: {}, prepare: {}, open: [] });
 
 const NEEDED = ["angle", "torque", ...EMG];
+const OUT = "left out";
 /** What a number of a channel is that is left blank. */
 const BLANK = { scale: 1, offset: 0, start_s: null, rate_hz: null };
 
@@ -41,21 +42,26 @@ export function mappingTable(mapping, files, { roles, units }, changed) {
 function cells(role, mapping, files, units, changed) {
   const channel = mapping.channels[role] ?? null;
   const column = channel && files.find((f) => f.id === channel.upload)?.columns.find((c) => c.name === channel.column);
+  // Of a muscle that is in the file but not settled it must be said that it may be left out.
+  const weight = mapping.open?.includes(role) && EMG.includes(role) ? `g${EMG.indexOf(role) + 1}` : null;
   const choose = h(
     "select",
     { "aria-label": `Column of ${roleText(role)}`, "data-focus": `column-${role}` },
     h("option", { value: "" }, NEEDED.includes(role) ? "choose …" : "none"),
-    files.map((file, f) => h("optgroup", { label: file.name }, file.columns.map((c, i) => c.usable !== false && h("option", { value: `${f}/${i}` }, c.name)))),
+    files.map((file, f) => h("optgroup", { label: file.name }, file.columns.map((c, i) => (c.usable !== false || c.bridge_s > 0) && h("option", { value: `${f}/${i}` }, c.usable === false ? `${c.name} (a line over its gaps)` : c.name)))),
+    weight && h("option", { value: OUT }, "left out: silent"),
   );
   const at = channel ? files.findIndex((f) => f.id === channel.upload) : -1;
-  choose.value = at < 0 || !column ? "" : `${at}/${files[at].columns.indexOf(column)}`;
+  choose.value = weight && weight in mapping.fixed ? OUT : at < 0 || !column ? "" : `${at}/${files[at].columns.indexOf(column)}`;
   choose.addEventListener("change", () => {
     const [f, i] = choose.value.split("/").map(Number);
-    if (choose.value === "") delete mapping.channels[role];
+    if (weight) delete mapping.fixed[weight];
+    if (choose.value === OUT) mapping.fixed[weight] = 0;
+    if (choose.value === "" || choose.value === OUT) delete mapping.channels[role];
     else {
       const file = files[f];
       const one = file.columns[i];
-      mapping.channels[role] = { upload: file.id, column: one.name, unit: units.includes(one.unit) ? one.unit : units.length === 1 ? units[0] : null, sign: 1, scale: 1.0, offset: 0.0 };
+      mapping.channels[role] = { upload: file.id, column: one.name, unit: units.includes(one.unit) ? one.unit : units.length === 1 ? units[0] : null, sign: 1, scale: one.scale ?? 1.0, offset: 0.0, bridge_s: one.usable === false ? one.bridge_s : 0 };
     }
     changed();
   });
