@@ -3,10 +3,11 @@
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
-from typing import Any
 
 
-def lazy_names(package: str, source: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+def lazy_names(
+    package: str, source: str
+) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """Make `__getattr__` and `__dir__` of a package whose stub, the only list, names all it has."""
 
     @cache
@@ -23,7 +24,7 @@ def lazy_names(package: str, source: str) -> tuple[Callable[[str], Any], Callabl
             if alias.asname
         }
 
-    def load(name: str) -> Any:
+    def load(name: str) -> object:
         """Load a public name when it is first used."""
         if name == "__all__":
             return names()

@@ -51,3 +51,17 @@ def test_a_fit_imports_nothing_it_does_not_need(made) -> None:
     )
     assert "numba" in loaded
     assert loaded & {"matplotlib", "h5py", "joblib", "jinja2", "pydantic"} == set()
+
+
+def test_ctrl_c_while_it_is_being_imported_is_one_line() -> None:
+    code = (
+        "import sys\n"
+        "class Stop:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name == 'click': raise KeyboardInterrupt\n"
+        "sys.meta_path.insert(0, Stop())\n"
+        "from surae.__main__ import run\n"
+        "run()\n"
+    )
+    made = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (made.returncode, made.stderr) == (130, "surae: stopped by the user\n")

@@ -112,7 +112,7 @@ def relation(angle: Column, torque: Column) -> str:
     x, y = np.interp(time, *a), np.interp(time, *b)
     if x.min() == x.max() or y.min() == y.max():
         return ""
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         r = float(np.corrcoef(x, y)[0, 1])
     if not abs(r) >= _TOGETHER:
         return ""

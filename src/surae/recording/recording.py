@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
 import numpy.typing as npt
 
 from surae.base.errors import InputError
@@ -43,6 +44,14 @@ ROLES = (
 FILM_ROLES = tuple(role for role in ROLES if role.startswith(("fascicle_", "pennation_")))
 
 
+#: Largest values of a channel by its kind, in SI units: beyond these nothing was measured. Noise of
+#: an amplifier is above 1e-9 V, and a normalised EMG of 1e6 is in the wrong unit by any factor.
+_SIZES = {"angle": (1e-9, 1e5), "torque": (1e-9, 1e6), "emg": (1e-12, 1e9), "length": (1e-9, 1e5),
+          "angular_velocity": (1e-9, 1e7), "angular_acceleration": (1e-9, 1e9)}  # fmt: skip
+#: Seconds from sample to sample, on average: 10 MHz, and a sample in twelve days.
+_STEPS = (1e-7, 1e6)
+
+
 @dataclass(frozen=True, slots=True)
 class SourceFile:
     """A file that a recording was read from: its path as given and its SHA-256.
@@ -70,6 +79,25 @@ class Channel(Comparable):
     values: FloatArray
     unit: str  #: SI unit (`surae.base.units.SI`), or ``"1"`` for a normalised EMG envelope.
     source: str  #: Where it came from and what was applied: ``"ik.sto: ankle_angle_r [deg]"``.
+
+    def __post_init__(self) -> None:
+        """Refuse sizes and times of which a wrong unit, or no measurement, is the only reason."""
+        least, most = _SIZES.get(kind(self.role), _SIZES["angle"])
+        top = 0.0
+        if len(self.values):
+            top = max(float(np.fmax.reduce(self.values)), -float(np.fmin.reduce(self.values)))
+        if top > most or 0.0 < top < least:
+            raise InputError(
+                f"{self.source}: {self.role} is about {top:.0e} {self.unit}: wrong unit? Give the "
+                "right one, or a scale"
+            )
+        if len(self.time) > 1:
+            step = (self.time[-1] - self.time[0]) / (len(self.time) - 1)
+            if not _STEPS[0] < step < _STEPS[1] or abs(self.time[0]) > _STEPS[1] ** 2:
+                raise InputError(
+                    f"{self.source}: samples are about {step:.0e} s apart: wrong unit of time? "
+                    "Give the right one"
+                )
 
     @property
     def rate_hz(self) -> float:

@@ -5,7 +5,7 @@ from functools import partial
 
 import click
 
-from surae.base.errors import InputError
+from surae.base.errors import ComputationError, InputError
 from surae.base.files import shown
 from surae.cli.options import DASK, engine_of, workers_option
 from surae.cli.paths import check_outputs
@@ -66,6 +66,8 @@ def run_command(study: str, store: str, workers: int | None, dask: str | None, r
         f"{done.computed:,} computed now in {done.seconds:.1f} s{rate}"
     )
     _show_reasons(reasons)
+    if done.fits and sum(reasons.values()) >= done.fits:
+        raise ComputationError("every fit of the study failed, so it says nothing; see the reasons")
     show_line(f"table: surae study export {shown(store)} --output TABLE.csv")
 
 
