@@ -1,0 +1,71 @@
+"""Long recordings, thinned: windows in which much moves and works stand for all."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from surae.base.units import FloatArray
+from surae.recording import MUSCLES, Recording
+from surae.signals.inputs import ModelInputs
+
+#: A recording that lasts longer [s] is thinned to so many windows of that length [s]: for a family
+#: of models, whose fit takes a hundred times as long as a named one's, and for one model.
+FAMILY, ONE = (300.0, 3, 20.0), (900.0, 10, 60.0)
+#: Windows are compared by pieces of this length [s].
+_PIECE = 5.0
+
+
+def thinned(
+    recordings: Sequence[Recording | ModelInputs], family: bool
+) -> tuple[Recording | ModelInputs, ...]:
+    """Recordings, a long one as windows of it, which are named by their times.
+
+    Each of as many equal parts gives the window in which the angle and the EMG vary most, by what
+    was asked and done, not by the torque that is to be explained. The windows are fitted jointly.
+    """
+    longest, count, seconds = FAMILY if family else ONE
+    made: list[Recording | ModelInputs] = []
+    for each in recordings:
+        if isinstance(each, Recording) and "angle" in each.channels:
+            time = each.channels["angle"].time
+            if time[-1] - time[0] > longest:
+                made += (_window(each, begin, seconds) for begin in _begins(each, count, seconds))
+                continue
+        made.append(each)
+    return tuple(made)
+
+
+def _window(recording: Recording, begin: float, seconds: float) -> Recording:
+    end = begin + seconds
+    return replace(recording.crop(begin, end), name=f"{recording.name}, {begin:.0f} to {end:.0f} s")
+
+
+def _begins(recording: Recording, count: int, seconds: float) -> list[float]:
+    """Where the windows begin [s]."""
+    channels = recording.channels
+    angle = channels["angle"]
+    first, last = float(angle.time[0]), float(angle.time[-1])
+    edges = np.arange(first, last, _PIECE)
+    score = _spread(angle.time, angle.values, edges)
+    for muscle in MUSCLES:
+        if (emg := channels.get(f"emg_{muscle}")) is not None:
+            score = score + _spread(emg.time, emg.values, edges)
+    span = round(seconds / _PIECE)
+    whole = np.convolve(score, np.ones(span), "valid")[: len(edges) - span]
+    parts = np.array_split(np.arange(len(whole)), count)
+    begins: list[float] = []
+    for part in parts:
+        free = [i for i in part if not begins or edges[i] >= begins[-1] + seconds]
+        begins.append(float(edges[max(free or part, key=lambda i: whole[i])]))
+    return begins
+
+
+def _spread(time: FloatArray, values: FloatArray, edges: FloatArray) -> FloatArray:
+    """Variance of a signal in each piece, as a part of the largest."""
+    at = np.minimum(np.searchsorted(time, edges), len(time) - 1)
+    counts = np.maximum(np.diff([*at, len(time)]), 1)
+    centred = values - float(values.mean())
+    sums, squares = np.add.reduceat(centred, at), np.add.reduceat(centred**2, at)
+    variance: FloatArray = np.maximum(squares / counts - (sums / counts) ** 2, 0.0)
+    return variance / (float(variance.max()) or 1.0)
