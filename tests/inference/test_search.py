@@ -9,6 +9,7 @@ import pytest
 import surae
 from ankle_legs.make import make
 from richer_legs import richer_leg
+from surae.base.frozen import read_only
 from surae.inference import Verdict, assess, make_problem, solve
 from surae.inference.family import _Search
 from surae.inference.learning import explained
@@ -48,6 +49,26 @@ def test_a_search_that_lost_its_way_says_so_and_claims_nothing(monkeypatch) -> N
     worth = assess(result)
     assert worth.adequacy.reasons == ("the fit failed",)
     assert not any(p.verdict is Verdict.IDENTIFIED for p in worth.parameters.values())
+
+
+@pytest.mark.parametrize("part", [0.0, 0.02])
+@pytest.mark.parametrize("held", [True, False])
+def test_what_carries_no_signal_brings_nothing_in(part: float, held: bool) -> None:
+    """A dead electrode, its weight fixed at 0 as `check` advises or not, is as good as none."""
+    one = richer_leg(0, rate_hz=64.0, duration=12.0).inputs
+    emg = one.emg.copy()
+    emg[:, 3] = 0.0
+    none = replace(one, emg=read_only(emg.copy()), missing_emg=("gm",))
+    noise = np.abs(np.random.default_rng(0).normal(1.0, 0.1, one.n))
+    emg[:, 3] = part * emg.mean(axis=0).max() * noise
+    dead = replace(one, emg=read_only(emg))
+    without = solve(make_problem([none], "auto", fixed={"g4": 0.0}))
+    beside = solve(make_problem([dead], "auto", fixed={"g4": 0.0} if held else {}))
+    assert beside.family.beliefs.keys() == without.family.beliefs.keys()
+    sd = dict(zip(without.problem.free, np.sqrt(np.diag(without.family.covariance)), strict=True))
+    for name in without.problem.free:
+        assert abs(beside.values[name] - without.values[name]) < 0.1 * sd[name], name
+    assert beside.problem.inputs == (dead,)
 
 
 def test_samples_that_do_not_count_are_not_explained() -> None:

@@ -46,9 +46,9 @@ from surae.inference.summed import summed
 from surae.model import get_model, with_optional
 from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
 from surae.model.sources import Gaussian
-from surae.recording import MUSCLES
 from surae.signals import ModelInputs, emg_levels, quiet_levels, steady_emg
 from surae.signals.prepare import sharpened
+from surae.signals.rectified import expected_drives
 from surae.signals.resample import thinned, thinning_factor
 
 #: Rates [Hz] of the search's stages, and the samples that each recording keeps at least.
@@ -127,18 +127,18 @@ def resumed(result: FitResult) -> tuple[LogPosterior, Point]:
         return post, post.descend(z, evaluations=20, tolerance=1e-3)
 
 
+_Stage = tuple[LogPosterior, Point]  #: Where the search has come to.
+
+
 class _Search:
     """One search."""
 
     def __init__(self, problem: FitProblem, progress: SearchProgress | None) -> None:
         self._progress, self._inputs = progress, problem.inputs
+        problem = replace(problem, inputs=problem.heard)
         self._original = replace(problem, inputs=tuple(sharpened(r) for r in problem.inputs))
         held = {*problem.settings.fixed, *(n for trial in problem.inputs for n in trial.fixed)}
-        self._silent = frozenset(m for trial in problem.inputs for m in trial.missing_emg) | {
-            muscle
-            for muscle, weight in zip(MUSCLES, problem.spec.weights, strict=True)
-            if weight in held and not problem.base[problem.spec.names.index(weight)]
-        }
+        self._silent = frozenset(m for trial in problem.inputs for m in trial.missing_emg)
         held |= {problem.spec.weights[channel] for channel in problem.options.anatomy.silent}
         filmed = {n for r in problem.inputs for f in r.films for n in names_of_film(f.channel)}
         self._beliefs = {
@@ -159,6 +159,9 @@ class _Search:
             self._options = replace(self._options, emg_ref=emg_levels(problem.inputs))
         self._weights = _weights(problem)
         self._perfect = problem.settings.nuisances == NONE
+        self._thinned: dict[float, tuple[ModelInputs, ...]] = {}
+        if problem.has_unheard:  # what such muscles do would pass for noise of the others' EMG
+            self._forget_noise()
         self._still = self._perfect  #: Whether nothing is to differ from moment to moment.
         self._met: list[tuple[float, Start]] = []  #: −2 ln p of each start's end, and the start.
         self._observed: list[Observed] = []  #: What has been simulated so far.
@@ -171,13 +174,14 @@ class _Search:
         simplest, most = self._simplest()
         chosen = self._choose(values, noise)
         self._stage("with the departures that the data ask for", 2, chosen[1].cost)
-        share = followed(*chosen[:2])
+        share = self._followed(chosen[:2])
         if share < most - _LESS:
             # latents have taken what parameters can follow: without them, and from where these do
             self._still = True
+            self._forget_noise()
             again = self._choose(simplest, noise)
             self._stage("again, from the simplest member", 2, again[1].cost)
-            if (other := followed(*again[:2])) > share:
+            if (other := self._followed(again[:2])) > share:
                 chosen, share = again, other
         result = summed(*chosen, self._inputs, self._original, self._met, self._stages)
         if share >= most - _LESS or result.status == "failed":
@@ -189,9 +193,14 @@ class _Search:
         )
         return replace(result, status="failed", message=message)
 
+    def _forget_noise(self) -> None:
+        """Search on as if nothing were known of the noise of envelopes."""
+        inputs = tuple(replace(trial, rectified=()) for trial in self._original.inputs)
+        self._original, self._thinned = replace(self._original, inputs=inputs), {}
+
     def _simplest(self) -> tuple[Mapping[str, float], float]:
         """Values of the simplest member, and the part of the torque's variance they follow."""
-        plain = self._rigid([self._thinned(trial, _RATES[1]) for trial in self._original.inputs])
+        plain = self._rigid(self._given(_RATES[1]))
         return plain.values, explained(plain.problem.inputs, plain.residuals)
 
     def _rigid(self, inputs: Sequence[ModelInputs], **changes: Any) -> FitResult:
@@ -234,7 +243,7 @@ class _Search:
             inputs, latents = like.problem.inputs, like.latents
         else:
             each = original.inputs
-            inputs = tuple(self._thinned(recording, rate_hz) for recording in each)
+            inputs = tuple(expected_drives(recording) for recording in self._given(rate_hz))
             latents = tuple(
                 Latents.of(r, self._silent, whole.n / whole.rate_hz, perfect=self._perfect)
                 for r, whole in zip(inputs, each, strict=True)
@@ -265,9 +274,21 @@ class _Search:
         self._observed.append(made.observed)
         return made
 
-    def _thinned(self, recording: ModelInputs, rate_hz: float) -> ModelInputs:
-        """The recording as a stage of the search reads it."""
-        return thinned(recording, thinning_factor(recording, rate_hz, _SAMPLES))
+    def _given(self, rate_hz: float) -> tuple[ModelInputs, ...]:
+        """The recordings at the rate of a stage."""
+        if rate_hz not in self._thinned:
+            self._thinned[rate_hz] = tuple(
+                thinned(r, thinning_factor(r, rate_hz, _SAMPLES)) for r in self._original.inputs
+            )
+        return self._thinned[rate_hz]
+
+    def _followed(self, stage: _Stage) -> float:
+        """Part of the torque's variance that a stage's parameters follow, of EMG as it is."""
+        return followed(*stage, self._given(stage[0].rate_hz))
+
+    def _is_worse(self, stage: _Stage, before: _Stage) -> bool:
+        """Whether latents have taken of the torque what parameters alone followed before."""
+        return self._followed(stage) < self._followed(before) - _LESS
 
     def _leg(self, problem: FitProblem) -> dict[str, Gaussian]:
         """What is known of the leg's own parameters, as they are searched."""
@@ -324,15 +345,13 @@ class _Search:
     ) -> tuple[LogPosterior, Point]:  # fmt: skip
         """Noise and sizes of the latents in turn with the mode, until it rests."""
         for _ in range(rounds):
-            before, sizes = (post, point), _NEARLY_NONE
+            sizes = _NEARLY_NONE
             if not self._still:
                 learnt = learnt_sizes(post, point, _BEGIN)
                 sizes = {s: min(learnt[s], _MOST[s]) for s in SOURCES}
             noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
             post = post.having(noise=noise, sizes=sizes, latents=latents)
             moved = post.descend(point.z, point.c, point.w, evaluations=evaluations, tolerance=0.1)
-            if _is_worse((post, moved), before):
-                return before
             sd = np.sqrt(np.diag(post.covariance(moved)))
             if np.all(np.abs(moved.z - point.z) < _AT_REST * sd):
                 return post, moved
@@ -352,11 +371,14 @@ class _Search:
         point = full.descend(
             full.start(post.by_name(point.z)), point.c, evaluations=10, tolerance=0.3
         )
+        if full.rectified and not self._still:  # what that noise does is no error of the model
+            full = full.having(fast=0.0, sizes=_BEGIN)
+            point = full.descend(point.z, evaluations=25, tolerance=0.3)
         full, point = self._learnt(full, point, _ROUNDS)
         # which departures there are would hide behind it; what muscles do that no electrode hears
         # is loud under effort as well, and no error of another's EMG
         louder = not self._original.has_unheard and effort_ratio(full, point) > _LOUDER
-        if louder and not self._still and followed(full, point) > _FOLLOWED:
+        if louder and not self._still and self._followed((full, point)) > _FOLLOWED:
             full, point = self._with_drive_errors(full, point, _ERRORS)
         positions: dict[str, list[int]] = {}
         off: dict[int, float] = {}
@@ -383,15 +405,17 @@ class _Search:
         self, own: LogPosterior, point: Point, sizes: Sequence[float]
     ) -> tuple[LogPosterior, Point]:
         """The errors of the drives, at the muscles' frequencies as great as the data ask for."""
-        post = own.having(fast=0.0)
-        there = post.descend(point.z, point.c, evaluations=12, tolerance=0.1)
+        post, there = own, point
+        if own.fast is None:
+            post = own.having(fast=0.0)
+            there = post.descend(point.z, point.c, evaluations=12, tolerance=0.1)
         if not sizes:
             found = self._learnt(post, there, 1, evaluations=8)
-            return (own, point) if _is_worse(found, (own, point)) else found
-        # the evidence of each is with the noise that it leaves itself
-        quiet = post.having(noise=learnt_noise(post, there, anew=True))
+            return (own, point) if self._is_worse(found, (own, point)) else found
+        # the evidence of each is with white noise that it leaves itself
+        quiet = post.having(noise=learnt_noise(post, there, white=True, anew=True))
         at = quiet.descend(there.z, there.c, there.w, evaluations=8, tolerance=0.1)
-        quiet = quiet.having(noise=learnt_noise(quiet, at, anew=True))
+        quiet = quiet.having(noise=learnt_noise(quiet, at, white=True, anew=True))
         tried = {0.0: (quiet.evidence(quiet.again(at)), post, there)}
 
         def better(size: float) -> bool:
@@ -404,15 +428,10 @@ class _Search:
             return min(tried, key=lambda s: tried[s][0]) == size
 
         low, middle, high, highest = sizes
-        better(middle)
-        better(highest if better(high) else low)
+        if better(middle):
+            better(highest if better(high) else low)
         found = min(tried.values(), key=lambda each: each[0])[1:]
-        return (own, point) if _is_worse(found, (own, point)) else found
-
-
-def _is_worse(stage: tuple[LogPosterior, Point], before: tuple[LogPosterior, Point]) -> bool:
-    """Whether latents have taken of the torque what parameters alone followed before."""
-    return followed(*stage) < followed(*before) - _LESS
+        return (own, point) if self._is_worse(found, (own, point)) else found
 
 
 def _white(problem: FitProblem, part: float) -> tuple[NoiseModel, ...]:

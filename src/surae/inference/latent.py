@@ -153,8 +153,12 @@ class Fast:
         at = np.minimum((knots * rate).round().astype(int), n - 1)
         top = np.percentile(effort, 99.0, axis=1, keepdims=True) + 1e-300
         level = np.maximum(effort[:, at], _QUIET * top)
-        white = emg_noise(recording).T[list(muscles)][:, at]
-        noise = white / np.sqrt(max(step * rate, 1.0)) / level
+        if recording.rectified:  # known, and the same part of an envelope whatever its size
+            density = np.array(recording.rectified)[list(muscles), None]
+            noise = np.sqrt(density / step) * np.ones_like(level)
+        else:
+            white = emg_noise(recording).T[list(muscles)][:, at]
+            noise = white / np.sqrt(max(step * rate, 1.0)) / level
         return cls(first, shapes, step, np.log(level), np.clip(noise, 1e-3, 0.5), n)
 
     def precision(self, size: float) -> tuple[FloatArray, FloatArray]:

@@ -51,9 +51,8 @@ def effort_ratio(posterior: LogPosterior, point: Point) -> float:
     return float(np.sqrt(np.mean(under**2) / max(np.mean(at_rest**2), 1e-300)))
 
 
-def followed(posterior: LogPosterior, point: Point) -> float:
+def followed(posterior: LogPosterior, point: Point, inputs: Sequence[ModelInputs]) -> float:
     """Part of the variance of the torque that parameters alone follow, latents left out."""
-    inputs = posterior.problem.inputs
     return explained(
         inputs, [posterior.observed.plain_residual(point.z, r, i) for i, r in enumerate(inputs)]
     )
@@ -116,11 +115,11 @@ def learnt_noise(
 ) -> tuple[NoiseModel, ...]:
     """The noise of each recording, of its residual and what estimates have taken of it.
 
-    Fast gains can follow nearly all that is slow. What is seen of the EMG's noise leaves the
-    torque's as it is, which counts some of it twice, unless it is learnt `anew`, for evidence; of
-    greater errors the noise is white.
+    Fast gains can follow nearly all that is slow. What is seen of the EMG's noise, and not known,
+    leaves the torque's as it is, which counts some of it twice, unless it is learnt `anew`, for
+    evidence; of greater errors the noise is white.
     """
-    if posterior.fast == 0.0 and not anew:
+    if posterior.fast == 0.0 and not anew and not posterior.rectified:
         return posterior.noise
     V = root(_covariance(posterior, point))
     models = []

@@ -53,6 +53,11 @@ class SensorRows:
         with np.errstate(over="ignore", invalid="ignore"):
             return np.asarray(self.whole @ self.whole.T)
 
+    def noisy(self, like: "SensorRows", w: FloatArray) -> None:
+        """Let fast gains add to the residual what they moved where `like` was."""
+        self.fast, self.first, self.band = like.fast, like.first, like.band
+        self.residual += like.lifted(w[:, None])[:, 0]
+
     def lifted(self, heights: FloatArray) -> FloatArray:
         """What fast gains of these heights, (k, d), move, shape (n, d)."""
         moved = np.zeros((self.whole.shape[1], heights.shape[1]))
@@ -79,22 +84,34 @@ class SensorRows:
 class Observed:
     """The recordings of a problem, and their latents."""
 
-    def __init__(self, at: Coordinates, latents: Sequence[Latents]) -> None:
-        self._at, self._latents = at, latents
+    def __init__(
+        self, at: Coordinates, latents: Sequence[Latents], *, noise_alone: bool = False,
+        calls: list[int] | None = None,
+    ) -> None:  # fmt: skip
+        self._at, self._latents, self._noise_alone = at, latents, noise_alone
         self._inputs, self._spec = at.problem.inputs, at.problem.spec
         self._simulators: list[Any] = list(simulators(at.problem))
         for simulator in self._simulators:
             simulator.rest = _SMOOTH
         self._gains = [_short(each.gain) for each in latents]
-        self.simulated = 0  #: Recordings that were simulated with derivatives.
+        #: Recordings that were simulated with derivatives, those of what was observed before too.
+        self.calls = [0] if calls is None else calls
         #: What the misfit's values add to each recording's torque, once its descent began.
         self._added: list[FloatArray | None] = []
+        #: Where a descent began, of recordings whose fast gains are known noise.
+        self._noise: list[list[SensorRows]] = []
         self._kept: list[deque[tuple[bytes, list[SensorRows]]]] = []
         self.anew()
 
+    @property
+    def simulated(self) -> int:
+        """How many recordings were simulated with derivatives so far."""
+        return self.calls[0]
+
     def anew(self) -> None:
-        """Begin a descent: active torques of its first point hold from now on."""
+        """Begin a descent: what latents add is that of its first point from now on."""
         self._added = [None for _ in self._inputs]
+        self._noise = [[] for _ in self._inputs]
         self._kept = [deque(maxlen=_KEPT) for _ in self._inputs]
 
     def _set(
@@ -105,7 +122,7 @@ class Observed:
         recording, latents = self._inputs[number], self._latents[number]
         values = self._at.values(z, number)
         gain = latents.log_gain(c) if c.any() else None
-        if len(w):
+        if len(w) and not self._is_noise(number):
             quick = latents.fast.log_gain(w, latents.muscles)
             gain = quick if gain is None else gain + quick
         simulator.with_log_gain(gain)
@@ -114,6 +131,15 @@ class Observed:
             with np.errstate(over="ignore", invalid="ignore"):
                 simulator.pulled_by(simulator.torque(values))
         return simulator, recording, latents, values
+
+    def _is_noise(self, number: int) -> bool:
+        """Whether a recording's fast gains are known noise of its envelopes, and nothing else.
+
+        Such gains add to the torque what they moved where the descent began. Were they gains of
+        each point, the mode would go where they are most powerful, for they are as many as the
+        samples, and a mode leaves out the volume that they then lose.
+        """
+        return self._noise_alone and bool(self._inputs[number].rectified)
 
     def residual(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> FloatArray:
         """Modelled minus measured torque of a recording [Nm], shape (n,)."""
@@ -126,6 +152,12 @@ class Observed:
                 parts = simulator.parts(values)
                 added = latents.of_active(parts.neural_tri, parts.neural_tib)
             lift = lift + misfit @ added
+        if len(w) and self._noise[number]:
+            noise = self._noise[number][0].lifted(w[:, None])[:, 0]
+            if recording.weight is not None:
+                root = np.sqrt(recording.weight)
+                noise = np.divide(noise, root, out=np.zeros_like(noise), where=root > 0.0)
+            lift = lift + noise
         return np.asarray(torque + lift - measured(recording))
 
     def plain_residual(self, z: FloatArray, recording: ModelInputs, number: int) -> FloatArray:
@@ -152,7 +184,7 @@ class Observed:
 
     def _rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
         checkpoint()
-        self.simulated += 1
+        self.calls[0] += 1
         at = self._at
         simulator, recording, latents, values = self._set(z, c, w, number)
         with np.errstate(over="ignore", invalid="ignore"):
@@ -172,7 +204,8 @@ class Observed:
         drift = latents.slices["drift"].start
         whole[-1] = tangent.torque - measured(recording) + c[drift:] @ own[drift:]
         response = tangent.response
-        fast, first = self._fast_columns(response, values, number) if len(w) else _NO_COLUMNS
+        moving = bool(len(w)) and not self._noise[number]
+        fast, first = self._fast_columns(response, values, number) if moving else _NO_COLUMNS
         if recording.weight is not None:
             root = np.sqrt(recording.weight)
             whole *= root
@@ -196,10 +229,14 @@ class Observed:
             seen = seen_by(film.channel, by_name, length)
             whole[-1] = seen + c[where] @ film.drift - film.length
             fast, first = _NO_COLUMNS
-            if len(w):
+            if moving:
                 short, begins = self._fast_columns(response, values, number, film.group)
                 fast, first = film.short(grown * short, begins)
             each.append(SensorRows(whole, q, fast, first, len(latents.muscles)))
+        if len(w) and self._is_noise(number):
+            self._noise[number] = self._noise[number] or each
+            for own_rows, like in zip(each, self._noise[number], strict=True):
+                own_rows.noisy(like, w)
         return each
 
     def _fast_columns(

@@ -92,7 +92,7 @@ class LogPosterior(Coordinates):
         self.noise, self.latents, self.sizes = tuple(noise), tuple(latents), dict(sizes)
         self.fast: float | None = None  #: Size of the drives' errors; None where there are none.
         self.beliefs, self.rate_hz = dict(beliefs or {}), rate_hz
-        self.observed = Observed(self, self.latents)
+        self.observed = self._anew()
         self._prepare()
 
     def _prepare(self) -> None:
@@ -101,12 +101,23 @@ class LogPosterior(Coordinates):
         #: Inverse covariance of each recording's slow latents beforehand, shape (m, m).
         self.precisions = [each.precision(self.sizes) for each in self.latents]
 
+    @property
+    def rectified(self) -> bool:
+        """Whether the noise of all envelopes is known: they were made of raw EMG here."""
+        return all(recording.rectified for recording in self.problem.inputs)
+
     def having(self, **changes: Any) -> "LogPosterior":
         """The posterior with other values of attributes, films' noise being in `latents`."""
         other = copy(self)
         vars(other).update(changes)
+        if (other.fast == 0.0) != (self.fast == 0.0):
+            other.observed = other._anew(self.observed.calls)
         other._prepare()
         return other
+
+    def _anew(self, calls: list[int] | None = None) -> Observed:
+        """The recordings, nothing of them computed; without errors of drives, noise alone adds."""
+        return Observed(self, self.latents, noise_alone=self.fast == 0.0, calls=calls)
 
     def still(self) -> tuple[FloatArray, ...]:
         """Latents of which nothing is known yet."""
@@ -270,7 +281,7 @@ class LogPosterior(Coordinates):
 
     def apart(self) -> "LogPosterior":
         """The same posterior for another thread: what it keeps of points is its own."""
-        return self.having(observed=Observed(self, self.latents))
+        return self.having(observed=self._anew())
 
     def again(self, point: Point) -> Point:
         """The point of another posterior with the normal equations of this one."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.filed import filed
-from surae.base.frozen import Comparable, FrozenDict
+from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.units import FloatArray
 from surae.inference.population import Prior, checked_prior, population_priors
 from surae.model import (
@@ -24,7 +24,7 @@ from surae.model.laboratory import richest
 from surae.model.parameters import OPTIONAL
 from surae.recording import MUSCLES
 from surae.settings import FitSettings
-from surae.signals import ModelInputs
+from surae.signals import ModelInputs, noise_alone
 from surae.signals.inputs import check_estimable
 
 #: Between these lies the mass of any foot and plate, weighed [kg].
@@ -68,7 +68,20 @@ class FitProblem(Comparable):
     def has_unheard(self) -> bool:
         """Whether a muscle of the joint has no EMG in one of the recordings."""
         absent = {MUSCLES[channel] for channel in self.options.anatomy.silent}
-        return any({*recording.missing_emg} - absent for recording in self.inputs)
+        return any({*recording.missing_emg} - absent for recording in self.heard)
+
+    @property
+    def heard(self) -> tuple[ModelInputs, ...]:
+        """The recordings without EMG that makes no force: its weight is held at 0, or it is noise.
+
+        Such an electrode tells nothing of another's crosstalk, gain or rest.
+        """
+        weights = enumerate(self.spec.weights)
+        held = {
+            i for i, n in weights if n not in self.free and not self.base[self.spec.names.index(n)]
+        }
+        out = held | noise_alone(self.inputs)
+        return tuple(_without(recording, out) for recording in self.inputs)
 
     @property
     def of_inverse_dynamics(self) -> bool:
@@ -293,6 +306,17 @@ def _check_weight(recording: ModelInputs) -> None:
         raise InputError(
             f"{recording.name}: every sample has weight 0; leave the recording out instead"
         )
+
+
+def _without(recording: ModelInputs, channels: Collection[int]) -> ModelInputs:
+    """The recording without these channels' EMG."""
+    gone = {MUSCLES[c] for c in channels} | {*recording.missing_emg}
+    if gone == {*recording.missing_emg}:
+        return recording
+    emg = recording.emg.copy()
+    emg[:, [MUSCLES.index(m) for m in gone]] = 0.0
+    missing = tuple(m for m in MUSCLES if m in gone)
+    return replace(recording, emg=read_only(emg), missing_emg=missing)
 
 
 def _check_emg(inputs: Sequence[ModelInputs], fixed: Mapping[str, float], spec: ModelSpec) -> None:

@@ -4,6 +4,7 @@ from surae.signals.inputs import EmgReference, Film, ModelInputs, check_estimabl
 from surae.signals.normalise import (
     emg_levels,
     emg_reference,
+    noise_alone,
     normalise,
     normalised,
     quiet_levels,
@@ -17,6 +18,7 @@ from surae.signals.weighting import Weighting, weighted
 
 __all__ = [
     "EmgReference", "Film", "ModelInputs", "Preparation", "Weighting", "check_estimable",
-    "emg_levels", "emg_reference", "inputs_as_given", "normalise", "normalised", "prepare",
-    "quiet_levels", "smooth_effort", "steady_emg", "thinned", "thinning_factor", "weighted",
+    "emg_levels", "emg_reference", "inputs_as_given", "noise_alone", "normalise", "normalised",
+    "prepare", "quiet_levels", "smooth_effort", "steady_emg", "thinned", "thinning_factor",
+    "weighted",
 ]  # fmt: skip

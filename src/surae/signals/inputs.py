@@ -37,7 +37,7 @@ class Film(Comparable):
     length: FloatArray  #: Its length [m], shape (k,).
 
 
-@filed(n="n", sparse=("films", "second", "own_envelopes"))
+@filed(n="n", sparse=("films", "second", "own_envelopes", "rectified"))
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelInputs(Comparable):
     """Prepared signals of one recording, arrays read-only and of shape (n,) unless stated."""
@@ -75,6 +75,10 @@ class ModelInputs(Comparable):
     own_envelopes: bool = False  #: Whether envelopes were made of raw EMG here, without delay.
     #: Angle [rad] and velocity [rad/s] of a second joint that the muscles cross too.
     second: tuple[FloatArray, ...] = ()
+    #: Noise that rectifying left in each envelope that was made here, of TA, GL, SOL, GM: two-sided
+    #: spectral density at 0 Hz of its relative error [s], see `rectified_density`; empty where
+    #: envelopes came as such.
+    rectified: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""

@@ -26,6 +26,8 @@ _QUIET_S, _QUIET_PART = 1.0, 0.02
 _EFFORT = 2.0
 #: Cut-off [Hz] of what effort is smoothed by (-3 dB).
 _EFFORT_HZ = 6.0
+#: Part of the strongest EMG below which what is steady is noise: muscles of a leg differ tenfold.
+_FAINT = 0.05
 _OF = {"session": "the session's largest envelope", "mvc": "maximum voluntary contractions"}
 
 
@@ -154,9 +156,24 @@ def quiet_levels(inputs: Sequence[ModelInputs]) -> tuple[float, float, float, fl
 
 def steady_emg(inputs: Sequence[ModelInputs]) -> tuple[bool, ...]:
     """Whether the EMG of TA, GL, SOL, GM hardly changes, so that it may be rest or an effort."""
-    emg = np.concatenate([recording.emg[recording.counts] for recording in inputs])
+    emg = np.concatenate([_averaged(recording)[recording.counts] for recording in inputs])
     weak, strong = np.percentile(emg, [25.0, 99.0], axis=0)
     return tuple((strong <= np.maximum(_EFFORT * weak, 0.0)).tolist())
+
+
+def noise_alone(inputs: Sequence[ModelInputs]) -> set[int]:
+    """Channels whose EMG is steady, and too weak beside the strongest to be an effort."""
+    top = np.max([_averaged(recording).max(axis=0) for recording in inputs], axis=0)
+    steady = steady_emg(inputs)
+    return {c for c in range(len(MUSCLES)) if steady[c] and top[c] <= _FAINT * top.max()}
+
+
+def _averaged(recording: ModelInputs) -> FloatArray:
+    """EMG averaged over `AVERAGED_S`: rectified noise fluctuates by as much as itself, (n, 4)."""
+    from scipy.ndimage import uniform_filter1d
+
+    size = max(1, round(AVERAGED_S * recording.rate_hz))
+    return np.asarray(uniform_filter1d(recording.emg, size, axis=0, mode="nearest"))
 
 
 def emg_levels(inputs: Sequence[ModelInputs]) -> tuple[float, float, float, float]:

@@ -14,6 +14,7 @@ from surae.recording import MUSCLES, Channel, Recording
 from surae.recording.emg_kind import contradiction, look_of
 from surae.signals.filters import HIGHEST_CUTOFF, zero_phase
 from surae.signals.inputs import Film, ModelInputs
+from surae.signals.rectified import rectified_density
 from surae.signals.resample import (
     MINIMUM_SAMPLES,
     Uniform,
@@ -93,6 +94,7 @@ def prepare(
     torque = signals.get("torque")
     units = (c.unit for role, c in recording.channels.items() if role.startswith("emg_"))
     cutoff = None if prepared else settings.bessel_hz
+    own = bool(present) and recording.emg == "raw" and not prepared
     return ModelInputs(
         name=recording.name,
         rate_hz=rate_hz,
@@ -113,7 +115,8 @@ def prepare(
             for role, channel in recording.films.items()
             if role.startswith("fascicle_")
         ),
-        own_envelopes=recording.emg == "raw" and not prepared,
+        own_envelopes=own,
+        rectified=_rectified(recording, settings) if own else (),
         measured=tuple(name for name, role in _DERIVATIVES.items() if role in signals),
         second=tuple(map(read_only, second)),
         lowpass=None if cutoff is None else (cutoff, settings.bessel_order),
@@ -319,15 +322,31 @@ NEGATIVE_FRACTION = 0.1
 
 def envelope(source: Uniform, settings: Preparation) -> Uniform:
     """Mean removed, high-passed, rectified and, where set, low-passed EMG at its own rate."""
-    values = source.values - source.values.mean()
-    for kind in _EMG_FILTERS:
-        cutoff, order = (getattr(settings, f"emg_{kind}_{what}") for what in ("hz", "order"))
-        values = np.abs(values) if kind == "lowpass" else values
-        if cutoff is not None:
-            values = zero_phase(
-                kind, values, source.axis.rate_hz, cutoff, order, ends="even", where=source.where
-            )
-    return source.replaced(values)
+    highpassed = _filtered_emg("highpass", source.values - source.values.mean(), source, settings)
+    return source.replaced(_filtered_emg("lowpass", np.abs(highpassed), source, settings))
+
+
+def _filtered_emg(
+    kind: Literal["highpass", "lowpass"], values: FloatArray, source: Uniform, settings: Preparation
+) -> FloatArray:
+    """The values of an EMG channel through one of its filters, if that is set."""
+    cutoff, order = (getattr(settings, f"emg_{kind}_{what}") for what in ("hz", "order"))
+    if cutoff is None:
+        return values
+    rate_hz = source.axis.rate_hz
+    return zero_phase(kind, values, rate_hz, cutoff, order, ends="even", where=source.where)
+
+
+def _rectified(recording: Recording, settings: Preparation) -> tuple[float, ...]:
+    """Noise that rectifying leaves in each envelope, see `rectified_density`; 0 without EMG."""
+    density = dict.fromkeys(MUSCLES, 0.0)
+    for muscle in MUSCLES:
+        if channel := recording.signals.get(f"emg_{muscle}"):
+            source = uniform(channel, recording.where)
+            values = source.values - source.values.mean()
+            values = _filtered_emg("highpass", values, source, settings)
+            density[muscle] = rectified_density(values, source.axis.rate_hz)
+    return tuple(density.values())
 
 
 def refuse_not_raw(channel: Channel, source: Uniform, settings: Preparation) -> None:
