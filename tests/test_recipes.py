@@ -78,7 +78,7 @@ SPRING_PARAMETERS: tuple[Parameter, ...] = (
     "a parameter": [
         ("model/parameters.py", '    "crosstalk": tuple(', '''    "viscosity": (
         _P("viscosity", "Nm·s/rad", "viscosity of the joint", "passive", 0.0, 0.0, 20.0, False,
-           straight=True, wide=Known(0.5, 1.0, "assumed; no measurement known"),
+           straight=True, wide=Prior(0.5, 1.0, "assumed; no measurement known"),
            torque=Added("inertial", attrgetter("velocity")),
            advice="move the relaxed leg at several speeds"),
     ),

@@ -7,8 +7,8 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
-from surae.inference import fit_problem, make_problem
-from surae.inference.sampling.density import SamplingPrior, Target, beliefs
+from surae.inference import Prior, fit_problem, make_problem
+from surae.inference.sampling.density import Target, beliefs
 from surae.model import MODELS, ModelOptions, adapted
 
 
@@ -118,8 +118,8 @@ def test_every_parameter_has_a_prior_within_the_bounds_of_a_fit(noisy, model, ge
 def test_priors_of_the_fit_and_given_ones_come_first(noisy):
     problem = make_problem([noisy], priors={"f0": (2.5, 0.1), "beta": (1.1, 0.2)})
     found = beliefs(problem, {"f0": (1.8, 0.3)})
-    assert found["f0"] == SamplingPrior(1.8, 0.3, True, "given")
-    assert found["beta"] == SamplingPrior(1.1, 0.2, True, "fit")
+    assert found["f0"] == Prior(1.8, 0.3, "given")
+    assert found["beta"] == Prior(1.1, 0.2, "fit")
     assert found["m"].origin == "population"
 
 

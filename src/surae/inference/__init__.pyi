@@ -12,7 +12,6 @@ from surae.inference.outliers import fit_robust as fit_robust
 from surae.inference.parameter import Interval as Interval
 from surae.inference.parameter import ParameterEstimate as ParameterEstimate
 from surae.inference.parameter import Verdict as Verdict
-from surae.inference.population import Prior as Prior
 from surae.inference.problem import FitProblem as FitProblem
 from surae.inference.problem import make_problem as make_problem
 from surae.inference.residual import Whiteness as Whiteness
@@ -31,3 +30,4 @@ from surae.inference.uncertainty.covariance import half_width as half_width
 from surae.inference.uncertainty.covariance import ipde as ipde
 from surae.inference.validation import Prediction as Prediction
 from surae.inference.validation import pooled as pooled
+from surae.model.prior import Prior as Prior

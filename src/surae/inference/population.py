@@ -15,7 +15,6 @@ as a fit's bounds, or the parameter's own wide prior.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,27 +22,11 @@ from surae.base.errors import InputError
 from surae.base.names import POPULATIONS
 from surae.model import ModelOptions
 from surae.model.parameters import adapted
+from surae.model.prior import Prior
 from surae.model.registry import PARAMETERS
 
-#: Below this part of its median a parameter's prior no longer changes: its logarithm would not end.
-_SMALLEST = 1e-6
 
-
-@dataclass(frozen=True, slots=True)
-class Prior:
-    """What is known of a parameter beforehand: a Gaussian on its logarithm."""
-
-    median: float  #: Expected value, in the parameter's unit.
-    #: Standard deviation of the logarithm; for small ones, the relative standard deviation.
-    spread: float
-
-    def row(self, value: float) -> tuple[float, float]:
-        """Standard deviations that a value is away from the median, its derivative first."""
-        value = max(value, _SMALLEST * self.median)
-        return 1.0 / (self.spread * value), float(np.log(value / self.median)) / self.spread
-
-
-def checked_prior(name: str, pair: object, free: Sequence[str]) -> Prior:
+def checked_prior(name: str, pair: object, free: Sequence[str], source: str = "") -> Prior:
     """The prior that a median and a spread make, of one of the free parameters."""
     if name not in free:
         raise InputError(
@@ -56,7 +39,7 @@ def checked_prior(name: str, pair: object, free: Sequence[str]) -> Prior:
         number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
         if not number or not 0 < value < np.inf:
             raise InputError(f"prior of {name} is {pair!r}; median and spread must be above zero")
-    return Prior(float(median), float(spread))
+    return Prior(float(median), float(spread), source)
 
 
 #: By how much the spread of health is widened for a leg of which nothing is known.

@@ -10,7 +10,7 @@ from surae.base.errors import InputError
 from surae.base.filed import filed
 from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.units import FloatArray
-from surae.inference.population import Prior, checked_prior, population_priors
+from surae.inference.population import checked_prior, population_priors
 from surae.model import (
     ModelOptions,
     ModelSpec,
@@ -22,6 +22,7 @@ from surae.model import (
 )
 from surae.model.laboratory import richest
 from surae.model.parameters import OPTIONAL
+from surae.model.prior import Prior
 from surae.recording import MUSCLES
 from surae.settings import FitSettings
 from surae.signals import ModelInputs, noise_alone

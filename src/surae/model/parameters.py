@@ -10,8 +10,9 @@ import numpy as np
 
 from surae.base.frozen import FrozenDict
 from surae.base.units import FloatArray
-from surae.model.joint import ANKLE
+from surae.model.joint import ANKLE, Value
 from surae.model.options import ModelOptions
+from surae.model.prior import Prior
 from surae.recording import FILMED, MUSCLE_NAMES, MUSCLES
 
 if TYPE_CHECKING:
@@ -22,30 +23,12 @@ T = TypeVar("T")
 JOINT_RESTS = -0.26
 
 
-@dataclass(frozen=True, slots=True)
-class Known:
-    """What is known of a parameter beforehand: a Gaussian on its logarithm, and its source."""
-
-    median: float  #: In the parameter's unit.
-    spread: float  #: Standard deviation of the logarithm.
-    source: str
-
-
 class Added(NamedTuple):
     """A torque that is proportional to a parameter, whatever the muscles do."""
 
     #: What it belongs to, see `TorqueParts`.
     part: Literal["zero", "inertial", "gravitational", "joint"]
     of: Callable[["ModelInputs"], FloatArray]  #: Of one unit of the parameter [Nm], shape (n,).
-
-
-class OtherReading(NamedTuple):
-    """A parameter where an option reads the thesis otherwise."""
-
-    start: float
-    lower: float
-    upper: float
-    spread: float = 0.0  #: Of the prior about `start` of a leg of which nothing is known.
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,17 +51,17 @@ class Parameter:
     #: What to measure, or to fix, where it is not known well enough, as an imperative.
     advice: str = ""
     #: Its prior in each population; empty where a population has none.
-    known: Mapping[str, Known] = FrozenDict()
+    known: Mapping[str, Prior] = FrozenDict()
     #: Its prior of a leg of which nothing is known, where that is not the healthy one, widened.
-    wide: Known | None = None
+    wide: Prior | None = None
     #: Range from which virtual subjects of each population are drawn.
     drawn: Mapping[str, tuple[float, float]] = FrozenDict()
     #: Whether a posterior is searched along it; otherwise along its logarithm.
     straight: bool = False
     #: In the virtual-work geometry, whose muscles travel about 2.8 times (triceps) and 1.5 times
     #: (tibialis) as far per radian.
-    travel: OtherReading | None = None
-    strain: OtherReading | None = None  #: Of ε0 as a strain, times the slack length (Thelen 2003).
+    travel: Value | None = None
+    strain: Value | None = None  #: Of ε0 as a strain, times the slack length (Thelen 2003).
     slack: float = 1.0  #: That slack length [m].
     torque: Added | None = None  #: The torque that it adds by itself.
 
@@ -110,6 +93,7 @@ _ELECTRODES_GIVE = (
 )
 _TABLE = "Table 2 (van de Poll 2015); spread assumed"
 _TRAVEL = "for the muscles' larger travel by virtual work; spread assumed, no measurement known"
+_STRAINED = "Thelen 2003, times the slack length; its prior is that of the length"
 _REFLEX = "assumed: some Nm at a stretch of 3 rad/s; none known"
 
 _STRETCH_TRI = "stretch the relaxed triceps further: more dorsiflexion"
@@ -124,33 +108,33 @@ _P = Parameter
 MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
     _P("m", "kg", "mass of foot and footplate", "limb", 2.0, 1.2, 3.0, positive=False,
        straight=True, drawn=_people((1.5, 2.7), (1.25, 2.0)), known=_people(
-           Known(2.0, 0.30, "foot 1.45 % of 50 … 100 kg (Winter 2009), footplate about 1 kg"),
-           Known(1.58, 0.30, "less than in health (van de Poll 2015, 2.5.4)")),
+           Prior(2.0, 0.30, "foot 1.45 % of 50 … 100 kg (Winter 2009), footplate about 1 kg"),
+           Prior(1.58, 0.30, "less than in health (van de Poll 2015, 2.5.4)")),
        advice="move faster, with a chirp of more acceleration, or weigh foot and footplate and fix "
        "it"),
     _P("k_tri", "1/m", "stiffness coefficient, triceps surae", "passive", 150.0, 20.0, 600.0,
-       known=_people(Known(198.0, 0.20, _CHUNG), Known(211.0, 0.20, _CHUNG)),
+       known=_people(Prior(198.0, 0.20, _CHUNG), Prior(211.0, 0.20, _CHUNG)),
        drawn=_people((170.0, 230.0), (190.0, 235.0)),
-       travel=OtherReading(60.0, 10.0, 300.0, 0.6), advice=_STRETCH_TRI),
+       travel=Value(60.0, 10.0, 300.0, 0.6, _TRAVEL), advice=_STRETCH_TRI),
     _P("k_tib", "1/m", "stiffness coefficient, tibialis anterior", "passive", 100.0, 20.0, 600.0,
-       known=_people(Known(108.0, 0.30, _ASSUMED), Known(139.0, 0.30, _ASSUMED)),
+       known=_people(Prior(108.0, 0.30, _ASSUMED), Prior(139.0, 0.30, _ASSUMED)),
        drawn=_people((90.0, 130.0), (120.0, 160.0)),
-       travel=OtherReading(70.0, 10.0, 400.0, 0.6), advice=_STRETCH_TIB),
+       travel=Value(70.0, 10.0, 400.0, 0.6, _TRAVEL), advice=_STRETCH_TIB),
     _P("x0_tri", "m", "slack length, triceps surae", "passive", 0.016, 0.002, 0.06, straight=True,
-       known=_people(Known(0.0170, 0.12, _CHUNG), Known(0.0155, 0.12, _CHUNG)),
+       known=_people(Prior(0.0170, 0.12, _CHUNG), Prior(0.0155, 0.12, _CHUNG)),
        drawn=_people((0.016, 0.018), (0.0145, 0.0165)),
-       travel=OtherReading(0.030, 0.001, 0.15, 0.6), advice=_STRETCH_TRI),
+       travel=Value(0.030, 0.001, 0.15, 0.6, _TRAVEL), advice=_STRETCH_TRI),
     _P("x0_tib", "m", "slack length, tibialis anterior", "passive", 0.060, 0.010, 0.12,
-       known=_people(Known(0.0645, 0.12, _ASSUMED), Known(0.0600, 0.12, _ASSUMED)),
+       known=_people(Prior(0.0645, 0.12, _ASSUMED), Prior(0.0600, 0.12, _ASSUMED)),
        drawn=_people((0.062, 0.067), (0.058, 0.062)), straight=True,
-       travel=OtherReading(0.075, 0.005, 0.20, 0.6), advice=_STRETCH_TIB),
+       travel=Value(0.075, 0.005, 0.20, 0.6, _TRAVEL), advice=_STRETCH_TIB),
     _P("tau_rel", "s", "relaxation time constant", "passive", 3.0, 0.1, 30.0, advice=_HOLD,
-       known=_people(Known(2.45, 0.90, _ASSUMED)), drawn=_people((1.0, 6.0))),
+       known=_people(Prior(2.45, 0.90, _ASSUMED)), drawn=_people((1.0, 6.0))),
     _P("k_rel", "-", "relaxation factor", "passive", 0.3, 0.0, 3.0, positive=False, advice=_HOLD,
-       known=_people(Known(0.346, 0.55, _ASSUMED)), drawn=_people((0.2, 0.6))),
+       known=_people(Prior(0.346, 0.55, _ASSUMED)), drawn=_people((0.2, 0.6))),
     *(
         _P(f"g{number}", "N/V", f"EMG weight, {muscle}", "active", 1e6, 0.0, 2e7, positive=False,
-           wide=Known(median, 1.0, _ELECTRODES_GIVE), drawn=_people(drawn),
+           wide=Prior(median, 1.0, _ELECTRODES_GIVE), drawn=_people(drawn),
            advice=f"more effort of the {muscle.removesuffix(' anterior')}")
         for number, muscle, median, drawn in zip(
             (1, 2, 3, 4), MUSCLE_NAMES.values(), (6e5, 1e6, 1e6, 1e6),
@@ -158,18 +142,20 @@ MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
         )
     ),
     _P("l0_tri", "m", "optimal length, triceps surae", "active", 0.042, 0.020, 0.070,
-       known=_people(Known(0.0447, 0.20, _WARD), Known(0.0378, 0.20, _SHORTER)),
-       drawn=_people((0.040, 0.050), (0.034, 0.042)), travel=OtherReading(0.080, 0.030, 0.20, 0.4),
+       known=_people(Prior(0.0447, 0.20, _WARD), Prior(0.0378, 0.20, _SHORTER)),
+       drawn=_people((0.040, 0.050), (0.034, 0.042)),
+       travel=Value(0.080, 0.030, 0.20, 0.4, _TRAVEL),
        advice="use more of the range of motion while the triceps is active"),
     _P("l0_tib", "m", "optimal length, tibialis anterior", "active", 0.080, 0.040, 0.130,
-       known=_people(Known(0.0794, 0.15, _WARD), Known(0.0671, 0.15, _SHORTER)),
-       drawn=_people((0.070, 0.090), (0.060, 0.075)), travel=OtherReading(0.105, 0.040, 0.25, 0.4),
+       known=_people(Prior(0.0794, 0.15, _WARD), Prior(0.0671, 0.15, _SHORTER)),
+       drawn=_people((0.070, 0.090), (0.060, 0.075)),
+       travel=Value(0.105, 0.040, 0.25, 0.4, _TRAVEL),
        advice="use more of the range of motion while the tibialis is active"),
     _P("f0", "Hz", "cut-off frequency of the activation filter", "active", 2.5, 0.3, 15.0,
-       known=_people(Known(1.96, 0.25, _FILTER)), drawn=_people((1.6, 2.4)),
+       known=_people(Prior(1.96, 0.25, _FILTER)), drawn=_people((1.6, 2.4)),
        advice="faster bursts of effort"),
     _P("beta", "-", "relative damping of the activation filter", "active", 1.0, 0.2, 4.0,
-       known=_people(Known(0.98, 0.25, _FILTER)), drawn=_people((0.8, 1.2)),
+       known=_people(Prior(0.98, 0.25, _FILTER)), drawn=_people((0.8, 1.2)),
        advice="faster bursts of effort, or fix it at 1, critical damping"),
 )  # fmt: skip
 
@@ -178,29 +164,29 @@ MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
 TENDON_PARAMETERS: tuple[Parameter, ...] = (
     _P("dlt_tri", "m", "tendon strain factor, triceps surae", "tendon", 0.04, 0.005, 0.2,
        straight=True, known=_people(
-           Known(0.0374, 0.45, "430 ± 200 N/mm (Peltonen et al. 2010, J. Exp. Biol. 213)"),
-           Known(0.0561, 0.45,
+           Prior(0.0374, 0.45, "430 ± 200 N/mm (Peltonen et al. 2010, J. Exp. Biol. 213)"),
+           Prior(0.0561, 0.45,
                  "42 % less stiff than in health (Zhao et al. 2015, J. Appl. Physiol. 118)")),
        drawn=_people((0.028, 0.050), (0.045, 0.070)),
-       strain=OtherReading(0.10, 0.01, 0.5), slack=ANKLE.slack[0], advice=_FORCE_TRI),
+       strain=Value(0.10, 0.01, 0.5, 0.0, _STRAINED), slack=ANKLE.slack[0], advice=_FORCE_TRI),
     _P("dlt_tib", "m", "tendon strain factor, tibialis anterior", "tendon", 0.04, 0.002, 0.2,
        straight=True, known=_people(
-           Known(0.0120, 0.45,
+           Prior(0.0120, 0.45,
                  "161 N/mm (Maganaris and Paul 1999, J. Physiol. 521); spread assumed")),
        drawn=_people((0.008, 0.018)),
-       strain=OtherReading(0.035, 0.005, 0.5), slack=ANKLE.slack[1], advice=_FORCE_TIB),
+       strain=Value(0.035, 0.005, 0.5, 0.0, _STRAINED), slack=ANKLE.slack[1], advice=_FORCE_TIB),
     _P("pt_tri", "-", "tendon toe force, triceps surae", "tendon", 0.3, 0.05, 0.9,
-       known=_people(Known(0.283, 0.35, _TOE)), drawn=_people((0.2, 0.4)), advice=_FORCE_TRI),
+       known=_people(Prior(0.283, 0.35, _TOE)), drawn=_people((0.2, 0.4)), advice=_FORCE_TRI),
     _P("pt_tib", "-", "tendon toe force, tibialis anterior", "tendon", 0.3, 0.05, 0.9,
-       known=_people(Known(0.283, 0.35, _TOE)), drawn=_people((0.2, 0.4)), advice=_FORCE_TIB),
+       known=_people(Prior(0.283, 0.35, _TOE)), drawn=_people((0.2, 0.4)), advice=_FORCE_TIB),
     _P("kt_tri", "-", "tendon toe shape, triceps surae", "tendon", 4.0, 1.0, 10.0,
-       wide=Known(4.0, 0.4, _TABLE), advice=_FORCE_TRI),
+       wide=Prior(4.0, 0.4, _TABLE), advice=_FORCE_TRI),
     _P("kt_tib", "-", "tendon toe shape, tibialis anterior", "tendon", 4.0, 1.0, 10.0,
-       wide=Known(4.0, 0.4, _TABLE), advice=_FORCE_TIB),
+       wide=Prior(4.0, 0.4, _TABLE), advice=_FORCE_TIB),
     _P("fmax_tri", "N", "tendon force at dlt, triceps surae", "tendon", 8e3, 2e3, 2e4,
-       wide=Known(8e3, 0.3, _TABLE), advice=_STRAIN),
+       wide=Prior(8e3, 0.3, _TABLE), advice=_STRAIN),
     _P("fmax_tib", "N", "tendon force at dlt, tibialis anterior", "tendon", 1.4e3, 300.0, 6e3,
-       wide=Known(1.4e3, 0.3, _TABLE), advice=_STRAIN),
+       wide=Prior(1.4e3, 0.3, _TABLE), advice=_STRAIN),
 )  # fmt: skip
 
 #: Crosstalk: part of a muscle's envelope that the electrode of another hears, by their channels.
@@ -260,20 +246,20 @@ _M = _measurement
 _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
     "emd": (
         _P("emd", "s", "electromechanical delay of the EMG", "active", 0.0, 0.0, 0.2,
-           positive=False, straight=True, wide=Known(
+           positive=False, straight=True, wide=Prior(
                0.03, 0.7, "20 to 100 ms with the surface EMG (Cavanagh and Komi 1979); assumed"),
            advice="faster bursts of effort, or fix it at a measured delay"),
     ),
     "reflex": (
         _P("reflex_tri", "N·s/m", "reflex gain, triceps surae", "active", 0.0, 0.0, 1e5, False,
-           straight=True, wide=Known(2e3, 1.5, _REFLEX),
+           straight=True, wide=Prior(2e3, 1.5, _REFLEX),
            advice="faster stretches of the relaxed triceps, at several speeds"),
         _P("reflex_tib", "N·s/m", "reflex gain, tibialis anterior", "active", 0.0, 0.0, 1e5, False,
-           straight=True, wide=Known(2e3, 1.5, _REFLEX),
+           straight=True, wide=Prior(2e3, 1.5, _REFLEX),
            advice="faster stretches of the relaxed tibialis, at several speeds"),
         _P("reflex_delay", "s", "delay of the reflex", "active", 0.05, 0.02, 0.15, positive=False,
            straight=True,
-           wide=Known(0.05, 0.4, "short latency 40 ms and the muscle's own delay; assumed"),
+           wide=Prior(0.05, 0.4, "short latency 40 ms and the muscle's own delay; assumed"),
            advice="faster and shorter stretches at rest, held for half a second after each"),
     ),
     "crosstalk": tuple(
@@ -375,7 +361,7 @@ OPTIONAL: dict[str, tuple[str, ...]] = {
 _NORMALISED: dict[str, dict[str, Any]] = {
     "N/V": {
         "unit": "N", "start": 1e3, "lower": 0.0, "upper": 2e4,
-        "wide": Known(
+        "wide": Prior(
             1e3, 1.0, "assumed, a muscle's force at full effort; no measurement known"
         ),
     },
@@ -410,15 +396,15 @@ def _adapted(p: Parameter, options: ModelOptions, emg_unit: str) -> Parameter:
         scale = joint.slack[p.name.endswith("tib")] if strained else 1.0
         return replace(
             p, unit="-" if strained else p.unit, start=start / scale, lower=lower / scale,
-            upper=upper / scale, known=FrozenDict(), wide=Known(start / scale, spread, source),
+            upper=upper / scale, known=FrozenDict(), wide=Prior(start / scale, spread, source),
         )  # fmt: skip
     if p.travel is not None and options.travel == "virtual-work":
-        usual, lower, upper, spread = p.travel
+        usual, lower, upper, spread, source = astuple(p.travel)
         start = min(max(usual + _longer(options).get(p.name, 0.0), lower), upper)
-        wide = Known(usual, spread, _TRAVEL)
+        wide = Prior(usual, spread, source)
         return replace(p, start=start, lower=lower, upper=upper, known=FrozenDict(), wide=wide)
     if p.strain is not None and options.tendon_strain == "slack-length":
-        start, lower, upper, _ = p.strain
+        start, lower, upper = p.strain.start, p.strain.lower, p.strain.upper
         known = FrozenDict(
             {of: replace(each, median=each.median / p.slack) for of, each in p.known.items()}
         )

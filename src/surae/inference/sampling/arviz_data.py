@@ -12,6 +12,7 @@ from surae.inference import Assessment, FitResult
 from surae.inference.coordinates import is_straight
 from surae.inference.observed import measured
 from surae.inference.residuals import simulators
+from surae.model.prior import Prior
 from surae.recording.frames import library
 
 #: Chains that independent draws are dealt to, so that ArviZ can compare them.
@@ -51,14 +52,14 @@ def drawn(draws: FloatArray, units: Mapping[str, str]) -> Any:
 
 
 def prior_draws(
-    priors: Mapping[str, tuple[float, float, bool]], units: Mapping[str, str], count: int, seed: int
+    priors: Mapping[str, Prior], units: Mapping[str, str], count: int, seed: int
 ) -> Any:
-    """Draws of priors: centre, spread, and whether it is on a logarithm."""
+    """Draws of priors, in the parameters' units."""
     rng = np.random.default_rng([seed, 2])
     by_name = {}
-    for name, (centre, spread, log) in priors.items():
-        own = centre + spread * rng.standard_normal(count)
-        by_name[name] = np.exp(own) if log else own
+    for name, prior in priors.items():
+        own = prior.centre + prior.spread * rng.standard_normal(count)
+        by_name[name] = np.exp(own) if prior.log else own
     return drawn(np.array([*by_name.values()]).T, {name: units[name] for name in by_name})
 
 
@@ -75,11 +76,13 @@ def of_fit(
     units = {name: every[name].unit for name in free}
     legs = known.draw(draws, seed)
     groups = {"posterior": drawn(legs[:, [known.names.index(name) for name in free]], units)}
-    priors = {n: (np.log(p.median), p.spread, True) for n, p in problem.priors.items()}
+    priors = dict(problem.priors)
     if result.family is not None:
-        population = result.family.population
-        priors = {n: (p.mean, p.sd, not is_straight(n)) for n, p in population.items()}
-        priors |= {n: (p.mean, p.sd, False) for n, p in result.family.beliefs.items()}
+        for n, p in result.family.population.items():
+            log = not is_straight(n)
+            priors[n] = Prior(float(np.exp(p.mean)) if log else p.mean, p.sd, "population", log)
+        for n, p in result.family.beliefs.items():
+            priors[n] = Prior(p.mean, p.sd, "laboratory", log=False)
     if shown := {n: prior for n, prior in priors.items() if n in units}:
         groups["prior"] = prior_draws(shown, units, draws, seed)
     samples = np.concatenate([np.arange(own.n)[own.counts] for own in problem.inputs])

@@ -8,7 +8,7 @@ that may be negative stays on its own.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,55 +20,39 @@ from surae.inference.population import checked_prior, wide_priors
 from surae.inference.residuals import Residuals
 from surae.model import adapted
 from surae.model.laboratory import laboratory
+from surae.model.prior import Prior
 from surae.model.sources import Gaussian
-
-
-@dataclass(frozen=True, slots=True)
-class SamplingPrior:
-    """What is known of one parameter beforehand."""
-
-    #: `median`, `spread`: median, and standard deviation of the logarithm; of the parameter itself,
-    #: in its unit, where it may be negative.
-    median: float
-    spread: float
-    log: bool  #: Whether it is on the logarithm.
-    #: "population", "fit", "given": Whether it is a default, was a prior of the fit, or was given
-    #: for the posterior.
-    origin: str
 
 
 def beliefs(
     problem: FitProblem, priors: Mapping[str, tuple[float, float]] | None = None
-) -> dict[str, SamplingPrior]:
+) -> dict[str, Prior]:
     """The prior of every free parameter: given now (median, spread), else the fit's, else wide."""
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
-    beliefs = {}
+    known = {}
     for name in problem.free:
-        p = table[name]
+        p, told = table[name], "population"
         if p.signed:  # its bounds as two standard deviations to either side
-            median, spread, log = (p.lower + p.upper) / 2, (p.upper - p.lower) / 4, False
+            known[name] = Prior((p.lower + p.upper) / 2, (p.upper - p.lower) / 4, told, log=False)
         elif name in wide:
-            median, spread, log = *wide[name], True
+            known[name] = Prior(*wide[name], told)
         else:
-            median, spread, log = _of_nuisance(laboratory(joint=problem.options.anatomy)[name])
-        beliefs[name] = SamplingPrior(median, spread, log, "population")
-    for name, prior in problem.priors.items():
-        beliefs[name] = SamplingPrior(prior.median, prior.spread, True, "fit")
+            known[name] = _of_nuisance(laboratory(joint=problem.options.anatomy)[name], told)
+    known |= {name: replace(prior, source="fit") for name, prior in problem.priors.items()}
     for name, pair in (priors or {}).items():
-        prior = checked_prior(name, pair, problem.free)
+        known[name] = checked_prior(name, pair, problem.free, "given")
         if table[name].signed:
             raise InputError(f"prior of {name}: it is on a logarithm, and {name} may be negative")
-        beliefs[name] = SamplingPrior(prior.median, prior.spread, True, "given")
-    return beliefs
+    return known
 
 
-def _of_nuisance(prior: Gaussian) -> tuple[float, float, bool]:
-    """Median and spread of a nuisance, on a logarithm where its mean is above zero."""
+def _of_nuisance(prior: Gaussian, source: str) -> Prior:
+    """The prior of a nuisance, on a logarithm where its mean is above zero."""
     if not prior.mean > 0.0:
-        return prior.mean, prior.sd, False
+        return Prior(prior.mean, prior.sd, source, log=False)
     variance = float(np.log1p((prior.sd / prior.mean) ** 2))  # of the same mean and deviation
-    return prior.mean * float(np.exp(-0.5 * variance)), variance**0.5, True
+    return Prior(prior.mean * float(np.exp(-0.5 * variance)), variance**0.5, source)
 
 
 #: Logarithm of a density, and its gradient; minus infinity where the model has no finite torque.
@@ -97,7 +81,7 @@ class Target:
         self.priors = beliefs(problem, given)  #: Of every free parameter.
         known = self.priors.values()
         self._log = log = np.array([prior.log for prior in known])
-        self._centre = centre = np.array([np.log(b.median) if b.log else b.median for b in known])
+        self._centre = centre = np.array([prior.centre for prior in known])
         self._spread = spread = np.array([prior.spread for prior in known])
         self._samples = problem.n / variance_inflation
         residuals, weight = Residuals(problem), np.sqrt(self._samples / result.sse)

@@ -24,10 +24,11 @@ from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.inference import FitResult
 from surae.inference.assessment import described
-from surae.inference.sampling.density import SamplingPrior, Target
+from surae.inference.sampling.density import Target
 from surae.inference.sampling.importance import ENOUGH, Weighted, weighted_draws
 from surae.inference.uncertainty.covariance import Covariance, covariance, half_width
 from surae.model import adapted
+from surae.model.prior import Prior
 from surae.recording.frames import library
 
 Status = Literal["reliable", "not reliable"]
@@ -55,7 +56,7 @@ class Marginal:
     ci95: tuple[float, float] | None
     #: The 95 % interval of the covariance, widened as the posterior is; None where there is none.
     from_covariance: tuple[float, float] | None
-    prior: SamplingPrior  #: What was known beforehand.
+    prior: Prior  #: What was known beforehand.
     #: Width of the posterior as a part of its prior's: near 1 the recordings added nothing. None
     #: without an interval.
     prior_part: float | None
@@ -164,11 +165,7 @@ class Posterior(Tabular, Saved, Comparable):
 
         xarray = library("xarray", "InferenceData")
         units = {name: self.marginals[name].unit for name in self.names}
-        known = {name: m.prior for name, m in self.marginals.items()}
-        priors = {
-            name: (float(np.log(p.median)) if p.log else p.median, p.spread, p.log)
-            for name, p in known.items()
-        }
+        priors = {name: m.prior for name, m in self.marginals.items()}
         worth = {"k_hat": self.k_hat, "effective": self.effective}
         found = {name: ((), value) for name, value in worth.items() if value is not None}
         groups = {
@@ -273,7 +270,7 @@ def _verdict(weighted: Weighted) -> tuple[bool, str]:
 def _marginals(
     result: FitResult,
     values: FloatArray | None,
-    known: Mapping[str, SamplingPrior],
+    known: Mapping[str, Prior],
     estimated: Covariance,
 ) -> dict[str, Marginal]:
     problem = result.problem
