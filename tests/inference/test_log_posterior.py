@@ -112,7 +112,7 @@ def test_every_parameter_has_a_prior_within_the_bounds_of_a_fit(noisy, model, ge
     assert list(found) == list(spec.names)
     for name, prior in found.items():
         assert table[name].lower < prior.median < table[name].upper, name
-        assert prior.origin == "population"
+        assert prior.source == "population"
 
 
 def test_priors_of_the_fit_and_given_ones_come_first(noisy):
@@ -120,7 +120,7 @@ def test_priors_of_the_fit_and_given_ones_come_first(noisy):
     found = beliefs(problem, {"f0": (1.8, 0.3)})
     assert found["f0"] == Prior(1.8, 0.3, "given")
     assert found["beta"] == Prior(1.1, 0.2, "fit")
-    assert found["m"].origin == "population"
+    assert found["m"].source == "population"
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 from surae.api.plots import Plots, numbered
 from surae.api.recordings import AnyRecording, as_in_fit
 from surae.api.simulation import parts_of, tendon_of
+from surae.base.errors import InputError
 from surae.base.files import PathLike
+from surae.base.formatting import nearest
 from surae.base.tables import Tabular, TextTable
 from surae.inference import FitResult
 from surae.inference.adequacy import Adequacy
@@ -147,6 +149,22 @@ class Fit(Tabular):
 
         numbered(self.result.problem.inputs, recording)
         return traces_of_fit(self.result, recording)
+
+    def __getitem__(self, name: str) -> ParameterEstimate:
+        """A parameter or nuisance by name: ``fit["l0_tri"].ci95``.
+
+        Raises
+        ------
+        InputError
+            The fit has none of that name.
+        """
+        both = {**self.parameters, **self.nuisances}
+        if name not in both:
+            raise InputError(
+                f"this fit has no parameter {name!r}{nearest(name, both)}; it has: "
+                f"{', '.join(both)}"
+            )
+        return both[name]
 
     @property
     def parameters(self) -> Mapping[str, ParameterEstimate]:

@@ -103,6 +103,16 @@ class ModelOptions(Request):
     def of(cls, **given: Any) -> "ModelOptions":
         """Make options of keywords.
 
+        Parameters
+        ----------
+        **given
+            Fields by name; a table or a joint by its file too.
+
+        Returns
+        -------
+        ModelOptions
+            The others as they are by default.
+
         Raises
         ------
         InputError

@@ -117,6 +117,16 @@ class Trajectory:
 def generate(settings: Protocol) -> Trajectory:
     """The trajectory of a protocol; the same settings always give the same one.
 
+    Parameters
+    ----------
+    settings : Protocol
+        Motion, effort and device.
+
+    Returns
+    -------
+    Trajectory
+        Angle and effort over time.
+
     Raises
     ------
     InputError

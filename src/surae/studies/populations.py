@@ -86,6 +86,11 @@ def virtual_subject(
     tendons : bool
         Draw tendons of the subject's own too (`TENDONS`); the other parameters stay the same.
 
+    Returns
+    -------
+    VirtualSubject
+        Its true parameters.
+
     Raises
     ------
     InputError

@@ -144,7 +144,18 @@ class Posterior(Tabular, Saved, Comparable):
         return TextTable(heads, tuple(rows), below=(*notes, self.noise, end), numbers=heads[1:4])
 
     def of(self, name: str) -> FloatArray:
-        """All draws of one parameter."""
+        """All draws of one parameter.
+
+        Parameters
+        ----------
+        name : str
+            Its name.
+
+        Returns
+        -------
+        ndarray, shape (draws,)
+            In its unit.
+        """
         return self.draws[:, self.names.index(name)]
 
     def to_inference_data(self) -> Any:

@@ -66,7 +66,12 @@ class Design(Tabular, Comparable):
     def write(self, path: PathLike, *, without_limits: str | None = None) -> None:
         """Write the protocol for a device: CSV, or MATLAB where the path ends in ``.mat``.
 
-        Without a device `without_limits` says why its limits need not be kept; that is in the file.
+        Parameters
+        ----------
+        path : path
+            Where to.
+        without_limits : str, optional
+            Without a device, why its limits need not be kept; that is in the file.
         """
         write_protocol(self.trajectory, path, without_limits=without_limits)
 

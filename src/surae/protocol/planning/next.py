@@ -50,7 +50,20 @@ class NextTrial(Comparable):
         return "\n".join(self.sentences)
 
     def write(self, path: PathLike, *, without_limits: str | None = None) -> None:
-        """Write the trial for a device, as `surae.protocol.planning.design.Design.write` does."""
+        """Write the trial for a device, as `Design.write` does.
+
+        Parameters
+        ----------
+        path : path
+            Where to.
+        without_limits : str, optional
+            Why no device's limits have to hold.
+
+        Raises
+        ------
+        InputError
+            There is no trial, or the file cannot be written.
+        """
         if self.trajectory is None:
             raise InputError("there is no trial to write: " + self.sentences[0])
         write_protocol(self.trajectory, path, without_limits=without_limits)
