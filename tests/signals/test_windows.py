@@ -8,7 +8,7 @@ import pytest
 from surae import api
 from surae.recording import Channel, Recording
 from surae.settings import FitSettings
-from surae.signals.windows import FAMILY, ONE, thinned
+from surae.signals.windows import FAMILY, ONE, parted, thinned
 
 
 def long(seconds, rate=50.0, moving=()):
@@ -57,3 +57,27 @@ def test_a_fit_names_its_windows() -> None:
     inputs = api.inputs_for(FitSettings.of("muscle"), [long(ONE[0] + 100.0, rate=200.0)])
     assert len(inputs) == ONE[1]
     assert all(" to " in each.name for each in inputs)
+
+
+def with_gap(begin, end, *roles):
+    """A recording of 20 s of which some channels stop for a while."""
+    whole = long(20.0, rate=200.0, moving=[(0.0, 20.0)])
+    channels = dict(whole.channels)
+    for role in roles:
+        c = channels[role]
+        kept = (c.time <= begin) | (c.time >= end)
+        channels[role] = replace(c, time=c.time[kept], values=c.values[kept])
+    return replace(whole, channels=channels)
+
+
+def test_a_recording_in_which_a_stream_stopped_is_fitted_in_parts() -> None:
+    for roles in (("angle", "torque"), ("emg_ta", "emg_sol")):
+        parts = parted([with_gap(8.0, 9.5, *roles)])
+        times = [(p.channels["angle"].time[0], p.channels["angle"].time[-1]) for p in parts]
+        np.testing.assert_allclose(times, [(0.0, 8.0), (9.5, 19.995)], atol=0.01)
+        inputs = api.inputs_for(FitSettings.of("muscle"), [with_gap(8.0, 9.5, *roles)])
+        assert [each.name for each in inputs] == ["long, 0 to 8 s", "long, 10 to 20 s"]
+    short = parted([with_gap(1.0, 2.0, "angle")])
+    assert [each.name for each in short] == ["long, 2 to 20 s"]
+    for whole in (with_gap(8.0, 8.02, "angle"), long(20.0)):  # lost samples are no parts
+        assert parted([whole]) == (whole,)

@@ -21,7 +21,7 @@ from surae.quality import Quality
 from surae.recording import Recording
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
-from surae.signals.windows import thinned
+from surae.signals.windows import parted, thinned
 
 #: Has a function's ``**keywords`` stand for all settings of a fit.
 asks_as_fit = takes(FitSettings, ModelOptions, defaults=False)
@@ -89,8 +89,8 @@ def inputs_for(
 ) -> Sequence[ModelInputs]:
     """What settings make of recordings; an error says too what is wrong with their units.
 
-    One that lasts very long is thinned to windows, each of them inputs of their own; see
-    `surae.signals.windows`.
+    One with gaps is fitted in parts, and one that lasts very long thinned to windows, each of them
+    inputs of their own; see `surae.signals.windows`.
 
     Raises
     ------
@@ -98,7 +98,8 @@ def inputs_for(
         A recording cannot be prepared as the settings ask.
     """
     try:
-        return settings.inputs(thinned(recordings, settings.model == AUTO), mvc)
+        parts = thinned(parted(recordings), settings.model == AUTO)
+        return settings.inputs(parts, mvc)
     except InputError as error:
         raise explained(error, recordings) from None
 

@@ -63,7 +63,7 @@ def command(
         inputs = api.inputs_for(settings, measured, contractions)
         if len(inputs) > len(measured):
             windows = "; ".join(each.name for each in inputs)
-            click.echo(f"surae: a long recording is thinned; fitted are {windows}", err=True)
+            click.echo(f"surae: not all of a recording is fitted, but {windows}", err=True)
 
         with compilation_notice():
             fit = api.fit_inputs(inputs, settings, quality, progress=progress.starts)

@@ -1,4 +1,7 @@
-"""Long recordings, thinned: windows in which much moves and works stand for all."""
+"""What of a recording is fitted: its parts between gaps, and of a long one windows.
+
+Each is fitted as a recording of its own, jointly with the others, and named by its times.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,18 +11,50 @@ import numpy as np
 from surae.base.units import FloatArray
 from surae.recording import MUSCLES, Recording
 from surae.signals.inputs import ModelInputs
+from surae.signals.timebase import GAP_STEPS
 
 #: A recording that lasts longer [s] is thinned to so many windows of that length [s]: for a family
 #: of models, whose fit takes a hundred times as long as a named one's, and for one model.
 FAMILY, ONE = (300.0, 3, 20.0), (900.0, 10, 60.0)
+#: Where samples are missing for so long [s], a recording is in parts; shorter ones tell nothing.
+_GAP, _SHORTEST = 0.05, 3.0
 #: Windows are compared by pieces of this length [s].
 _PIECE = 5.0
+
+
+def parted(recordings: Sequence[Recording | ModelInputs]) -> tuple[Recording | ModelInputs, ...]:
+    """Recordings, one in which all signals, or some, stopped for a while as its parts."""
+    made: list[Recording | ModelInputs] = []
+    for each in recordings:
+        pieces = _pieces(each) if isinstance(each, Recording) else []
+        made += [_window(each, *piece) for piece in pieces] or [each]  # type: ignore[arg-type]
+    return tuple(made)
+
+
+def _pieces(recording: Recording) -> list[tuple[float, float]]:
+    """Begin and end of the parts between gaps [s]; none where there is no gap, or no part."""
+    gaps = []
+    for channel in recording.signals.values():
+        steps = np.diff(channel.time)
+        usual = float(np.median(steps)) if len(steps) else 0.0
+        where = np.flatnonzero(steps > max(_GAP, GAP_STEPS * usual))
+        gaps += [(float(channel.time[i]), float(channel.time[i + 1])) for i in where]
+    if not gaps:
+        return []
+    spans = [(float(c.time[0]), float(c.time[-1])) for c in recording.signals.values()]
+    at, last = max(first for first, _ in spans), min(end for _, end in spans)
+    pieces = []
+    for begin, end in [*sorted(gaps), (last, last)]:
+        if begin - at >= _SHORTEST:
+            pieces.append((at, begin))
+        at = max(at, end)
+    return pieces
 
 
 def thinned(
     recordings: Sequence[Recording | ModelInputs], family: bool
 ) -> tuple[Recording | ModelInputs, ...]:
-    """Recordings, a long one as windows of it, which are named by their times.
+    """Recordings, a long one as windows of it.
 
     Each of as many equal parts gives the window in which the angle and the EMG vary most, by what
     was asked and done, not by the torque that is to be explained. The windows are fitted jointly.
@@ -30,14 +65,14 @@ def thinned(
         if isinstance(each, Recording) and "angle" in each.channels:
             time = each.channels["angle"].time
             if time[-1] - time[0] > longest:
-                made += (_window(each, begin, seconds) for begin in _begins(each, count, seconds))
+                begins = _begins(each, count, seconds)
+                made += (_window(each, begin, begin + seconds) for begin in begins)
                 continue
         made.append(each)
     return tuple(made)
 
 
-def _window(recording: Recording, begin: float, seconds: float) -> Recording:
-    end = begin + seconds
+def _window(recording: Recording, begin: float, end: float) -> Recording:
     return replace(recording.crop(begin, end), name=f"{recording.name}, {begin:.0f} to {end:.0f} s")
 
 

@@ -231,6 +231,7 @@ class Trials:
         source = Path(trial.file) if trial.file else self.path(number, ".xdf")
         while not self.recorder.whole(source) and not self._closed:  # there is room on the disk
             time.sleep(0.05)
+        failed = False
         try:
             arguments = self._arguments(number, source, begin)
         except InputError as error:
@@ -240,7 +241,8 @@ class Trials:
             if self._closed and end.how != "done":  # nothing is on disk: the next start judges it
                 return trial.shown()
             judgement = end.value if end.how == "done" else {"why": end.message}
-            if end.how in ("failed", "killed"):  # our mistake, not the trial's
+            failed = end.how in ("failed", "killed")
+            if failed:  # our mistake, not the trial's
                 judgement |= {"verdict": "look", "advice": f"It could not be judged: {end.message}"}
         judgement = {k: v for k, v in judgement.items() if k in Judgement.model_fields}
         if "findings" not in judgement:
@@ -258,7 +260,8 @@ class Trials:
         except ValidationError:  # our mistake: what is said of a trial has one form
             why = "what was said of it could not be kept; report it"
             trial = self._write(number, **about, verdict="look", advice=why)
-        self._keep(number)
+        # A mistake of ours is judged again at the next start.
+        self._keep(number, judged=not failed)
         self._tell("trial", trial.shown())
         if self.joint:
             self._ask_together()
@@ -293,10 +296,13 @@ class Trials:
             self._write(number, split=what)
         self._told(event, data)
 
-    def _keep(self, number: int) -> None:
-        """Write down what is known of a trial."""
+    def _keep(self, number: int, *, judged: bool = True) -> None:
+        """Write down what is known of a trial; not its verdict where that is none."""
+        record = self.trials[number]
+        if not judged:
+            record = record.but(state="being judged", verdict=None, advice=None, why=None)
         try:
-            self.trials[number].write(self.path(number, ".json"))
+            record.write(self.path(number, ".json"))
         except (OSError, SuraeError) as error:
             note = f"its state is not on disk ({error}); the next start judges it again"
             self._write(number, note=note)
