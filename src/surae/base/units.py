@@ -15,6 +15,7 @@ import numpy.typing as npt
 from surae.base.errors import InputError
 
 FloatArray = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complex128]
 
 #: SI unit of each kind of signal, as written in files and figures.
 SI = {

@@ -1,0 +1,214 @@
+"""Least squares of the cascade in whitened bins, and covariances that hold under what is left."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from surae.nerve.cascade import BOUNDS, Structure, muscle, muscle_slopes, relaxing, relaxing_slope
+from surae.nerve.piece import Piece
+from surae.units import ComplexArray, FloatArray
+
+#: Scale of the curvature's regressor [rad].
+_BEND = 0.02
+#: Length of the blocks whose scores are taken to be independent [s].
+BLOCK = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """Power of what is left over the frequency, of bins: common to all pieces."""
+
+    f: FloatArray  #: Frequencies [Hz], shape (n,).
+    power: FloatArray  #: [Nm²/s²/Hz], shape (n,).
+
+    def at(self, f: FloatArray) -> FloatArray:
+        """The power at frequencies [Hz]."""
+        return np.exp(np.interp(np.log(f), np.log(self.f), np.log(self.power)))
+
+
+def noise_of(pieces: Sequence[Piece], residuals: Sequence[ComplexArray], share: float = 1.0) -> Noise:
+    """Smooth periodogram of residuals, over at least 15 bins and a third of an octave.
+
+    `share` of the degrees of freedom is left by what was estimated.
+    """
+    f = np.concatenate([piece.f for piece in pieces])
+    power = np.concatenate([np.abs(each) ** 2 for each in residuals])
+    order = np.argsort(f, kind="stable")
+    f, power = f[order], power[order]
+    total, i, n = np.concatenate([[0.0], np.cumsum(power)]), np.arange(len(f)), len(f)
+    low = np.minimum(np.searchsorted(f, f / 2 ** (1 / 6)), np.maximum(i - 8, 0))
+    high = np.maximum(np.searchsorted(f, f * 2 ** (1 / 6)), np.minimum(i + 8, n))
+    smooth = (total[high] - total[low]) / (high - low) / share + 1e-300
+    f, first = np.unique(f, return_index=True)
+    return Noise(f, smooth[first])
+
+
+def stacked(bins: Sequence[ComplexArray]) -> FloatArray:
+    """Bins of pieces, (…, n) each, as real numbers along the last axis."""
+    joined = np.concatenate(bins, axis=-1)
+    return np.concatenate([joined.real, joined.imag], axis=-1)
+
+
+def regressors(piece: Piece, structure: Structure, q: Mapping[str, float]) -> ComplexArray:
+    """Spectra of the torque per unit of each linear parameter, (k, half)."""
+    s, late = piece.s, np.exp(-piece.s * q.get("late", 0.0))
+    angle = piece.angle * late
+    rows = [angle, s * angle, s**2 * angle]
+    rows += [relaxing(s, q[f"time_{i + 1}"]) * angle for i in range(structure.branches)]
+    rows.append(piece.squared * late / _BEND)
+    if structure.trend:
+        rows.append(piece.drifting * late)
+    if structure.direction:
+        velocity, _ = piece.stretched(structure.direction, q.get("threshold", 0.0))
+        rows.append(velocity * muscle(s, q["omega"], q["zeta"]) * late * np.exp(-s * q["delay"]))
+    return np.stack(rows)
+
+
+def slopes(
+    piece: Piece, structure: Structure, q: Mapping[str, float], x: ComplexArray
+) -> ComplexArray:
+    """Spectra of the torque's derivatives by the nonlinear parameters; `x` of `regressors`."""
+    s, rows = piece.s, []
+    whole = np.asarray([q[name] for name in structure.linear]) @ x
+    for name in structure.nonlinear:
+        if name == "late":
+            rows.append(-s * whole)
+        elif name.startswith("time"):
+            i = name[-1]
+            rows.append(q[f"branch_{i}"] * relaxing_slope(s, q[name]) * x[0])
+        elif name == "delay":
+            rows.append(-s * q["gain"] * x[-1])
+        elif name == "threshold":
+            velocity, slope = piece.stretched(structure.direction, q["threshold"])
+            filtered = muscle(s, q["omega"], q["zeta"]) * np.exp(-s * (q["delay"] + q.get("late", 0.0)))
+            rows.append(q["gain"] * slope * filtered)
+        else:
+            h, (by_omega, by_zeta) = muscle(s, q["omega"], q["zeta"]), muscle_slopes(s, q["omega"], q["zeta"])
+            rows.append(q["gain"] * x[-1] * (by_omega if name == "omega" else by_zeta) / h)
+    return np.stack(rows) if rows else np.empty((0, len(s)), complex)
+
+
+@dataclass(frozen=True, slots=True)
+class Fitted:
+    """A structure's parameters that describe the torque best."""
+
+    structure: Structure  #: What was fitted.
+    values: Mapping[str, float]  #: By the names of the structure.
+    loss: float  #: Sum of squares of the whitened residual.
+    at_bound: tuple[str, ...]  #: Nonlinear parameters at a bound of their search.
+
+    def prediction(self, piece: Piece) -> ComplexArray:
+        """Spectrum of the torque."""
+        vector = np.asarray([self.values[name] for name in self.structure.linear])
+        return np.asarray(vector @ regressors(piece, self.structure, self.values))
+
+    def residual(self, piece: Piece) -> ComplexArray:
+        """Bins of what is left of the torque."""
+        return piece.bins(piece.torque - self.prediction(piece))
+
+
+class Problem:
+    """Pieces of one recording and the noise that weighs their bins."""
+
+    def __init__(self, pieces: Sequence[Piece], noise: Noise) -> None:
+        self.pieces, self.noise = tuple(pieces), noise
+        self.weights = [noise.at(piece.f) ** -0.5 for piece in pieces]
+        self.y = self.whitened([piece.torque for piece in pieces])
+
+    def whitened(self, spectra: Sequence[ComplexArray]) -> FloatArray:
+        """Whitened bins as real numbers, of one spectrum, or (k, half), of each piece."""
+        return stacked([p.bins(x) * w for p, x, w in zip(self.pieces, spectra, self.weights, strict=True)])
+
+    def linear(self, structure: Structure, q: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+        """Linear parameters at given others, and the whitened regressors."""
+        x = self.whitened([regressors(piece, structure, q) for piece in self.pieces])
+        return solved(x, self.y), x
+
+    def jacobian(self, structure: Structure, q: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+        """Whitened residual and its derivatives by all parameters (n, k), sign turned."""
+        rows, vector = [], np.asarray([q[name] for name in structure.linear])
+        for piece in self.pieces:
+            x = regressors(piece, structure, q)
+            rows.append(np.concatenate([slopes(piece, structure, q, x), x]))
+        j = self.whitened(rows)
+        return self.y - vector @ j[len(structure.nonlinear) :], j.T
+
+    def fit(self, structure: Structure, start: Mapping[str, float]) -> Fitted:
+        """Least squares from a start of the nonlinear parameters; more names do no harm."""
+        names = structure.names
+        low, high = np.array([BOUNDS.get(name, (-np.inf, np.inf)) for name in names]).T
+        q = {name: float(start.get(name, START.get(name, 0.0))) for name in structure.nonlinear}
+        margin = {name: 1e-3 * (BOUNDS[name][1] - BOUNDS[name][0]) for name in q}
+        q = {n: float(np.clip(v, BOUNDS[n][0] + margin[n], BOUNDS[n][1] - margin[n])) for n, v in q.items()}
+        first, _ = self.linear(structure, q)
+        x0 = np.concatenate([list(q.values()), first])
+        kinds = len(q)
+        x0[kinds:] = np.clip(x0[kinds:], low[kinds:] + 1e-3, None)
+        state: dict[bytes, tuple[FloatArray, FloatArray]] = {}
+
+        def at(x: FloatArray) -> tuple[FloatArray, FloatArray]:
+            if (key := x.tobytes()) not in state:
+                state.clear()
+                e, j = self.jacobian(structure, dict(zip(names, x, strict=True)))
+                # the same squares and steps from few rows: what j cannot reach is one number
+                q, r = np.linalg.qr(j)
+                reached = q.T @ e
+                rest = np.sqrt(max(float(e @ e - reached @ reached), 0.0))
+                state[key] = np.append(reached, rest), np.vstack([r, np.zeros(len(x))])
+            return state[key]
+
+        found = least_squares(
+            lambda x: at(x)[0], x0, jac=lambda x: -at(x)[1], bounds=(low, high), x_scale="jac",
+            ftol=3e-6, xtol=1e-6, gtol=1e-9, max_nfev=40,
+        )  # fmt: skip
+        values = dict(zip(names, map(float, found.x), strict=True))
+        ends = tuple(
+            n for n in structure.nonlinear
+            if min(values[n] - BOUNDS[n][0], BOUNDS[n][1] - values[n]) < margin[n]
+        )  # fmt: skip
+        return Fitted(structure, values, 2.0 * float(found.cost), ends)
+
+    def covariance(self, fitted: Fitted) -> tuple[FloatArray, int]:
+        """Covariance of all parameters, and the degrees of freedom of the blocks behind it.
+
+        The larger of the model's and of a sandwich over blocks of time, by parameter, with the
+        model's correlations: what is left need be neither white nor the same all the time.
+        """
+        e, j = self.jacobian(fitted.structure, fitted.values)
+        (n, k), size = j.shape, np.sqrt(np.sum(j**2, axis=0)) + 1e-300
+        inverse = np.linalg.pinv((j / size).T @ (j / size), rcond=1e-12) / np.outer(size, size)
+        model = inverse * float(e @ e) / (n - k)
+        scores = np.concatenate(self.blocks(e, j))
+        m = len(scores)
+        sandwich = inverse @ (scores.T @ scores) @ inverse * m / max(m - k, 1)
+        wider = np.sqrt(np.maximum(np.diag(sandwich) / np.diag(model), 1.0))
+        return model * np.outer(wider, wider), max(m - k, 5)
+
+    def blocks(self, e: FloatArray, j: FloatArray) -> list[FloatArray]:
+        """Scores Jᵀe of each block of time, (blocks, k) of each piece."""
+        half, first, found = len(e) // 2, 0, []
+        for piece in self.pieces:
+            own = slice(first, first + len(piece.f))
+            first = own.stop
+            series = [piece.in_time(v[..., :half][..., own] + 1j * v[..., half:][..., own]) for v in (e, j.T)]
+            scores, length = series[0] * series[1], round(BLOCK * piece.rate)
+            count = max(scores.shape[1] // length, 1)
+            cut = scores[:, : count * length].reshape(len(scores), count, -1)
+            found.append(cut.sum(axis=2).T)
+        return found
+
+
+#: Where the search of the nonlinear parameters begins, where nothing better is known.
+START = {"late": 0.0, "time_1": 0.03, "time_2": 0.3, "delay": 0.045, "omega": 20.0, "zeta": 0.8,
+         "threshold": 0.03}  # fmt: skip
+
+
+def solved(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Least squares of y on the rows of x, however their sizes differ."""
+    size = np.sqrt(np.sum(x**2, axis=1)) + 1e-300
+    unit = x / size[:, None]
+    normal = unit @ unit.T
+    normal[np.diag_indices_from(normal)] += 1e-10
+    return np.asarray(np.linalg.solve(normal, unit @ y) / size)

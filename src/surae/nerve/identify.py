@@ -1,0 +1,300 @@
+"""One recording's cascade: structure, direction, and what the others say of every number."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import t as student
+
+from surae.nerve.cascade import Structure, relaxing, relaxing_slope
+from surae.nerve.fitting import Fitted, Noise, Problem, noise_of, regressors, slopes, solved
+from surae.nerve.piece import Piece
+from surae.nerve.presence import Weighed, bound, first_shape, shapes, weigh
+from surae.nerve.response import faster, free_noise, lagged
+from surae.units import FloatArray
+
+#: Sums of whitened squares by which a structure must be better to be taken in (z of 4), and by which
+#: one that is worse is still possible (z of 3).
+BETTER, POSSIBLE = 8.0, 4.5
+#: The same, of a structure with more in it: what chance gains by two parameters.
+CHANCE = 2.0
+#: z of the gain of responses without equations, from which the equations are known to miss something.
+MISFIT = 5.0
+#: z of a trend, and of the scatter over tens of seconds, from which stiffness is said to change.
+CHANGING = 3.0
+#: Length of the parts whose stiffness is compared [s].
+PART = 10.0
+PLAIN = Structure("inertia, viscosity, stiffness")
+RELAXING = Structure("tissue that relaxes (Zener)", 1)
+TWO = Structure("tissue that relaxes at two rates", 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """An estimate and its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+    def with_(self, other: "Number", whole: bool = True) -> "Number":
+        """The same value, with what another says in its interval: its interval, or its value."""
+        low, high = (other.low, other.high) if whole else (other.value, other.value)
+        return replace(self, low=min(self.low, low), high=max(self.high, high))
+
+
+#: What is computed of the parameters of a fit: value, and its derivative by each parameter.
+Of = Callable[[Fitted], tuple[float, Mapping[str, float]]]
+
+
+def _viscosity(fitted: Fitted) -> tuple[float, Mapping[str, float]]:
+    """Slope of the torque over the velocity when slow [Nm·s/rad]: B + Σ Kᵢτᵢ."""
+    v, value, by = fitted.values, fitted.values["viscosity"], {"viscosity": 1.0}
+    for i in range(1, fitted.structure.branches + 1):
+        value += v[f"branch_{i}"] * v[f"time_{i}"]
+        by |= {f"branch_{i}": v[f"time_{i}"], f"time_{i}": v[f"branch_{i}"]}
+    return value, by
+
+
+def _own(name: str, factor: float = 1.0) -> Of:
+    return lambda fitted: (factor * fitted.values[name], {name: factor})
+
+
+INTRINSIC: dict[str, Of] = {
+    "intrinsic_stiffness": _own("stiffness"),
+    "intrinsic_viscosity": _viscosity,
+    "inertia": _own("inertia"),
+}
+REFLEX: dict[str, Of] = {
+    "reflex_gain": _own("gain"),
+    "reflex_delay": _own("delay", 1e3),
+    "reflex_frequency": _own("omega", 0.5 / np.pi),
+    "reflex_damping": _own("zeta"),
+    "reflex_threshold": _own("threshold", 180.0 / np.pi),
+}
+#: Of which the logarithm is estimated as if it were normal.
+_RATIOS = ("reflex_gain", "reflex_frequency", "reflex_damping", "reflex_share")
+
+
+def share(pieces: Sequence[Piece], fitted: Fitted) -> tuple[float, Mapping[str, float]]:
+    """Variance of the reflex's torque in that of the torque [%], and its derivatives."""
+    structure, v = fitted.structure, fitted.values
+    reflex = {"delay", "omega", "zeta", "threshold"} & set(structure.nonlinear)
+    total, squares, by = 0.0, 0.0, dict.fromkeys(reflex, 0.0)
+    for piece in pieces:
+        x = regressors(piece, structure, v)
+        own = faster(piece, v["gain"] * x[-1])
+        total += piece.variance * len(own)
+        squares += float(np.sum(own**2))
+        for name, row in zip(structure.nonlinear, slopes(piece, structure, v, x), strict=True):
+            if name in by:
+                by[name] += 2.0 * float(own @ faster(piece, row))
+    by["gain"] = 2.0 * squares / max(v["gain"], 1e-12)
+    return 100.0 * squares / total, {name: 100.0 * each / total for name, each in by.items()}
+
+
+class Judged:
+    """A fit with its covariance: numbers with intervals."""
+
+    def __init__(self, problem: Problem, fitted: Fitted, floor: float = 0.0) -> None:
+        self.fitted = fitted
+        self.covariance, self.freedom = problem.covariance(fitted)
+        self.quantile = float(student.ppf(0.975, self.freedom))
+        self.bias = _floor_bias(problem, fitted, floor) if floor else None
+
+    def number(self, name: str, of: Of) -> Number:
+        """The number that `of` computes, with its interval."""
+        value, by = of(self.fitted)
+        gradient = np.array([by.get(each, 0.0) for each in self.fitted.structure.names])
+        half = self.quantile * float(np.sqrt(gradient @ self.covariance @ gradient))
+        if self.bias is not None:
+            half = float(np.hypot(half, gradient @ self.bias))
+        if name in _RATIOS and value > 0.0:
+            factor = float(np.exp(min(half / value, 20.0)))
+            return Number(value, value / factor, value * factor)
+        return Number(value, value - half, value + half)
+
+
+def _floor_bias(problem: Problem, fitted: Fitted, floor: float) -> FloatArray:
+    """How far noise of the position, of power floor/f² [rad²/Hz], may move each parameter."""
+    _, j = problem.jacobian(fitted.structure, fitted.values)
+    names, pull = fitted.structure.names, np.zeros(j.shape[1])
+    v = fitted.values
+    for piece, w in zip(problem.pieces, problem.weights, strict=True):
+        s = 2j * np.pi * piece.f
+        power = floor / np.maximum(piece.f, 0.3) ** 2 * np.abs(s) ** 2 * w**2 * 0.5
+        by = {"stiffness": 1.0 + 0.0 * s, "viscosity": s, "inertia": s**2}
+        for i in range(1, fitted.structure.branches + 1):
+            by[f"branch_{i}"] = relaxing(s, v[f"time_{i}"])
+        whole = sum(v[name] * row for name, row in by.items())
+        for i in range(1, fitted.structure.branches + 1):
+            by[f"time_{i}"] = v[f"branch_{i}"] * relaxing_slope(s, v[f"time_{i}"])
+        for name, row in by.items():
+            pull[names.index(name)] += float(np.sum(np.real(np.conj(row) * whole) * power))
+    size = np.sqrt(np.sum(j**2, axis=0)) + 1e-300
+    inverse = np.linalg.pinv((j / size).T @ (j / size), rcond=1e-12) / np.outer(size, size)
+    bias: FloatArray = inverse @ pull
+    return bias
+
+
+@dataclass(frozen=True, slots=True)
+class Identified:
+    """What one recording says of both paths."""
+
+    fitted: Fitted  #: The structure that describes it best, and its values.
+    noise: Noise  #: Of what is left.
+    numbers: Mapping[str, Number]  #: Measures that could be estimated.
+    structures: Mapping[str, Number]  #: Stiffness of every structure that has its say.
+    weighed: Mapping[int, Weighed]  #: Each direction on torque that was not fitted.
+    direction: int  #: That which describes the torque better, whether present or not.
+    share: Number  #: The reflex's share of the torque [%] in that direction.
+    unseen: tuple[float, float]  #: Greatest share [%] and gain that may be hidden.
+    halves: tuple[Number, Number]  #: Stiffness of both halves.
+    parts: FloatArray  #: Stiffness of every ten seconds: time [s], value, standard error; (n, 3).
+    trend: float  #: z of a stiffness that changes in proportion to time.
+    scattered: bool  #: Whether the parts differ by more than chance.
+    misfit: float  #: z of what responses without equations explain beyond the equations.
+
+
+def identify(
+    pieces: Sequence[Piece], halves: Sequence[Sequence[Piece]], floor: float,
+    judge: Callable[[int, Weighed, Number, Fitted, tuple[float, float]], bool],
+) -> Identified:  # fmt: skip
+    """Estimate everything; `judge` says whether a reflex is present."""
+    free = Problem(pieces, free_noise(pieces))
+    fits: dict[tuple[Structure, int], Fitted] = {}
+    grids = {}
+    for structure in (PLAIN, RELAXING):
+        fits[structure, 0] = free.fit(structure, {})
+        for d in (1, -1):
+            grids[d] = shapes(free, fits[structure, 0], d)
+            start = {**fits[structure, 0].values, **first_shape(grids[d])}
+            fits[structure, d] = free.fit(replace(structure, direction=d), start)
+
+    def loss(structure: Structure) -> float:
+        return min(fits[structure, d].loss for d in (0, 1, -1))
+
+    base = RELAXING if loss(PLAIN) - loss(RELAXING) > BETTER else PLAIN
+    direction = min((1, -1), key=lambda d: fits[base, d].loss)
+    unseen = tuple(max(pair) for pair in zip(*(bound(of) for of in grids.values()), strict=True))
+    rows = free.whitened([np.concatenate([lagged(p, direction), p.squared[None]]) for p in pieces])
+    left = free.y - solved(rows, free.y) @ rows
+    extra = len(rows) - len(fits[base, direction].structure.names)
+
+    noise = noise_of(pieces, [fits[base, direction].residual(p) for p in pieces])
+    problem = Problem(pieces, noise)
+    starts = {d: problem.fit(replace(base, direction=d), fits[base, d].values) for d in (0, 1, -1)}
+    weighed, folds = weigh(halves, problem, base, {d: f.values for d, f in starts.items()})
+    full = problem.fit(replace(base, direction=direction, threshold=True), starts[direction].values)
+    reflex = Judged(problem, full)
+    its_share = reflex.number("reflex_share", lambda f: share(pieces, f))
+    present = judge(direction, weighed[direction], its_share, full, unseen)
+
+    chosen = full if present else starts[0]
+    noise = noise_of(pieces, [chosen.residual(p) for p in pieces])
+    problem = Problem(pieces, noise)
+    chosen = problem.fit(chosen.structure, chosen.values)
+    judged = Judged(problem, chosen, floor)
+    numbers = {name: judged.number(name, of) for name, of in INTRINSIC.items()}
+    if present:
+        numbers |= {name: judged.number(name, of) for name, of in REFLEX.items()}
+        numbers["reflex_share"] = judged.number("reflex_share", lambda f: share(pieces, f))
+        low = max(numbers["reflex_threshold"].low, 0.0)
+        numbers["reflex_threshold"] = replace(numbers["reflex_threshold"], low=low)
+    check = free.fit(chosen.structure, chosen.values)
+    misfit = (check.loss - float(left @ left) - extra) / np.sqrt(2.0 * extra)
+    numbers, structures = _spread(problem, chosen, numbers, starts[direction], misfit)
+
+    trend = Judged(problem, problem.fit(replace(chosen.structure, trend=True), chosen.values))
+    drift = trend.number("", _own("trend"))
+    z = drift.value / max((drift.high - drift.value) / trend.quantile, 1e-12)
+    parts = _parts(problem, judged)
+    scatter = float(np.sum(((parts[:, 1] - np.average(parts[:, 1], weights=parts[:, 2] ** -2.0)) / parts[:, 2]) ** 2))
+    freedom = len(parts) - 1
+    scattered = freedom > 1 and scatter > freedom + CHANGING * np.sqrt(2.0 * freedom)
+    if scattered:
+        half = float(student.ppf(0.975, freedom) * parts[:, 1].std(ddof=1) / np.sqrt(len(parts)))
+        k = numbers["intrinsic_stiffness"]
+        numbers["intrinsic_stiffness"] = k.with_(Number(k.value, k.value - half, k.value + half))
+    in_halves = []
+    for own, fold in zip((halves[0], halves[1]), folds, strict=True):
+        mine = Problem(own, noise)
+        again = mine.fit(replace(chosen.structure, threshold=False), {**fold[direction].values})
+        in_halves.append(Judged(mine, again).number("", INTRINSIC["intrinsic_stiffness"]))
+    return Identified(
+        chosen, noise, numbers, structures, weighed, direction, its_share, unseen,
+        (in_halves[0], in_halves[1]), parts, float(z), bool(scattered), float(misfit),
+    )  # fmt: skip
+
+
+def _spread(
+    problem: Problem, chosen: Fitted, numbers: Mapping[str, Number], rival: Fitted, misfit: float
+) -> tuple[dict[str, Number], dict[str, Number]]:
+    """Numbers with what other structures say in their intervals, and the stiffness of each.
+
+    Those that describe the torque about as well count with their intervals. Where the equations are
+    known to miss something, good description no longer tells which is true: then the named ones
+    count by their values, however well they do.
+    """
+    widened, said = dict(numbers), {chosen.structure.name: numbers["intrinsic_stiffness"]}
+    branches, own = chosen.structure.branches, chosen.structure
+
+    def admit(fitted: Fitted, by: Problem, label: str, whole: bool) -> None:
+        judged = Judged(by, fitted)
+        tables = (INTRINSIC, REFLEX) if whole and fitted.structure.direction else (INTRINSIC,)
+        for name, of in ((n, of) for table in tables for n, of in table.items() if n in widened):
+            other = judged.number(name, of)
+            widened[name] = widened[name].with_(other, whole)
+            if name == "intrinsic_stiffness":
+                said[label] = other
+
+    others = [(replace(own, branches=b, name=n), n) for b, n in
+              ((0, PLAIN.name), (1, RELAXING.name), (2, TWO.name)) if b != branches and b - branches < 2]
+    others.append((replace(own, late=False), "torque that is not late"))
+    for structure, label in others:
+        start = dict(chosen.values)
+        fitted = problem.fit(structure, start)
+        gain, more = chosen.loss - fitted.loss, len(structure.names) - len(own.names)
+        simpler = more < 0
+        if (gain > -POSSIBLE) if simpler else (gain > CHANCE * more / 2):
+            admit(fitted, problem, label, structure.branches < 2)
+        elif misfit > MISFIT and structure.branches:
+            admit(fitted, problem, label, False)
+    if not own.direction and chosen.loss - rival.loss > CHANCE and rival.values["gain"] > 0.0:
+        again = problem.fit(rival.structure, rival.values)
+        admit(again, problem, "with a reflex that is not shown", True)
+    if misfit > MISFIT:
+        alike = Problem(problem.pieces, Noise(problem.noise.f, problem.noise.f**2))
+        admit(alike.fit(own, chosen.values), alike, "all frequencies weighed alike", False)
+    return widened, said
+
+
+def _parts(problem: Problem, judged: Judged) -> FloatArray:
+    """Stiffness of every ten seconds, everything but stiffness and viscosity held: one step."""
+    fitted, names, found = judged.fitted, judged.fitted.structure.names, []
+    e, j = problem.jacobian(fitted.structure, fitted.values)
+    kept = [names.index(name) for name in ("stiffness", "viscosity")]
+    half, first = len(e) // 2, 0
+    for piece in problem.pieces:
+        own = slice(first, first + len(piece.f))
+        first = own.stop
+        left, rows = (
+            piece.in_time(v[..., :half][..., own] + 1j * v[..., half:][..., own])
+            for v in (e, j.T[kept])
+        )
+        length = round(PART * piece.rate)
+        for i in range(max(len(left) // length, 1)):
+            part = slice(i * length, (i + 1) * length)
+            x, y = rows[:, part], left[part]
+            inverse = np.linalg.pinv(x @ x.T)
+            step = inverse @ (x @ y)
+            blocks = x.shape[1] // round(piece.rate)
+            scores = (x * (y - step @ x))[:, : blocks * round(piece.rate)]
+            sums = scores.reshape(2, blocks, -1).sum(axis=2)
+            variance = inverse @ (sums @ sums.T * blocks / max(blocks - 2, 1)) @ inverse
+            sd = np.sqrt(max(variance[0, 0], inverse[0, 0]))
+            middle = float(piece.times[part].mean())
+            found.append((middle, fitted.values["stiffness"] + step[0], sd))
+    return np.array(found)
+
+

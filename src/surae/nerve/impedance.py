@@ -1,0 +1,292 @@
+"""What small random perturbations say of one ankle: intrinsic and reflex, with what each is worth."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.frozen import Comparable, FrozenDict, freeze
+from surae.nerve.cascade import BOUNDS, Structure, muscle
+from surae.nerve.fitting import Fitted, Problem, noise_of, regressors
+from surae.nerve.identify import CHANGING, MISFIT, PLAIN, Identified, Judged, INTRINSIC, Number, identify
+from surae.nerve.piece import Piece
+from surae.nerve.presence import LEAST_SHARE, NATS, NONE_SEEN, OVER_NONE, OVER_OTHER, Weighed
+from surae.nerve.response import lags, predicted, responses
+from surae.nerve.samples import Samples, usable
+from surae.recording import Recording
+from surae.records import FileName
+from surae.units import FloatArray
+
+ReflexVerdict = Literal["present", "none seen", "cannot tell"]
+#: Of directions of movement, by their sign.
+DIRECTIONS = {1: "dorsiflexion", -1: "plantarflexion"}
+#: Half-widths of intervals, as parts of the value, up to which it is identified and weak.
+IDENTIFIED, WEAK = 0.1, 1.0
+
+#: Unit and meaning of every measure.
+MEASURES = {
+    "intrinsic_stiffness": ("Nm/rad", "stiffness of the joint's tissue at low frequency"),
+    "intrinsic_viscosity": ("Nm·s/rad", "viscosity of the joint's tissue at low frequency"),
+    "inertia": ("kg·m²", "inertia of the foot and of what moves with it beyond the sensor"),
+    "reflex_gain": ("Nm·s/rad", "reflex's steady torque for a velocity of stretch"),
+    "reflex_delay": ("ms", "time from stretch to the reflex's torque"),
+    "reflex_share": ("%", "share of the torque's variance above 0.5 Hz that the reflex makes"),
+    "reflex_frequency": ("Hz", "natural frequency of the reflex's torque"),
+    "reflex_damping": ("1", "damping ratio of the reflex's torque"),
+    "reflex_threshold": ("deg/s", "velocity from which the reflex answers"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class NerveMeasure:
+    """One number and what it is worth."""
+
+    value: float | None  #: None where there is none, and `note` says why.
+    unit: str  #: Of the value.
+    ci95: tuple[float, float]  #: 95 % interval, the structure's uncertainty included.
+    verdict: Literal["identified", "weak", "undetermined"]
+    note: str = ""  #: What to know of it.
+
+
+@dataclass(frozen=True, slots=True)
+class Reflex:
+    """Whether a reflex is there, which stretch it answers, and why this is said."""
+
+    verdict: ReflexVerdict
+    direction: Literal["dorsiflexion", "plantarflexion"] | None  #: None unless present.
+    reason: str  #: In a sentence.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curves(Comparable):
+    """What figures of one recording show."""
+
+    f: FloatArray  #: Frequencies [Hz], shape (n,).
+    coherence: FloatArray  #: Of angle and torque, linear, shape (n,).
+    gain: FloatArray  #: Measured torque over angle [Nm/rad], shape (n,).
+    phase: FloatArray  #: [deg], shape (n,).
+    model_gain: FloatArray  #: Of the intrinsic part and of what of the reflex is linear, shape (n,).
+    model_phase: FloatArray  #: [deg], shape (n,).
+    intrinsic_gain: FloatArray  #: Of the intrinsic part alone, shape (n,).
+    lag: FloatArray  #: Lags of the reflex's response [s], shape (m,).
+    reflex: FloatArray  #: Reflex's impulse response of its equations [Nm/rad], shape (m,).
+    free_reflex: FloatArray  #: The same without equations, shape (m,).
+    intrinsic_lag: FloatArray  #: Lags of the intrinsic response [s], shape (k,).
+    free_intrinsic: FloatArray  #: Intrinsic response without equations [Nm/rad/s], shape (k,).
+
+
+@dataclass(frozen=True, slots=True)
+class Stationarity:
+    """Whether the stiffness stays the same during a recording."""
+
+    verdict: Literal["steady", "changes"]
+    halves: tuple[tuple[float, float, float], ...]  #: Stiffness of both halves: value, interval.
+    parts: tuple[tuple[float, float, float], ...]  #: Of every 10 s: time [s], value, standard error.
+    trend: float  #: z of a change in proportion to time.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Perturbed(Comparable):
+    """One recording and what it says."""
+
+    path: FileName  #: Of its file, or its name.
+    seconds: float  #: Time that was used [s].
+    mean_torque: float  #: [Nm], positive when the triceps pulls, as far as the zero is known.
+    mean_angle: float  #: [deg], dorsiflexion positive.
+    #: Torque that impulse responses of both paths explain [%]: of the torque they were fitted to,
+    #: and of the second half by the first.
+    vaf: float
+    vaf_held_out: float
+    vaf_held_out_intrinsic: float  #: The same with the intrinsic path alone.
+    vaf_held_out_other: float  #: The same with a reflex the other way round.
+    reflex: Reflex  #: Whether there is one.
+    measures: FrozenDict[str, NerveMeasure]  #: By the names of `MEASURES`.
+    structures: FrozenDict[str, tuple[float, float, float]]  #: Stiffness of each: value, interval.
+    stationarity: Stationarity  #: Of the stiffness.
+    notes: tuple[str, ...]  #: What was left out, and what else to know, a sentence each.
+    curves: Curves  #: What its figures show.
+
+
+def number_of(name: str, number: Number | None, note: str = "", ends: tuple[float, float] = (0.0, np.inf)) -> NerveMeasure:
+    """A measure of an estimate; of none the ends that it may lie between."""
+    unit, _ = MEASURES[name]
+    if number is None:
+        return NerveMeasure(None, unit, ends, "undetermined", note)
+    half = 0.5 * (number.high - number.low)
+    size = abs(number.value)
+    verdict: Literal["identified", "weak", "undetermined"] = "undetermined"
+    if half <= WEAK * size:
+        verdict = "identified" if half <= IDENTIFIED * size else "weak"
+    return NerveMeasure(number.value, unit, (number.low, number.high), verdict, note)
+
+
+def judged(found: Weighed, share: Number, fitted: Fitted, direction: int, samples: Samples,
+           unseen: tuple[float, float]) -> Reflex:  # fmt: skip
+    """The verdict on a reflex, by what it predicts: never by its size alone."""
+    word = DIRECTIONS[direction]
+    if samples.one_sided:
+        return Reflex("cannot tell", None, "the foot moved fast in one direction only")
+    bounds = {"delay", "threshold"} & set(fitted.at_bound)
+    at_bound = {n for n in bounds if n == "delay" or fitted.values["threshold"] > 0.5}
+    better = found.over_none > OVER_NONE and found.over_other > OVER_OTHER and found.nats > NATS
+    if better and share.value >= LEAST_SHARE and not at_bound:
+        return Reflex("present", word, (  # type: ignore[arg-type]
+            f"a reflex to {word} predicts torque that was not fitted better than none (z = "
+            f"{found.over_none:.1f}) and than the other direction (z = {found.over_other:.1f})"
+        ))  # fmt: skip
+    if unseen[0] < NONE_SEEN and not better:
+        return Reflex("none seen", None, f"a reflex makes at most {unseen[0]:.2g} % of the torque’s variance")
+    if better:
+        why = "its share is below half a percent" if share.value < LEAST_SHARE else f"its {min(at_bound)} lies at the end of its range"
+        return Reflex("cannot tell", None, f"something answers stretch to {word}, but {why}")
+    return Reflex("cannot tell", None, (
+        f"torque that was not fitted is not predicted better by either direction (z = {found.over_none:.1f} over none, "
+        f"{found.over_other:.1f} over the other), and up to {unseen[0]:.2g} % of the variance may be a reflex’s"
+    ))  # fmt: skip
+
+
+def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Perturbed:
+    """What one recording says of its leg; `empty` is the inertia of the device alone.
+
+    Raises
+    ------
+    InputError
+        It has no torque, is no perturbation, or too little of it can be used.
+    """
+    samples, pieces = turned(samples_of(recording))
+    halves = samples.halves()
+    said: list[Reflex] = []
+
+    def judge(direction: int, weighed: Weighed, share: Number, fitted: Fitted, unseen: tuple[float, float]) -> bool:
+        said.append(judged(weighed, share, fitted, direction, samples, unseen))
+        return said[-1].verdict == "present"
+
+    found = identify(pieces, halves, samples.band[1], judge)
+    reflex, notes = said[-1], list(samples.notes)
+    hidden = {
+        "reflex_share": (0.0, found.unseen[0]), "reflex_gain": (0.0, found.unseen[1]),
+        "reflex_delay": tuple(1e3 * end for end in BOUNDS["delay"]),
+    }  # fmt: skip
+    why = f"no reflex is claimed ({reflex.verdict}); the interval is what one may have unseen"
+    measures = {
+        name: number_of(name, found.numbers.get(name), "" if name in found.numbers else why, hidden.get(name, (0.0, np.inf)))
+        for name in MEASURES
+    }
+    measures["inertia"] = _without(measures["inertia"], empty)
+    if found.misfit > MISFIT:
+        notes.append(
+            "The equations miss something that the torque shows: intervals contain what other "
+            "structures say, by their values."
+        )
+    stationarity = _stationarity(found)
+    if stationarity.verdict == "changes":
+        notes.append("The stiffness changes during the recording: its value is a mean.")
+    path = 1 if found.direction > 0 else -1
+    sign = -1.0 if "torque" in "".join(n for n in samples.notes if "sign was turned" in n) else 1.0
+    torque = sign * samples.torque
+    return Perturbed(
+        recording.files[0].path if recording.files else recording.name,
+        samples.seconds,
+        float(np.mean([torque[s].mean() for s in samples.spans])) * sign,
+        float(np.rad2deg(np.mean([samples.angle[s].mean() for s in samples.spans]))),
+        predicted(pieces, pieces, path), predicted(halves[1], halves[0], path),
+        predicted(halves[1], halves[0], 0), predicted(halves[1], halves[0], -path),
+        reflex, FrozenDict(measures),
+        FrozenDict({n: (k.value, k.low, k.high) for n, k in found.structures.items()}),
+        stationarity, tuple(notes), _curves(pieces, found, path),
+    )  # fmt: skip
+
+
+def samples_of(recording: Recording) -> Samples:
+    """Angle and torque of a recording on one clock."""
+    if "torque" not in recording.channels:
+        raise InputError(f"{recording.where}: there is no torque; name its column torque_Nm")
+    angle, torque = recording.channels["angle"], recording.channels["torque"]
+    values = torque.values
+    if not np.array_equal(angle.time, torque.time):
+        step = float(np.median(np.diff(torque.time)))
+        after = np.clip(np.searchsorted(torque.time, angle.time), 1, len(values) - 1)
+        gap = np.diff(torque.time)[after - 1] > 1.6 * step
+        inside = (angle.time >= torque.time[0]) & (angle.time <= torque.time[-1])
+        values = np.where(gap | ~inside, np.nan, np.interp(angle.time, torque.time, values))
+    return usable(recording.where, angle.time, angle.values, values)
+
+
+def inertia_of_empty(recording: Recording) -> NerveMeasure:
+    """Inertia of a device that moves without a foot."""
+    samples, pieces = turned(samples_of(recording))
+    del samples
+    noise = noise_of(pieces, [p.bins(p.torque) for p in pieces])
+    for _ in range(3):
+        problem = Problem(pieces, noise)
+        fitted = problem.fit(PLAIN, {})
+        noise = noise_of(pieces, [fitted.residual(p) for p in pieces])
+    return number_of("inertia", Judged(problem, fitted).number("inertia", INTRINSIC["inertia"]))
+
+
+def _without(whole: NerveMeasure, empty: NerveMeasure | None) -> NerveMeasure:
+    """The foot's inertia, where the device's is known."""
+    if empty is None or empty.value is None or whole.value is None:
+        return replace(whole, note="of foot and device together: the empty device was not given")
+    half = float(np.hypot(np.ptp(whole.ci95), np.ptp(empty.ci95))) / 2.0
+    value = whole.value - empty.value
+    note = f"of the foot alone: the empty device’s {empty.value:.3g} kg·m² is taken off"
+    return number_of("inertia", Number(value, value - half, value + half), note)
+
+
+def _stationarity(found: Identified) -> Stationarity:
+    a, b = found.halves
+    apart = abs(a.value - b.value) > np.hypot(a.high - a.low, b.high - b.low)
+    verdict: Literal["steady", "changes"] = (
+        "changes" if found.scattered or abs(found.trend) > CHANGING or apart else "steady"
+    )
+    halves = tuple((each.value, each.low, each.high) for each in found.halves)
+    return Stationarity(verdict, halves, tuple(map(tuple, found.parts.tolist())), found.trend)
+
+
+def _curves(pieces: Sequence[Piece], found: Identified, direction: int) -> Curves:
+    """Frequency and impulse responses of the longest piece, with those of the equations."""
+    from scipy.signal import csd, welch
+
+    piece, fitted = max(pieces, key=lambda piece: piece.kept), found.fitted
+    intrinsic = replace(fitted.structure, direction=0, threshold=False)
+    alone = Fitted(intrinsic, fitted.values, 0.0, ())
+    spectra = (piece.angle, piece.torque, fitted.prediction(piece), alone.prediction(piece))
+    angle, torque, model, own = (piece.signals(each) for each in spectra)
+    size = int(min(2 * piece.rate, len(angle) // 8))
+    f, power = welch(angle, piece.rate, nperseg=size)
+    _, spread = welch(torque, piece.rate, nperseg=size)
+    ratios = [csd(angle, each, piece.rate, nperseg=size)[1] / power for each in (torque, model, own)]
+    used = (f >= 0.5) & (f <= piece.f[-1])
+    coherence = np.abs(ratios[0]) ** 2 * power / spread
+    gain, model_gain, own_gain = (np.abs(each[used]) for each in ratios)
+    phase, model_phase = (np.rad2deg(np.angle(each[used])) for each in ratios[:2])
+    free = responses(pieces, direction)
+    lag, v = lags(piece.rate, True), fitted.values
+    shape = np.zeros(len(lag))
+    if fitted.structure.direction:
+        h = v["gain"] * muscle(piece.s, v["omega"], v["zeta"]) * np.exp(-piece.s * v["delay"])
+        h = np.fft.irfft(h * np.exp(-((np.abs(piece.s) / (60.0 * np.pi)) ** 2)), piece.m) * piece.rate
+        shape = h[np.round(lag * piece.rate).astype(int)]
+    arrays = (f[used], coherence[used], gain, phase, model_gain, model_phase, own_gain, lag, shape,
+              free[1] * piece.rate, lags(piece.rate, False), free[0] * piece.rate)  # fmt: skip
+    return Curves(*(freeze(np.ascontiguousarray(each, dtype=np.float64)) for each in arrays))
+
+
+def turned(samples: Samples) -> tuple[Samples, list[Piece]]:
+    """Turn a torque by which inertia and viscosity would be negative."""
+    pieces = samples.pieces()
+    noise = noise_of(pieces, [p.bins(p.torque) for p in pieces])
+    plain = Problem(pieces, noise).fit(PLAIN, {}).values
+    if plain["inertia"] < 0.0 and plain["viscosity"] < 0.0:
+        note = "The torque’s sign was turned: as it stands, inertia and viscosity would be negative."
+        samples = replace(samples, torque=-samples.torque, notes=(*samples.notes, note))
+        return samples, samples.pieces()
+    if plain["viscosity"] < 0.0 or plain["inertia"] < 0.0:
+        raise InputError(
+            f"{samples.where}: the leg drives the movement, not the device: a voluntary movement, "
+            "or a torque and an angle that do not belong together; perturb a leg that holds still"
+        )
+    return samples, pieces

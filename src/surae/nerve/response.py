@@ -1,0 +1,83 @@
+"""The cascade without equations: impulse responses of both paths, what they predict, coherence."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from surae.nerve.fitting import Noise, noise_of, solved, stacked
+from surae.nerve.piece import SLOW, Piece
+from surae.units import ComplexArray, FloatArray
+
+#: Half width of the intrinsic response [s] (Kearney 1997: two-sided, ± 40 ms).
+WIDTH = 0.04
+#: First and last lag of the reflex's response [s]: a soleus's twitch has ended by then.
+FIRST, LAST = 0.04, 0.6
+
+
+def lags(rate: float, reflex: bool) -> FloatArray:
+    """Lags of a response [s] at a rate [Hz]."""
+    if reflex:
+        return np.arange(np.ceil(FIRST * rate), np.floor(LAST * rate) + 1) / rate
+    most = np.floor(WIDTH * rate)
+    return np.arange(-most, most + 1) / rate
+
+
+def lagged(piece: Piece, direction: int) -> ComplexArray:
+    """Spectra of the angle, and of the velocity in one direction, at every lag; (k, half)."""
+    rows = [piece.angle * np.exp(-np.outer(lags(piece.rate, False), piece.s))]
+    if direction:
+        velocity, _ = piece.stretched(direction, 0.0)
+        rows.append(velocity * np.exp(-np.outer(lags(piece.rate, True), piece.s)))
+    return np.concatenate(rows)
+
+
+def free_noise(pieces: Sequence[Piece]) -> Noise:
+    """Noise of the torque that no linear response to the movement explains, either direction."""
+    noise = noise_of(pieces, [piece.bins(piece.torque) for piece in pieces])
+    bins = {d: [p.bins(np.concatenate([lagged(p, d), p.squared[None]])) for p in pieces] for d in (1, -1)}
+    own = [piece.bins(piece.torque) for piece in pieces]
+    for _ in range(2):
+        left = {}
+        for direction, of in bins.items():
+            w = [noise.at(p.f) ** -0.5 for p in pieces]
+            x, y = stacked([b * k for b, k in zip(of, w, strict=True)]), stacked([b * k for b, k in zip(own, w, strict=True)])
+            c = solved(x, y)
+            e = y - c @ x
+            left[direction] = float(e @ e), c, 1.0 - len(c) / len(y)
+        best = min(left, key=lambda d: left[d][0])
+        _, c, share = left[best]
+        noise = noise_of(pieces, [b - c @ x for b, x in zip(own, bins[best], strict=True)], share)
+    return noise
+
+
+def responses(pieces: Sequence[Piece], direction: int) -> tuple[FloatArray, FloatArray]:
+    """Least squares of the torque itself, as others give it: responses of both paths.
+
+    Intrinsic [Nm/rad per lag], shape (k,); reflex [Nm·s/rad per lag], empty without a direction.
+    """
+    x = np.concatenate([_centred(p.signals(lagged(p, direction))) for p in pieces], axis=1)
+    y = np.concatenate([_centred(p.signals(p.torque)) for p in pieces])
+    c = solved(x, y)
+    k = len(lags(pieces[0].rate, False))
+    return c[:k], c[k:]
+
+
+def predicted(pieces: Sequence[Piece], fitted: Sequence[Piece], direction: int) -> float:
+    """VAF [%] of the torque of pieces by responses of others, or of the same."""
+    c = np.concatenate(responses(fitted, direction))
+    left = total = 0.0
+    for p in pieces:
+        y = _centred(p.signals(p.torque))
+        e = y - c @ _centred(p.signals(lagged(p, direction)))
+        left, total = left + float(np.var(e)) * len(e), total + float(np.var(y)) * len(y)
+    return 100.0 * (1.0 - left / total)
+
+
+def _centred(signals: FloatArray) -> FloatArray:
+    centred: FloatArray = signals - signals.mean(axis=-1, keepdims=True)
+    return centred
+
+
+def faster(piece: Piece, spectra: ComplexArray) -> FloatArray:
+    """Signals in time without what is slower than `SLOW`."""
+    return piece.signals(spectra * (np.abs(piece.s) >= 2.0 * np.pi * SLOW))
