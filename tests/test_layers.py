@@ -24,6 +24,7 @@ LAYERS = (
     ("_lazy", "_version", "base", "processes", "runner"),
     ("recording",),
     ("signals",),
+    ("nerve",),
     ("model",),
     ("protocol",),
     ("quality",),

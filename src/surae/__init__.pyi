@@ -12,6 +12,7 @@ from surae.api import example as example
 from surae.api import expect as expect
 from surae.api import export as export
 from surae.api import fit as fit
+from surae.api import impedance as impedance
 from surae.api import load as load
 from surae.api import load_session as load_session
 from surae.api import measure_next as measure_next
@@ -37,6 +38,7 @@ from surae.measures.cohort import Cohort as Cohort
 from surae.measures.package import measures as measures
 from surae.model import MODELS as MODELS
 from surae.model.options import ModelOptions as ModelOptions
+from surae.nerve import Impedance as Impedance
 from surae.protocol import Protocol as Protocol
 from surae.protocol import Trajectory as Trajectory
 from surae.protocol import generate as generate

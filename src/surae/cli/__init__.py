@@ -36,6 +36,7 @@ COMMANDS = {
     "fit": ("surae.cli.fit", "Estimate a model's parameters from recordings."),
     "session": ("surae.cli.session", "Fit the trials of one leg, each and all together."),
     "measures": ("surae.cli.measures", "Compute stiffness, torque and more in Nm and degrees."),
+    "impedance": ("surae.cli.impedance", "Tell tissue from reflex by small perturbations."),
     "export": ("surae.cli.export", "Write the leg as a model of OpenSim or MuJoCo."),
     "change": ("surae.cli.change", "Compare a leg between two sessions."),
     "cohort": ("surae.cli.cohort", "Compare groups of legs, and every leg with its group."),

@@ -29,7 +29,9 @@ class Impedance(Tabular, Saved):
         if len(recordings) == 1:
             return cls(tuple(recordings), recordings[0].reflex, recordings[0].measures)
         measures = {name: _mean(name, [r.measures[name] for r in recordings]) for name in MEASURES}
-        return cls(tuple(recordings), _together([r.reflex for r in recordings]), FrozenDict(measures))
+        return cls(
+            tuple(recordings), _together([r.reflex for r in recordings]), FrozenDict(measures)
+        )
 
     def as_table(self) -> TextTable:
         """The table, as texts.
@@ -42,17 +44,22 @@ class Impedance(Tabular, Saved):
         rows, several = [], len(self.recordings) > 1
         for recording in self.recordings:
             name = recording.path.replace("\\", "/").rsplit("/", 1)[-1]
-            rows += [(*((name,) if several else ()), *row) for row in measure_rows(recording.measures)]
+            rows += [
+                (*((name,) if several else ()), *row) for row in measure_rows(recording.measures)
+            ]
         if several:
             rows += [("all, mean", *row) for row in measure_rows(self.measures)]
         above = [f"Reflex: {self.reflex.verdict}: {self.reflex.reason}."]
         below = []
         for r in self.recordings:
             name = f"{r.path.rsplit('/', 1)[-1]}: " if several else ""
+            held, alone, other = map(
+                percentage, (r.vaf_held_out, r.vaf_held_out_intrinsic, r.vaf_held_out_other)
+            )
             below.append(
-                f"{name}{percentage(r.vaf_held_out)} % of the second half’s torque is predicted by the first "
-                f"({percentage(r.vaf_held_out_intrinsic)} % without a reflex, {percentage(r.vaf_held_out_other)} % with one the "
-                f"other way round); {r.seconds:.3g} s; stiffness {'changes' if r.stationarity.verdict == 'changes' else 'is steady'}."
+                f"{name}{held} % of the second half’s torque is predicted by the first ({alone} % "
+                f"without a reflex, {other} % with one the other way round); {r.seconds:.3g} s; "
+                f"stiffness {'changes' if r.stationarity.verdict == 'changes' else 'is steady'}."
             )
             below += [f"{name}{note}" for note in r.notes]
         heads = ("measure", "value", "95 % interval", "unit", "verdict", "note")
@@ -64,9 +71,12 @@ class Impedance(Tabular, Saved):
 
 def measure_rows(measures: FrozenDict[str, NerveMeasure]) -> list[tuple[str, ...]]:
     """Cells of a table: name, value, interval, unit, verdict, note."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name, m in measures.items():
-        value, interval = NO_NUMBER, f"{m.ci95[0]:.3g} to {m.ci95[1]:.3g}" if m.ci95[1] < inf else NO_NUMBER
+        value, interval = (
+            NO_NUMBER,
+            f"{m.ci95[0]:.3g} to {m.ci95[1]:.3g}" if m.ci95[1] < inf else NO_NUMBER,
+        )
         if m.value is not None:
             text = of_interval(m.value, m.ci95)
             value, interval = text.value, text.interval
@@ -79,13 +89,17 @@ def _mean(name: str, measures: Sequence[NerveMeasure]) -> NerveMeasure:
     own = [m for m in measures if m.value is not None]
     if not own:
         ends = [m.ci95 for m in measures]
-        return number_of(name, None, measures[0].note, (min(e[0] for e in ends), max(e[1] for e in ends)))
+        return number_of(
+            name, None, measures[0].note, (min(e[0] for e in ends), max(e[1] for e in ends))
+        )
     values = np.array([m.value for m in own], dtype=np.float64)
     halves = np.array([np.ptp(m.ci95) / 2.0 for m in own])
     value = float(values.mean())
     low = min(value - float(np.sqrt(np.sum(halves**2))) / len(own), float(values.min()))
     high = max(value + float(np.sqrt(np.sum(halves**2))) / len(own), float(values.max()))
-    note = own[0].note or (f"of {len(own)} of {len(measures)} recordings" if len(own) < len(measures) else "")
+    note = own[0].note or (
+        f"of {len(own)} of {len(measures)} recordings" if len(own) < len(measures) else ""
+    )
     return number_of(name, Number(value, low, high), note)
 
 

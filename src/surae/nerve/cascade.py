@@ -1,8 +1,8 @@
 """Equations of the parallel cascade: torque of the tissue and torque of the reflex, by frequency.
 
 Torque that resists the movement of the ankle is that of two paths side by side (Kearney, Stein and
-Parameswaran 1997): the intrinsic one, which acts on the position at once, and the reflex, which acts
-on the velocity in one direction, later. s = 2πif throughout, f in Hz, shape (n,).
+Parameswaran 1997): the intrinsic one, which acts on the position at once, and the reflex, which
+acts on the velocity in one direction, later. s = 2πif throughout, f in Hz, shape (n,).
 """
 
 from dataclasses import dataclass
@@ -31,12 +31,12 @@ def muscle(s: ComplexArray, omega: float, zeta: float) -> ComplexArray:
     return omega**2 / (s**2 + 2.0 * zeta * omega * s + omega**2)
 
 
-def muscle_slopes(
-    s: ComplexArray, omega: float, zeta: float
-) -> tuple[ComplexArray, ComplexArray]:
+def muscle_slopes(s: ComplexArray, omega: float, zeta: float) -> tuple[ComplexArray, ComplexArray]:
     """Derivatives of `muscle` with respect to `omega` [s/rad] and `zeta` [1]."""
     below = s**2 + 2.0 * zeta * omega * s + omega**2
-    return (2.0 * omega * s**2 + 2.0 * zeta * omega**2 * s) / below**2, -2.0 * omega**3 * s / below**2
+    return (
+        2.0 * omega * s**2 + 2.0 * zeta * omega**2 * s
+    ) / below**2, -2.0 * omega**3 * s / below**2
 
 
 def stretched(velocity: FloatArray, direction: int, threshold: float) -> FloatArray:
@@ -53,7 +53,7 @@ def stretched_slope(velocity: FloatArray, direction: int, threshold: float) -> F
 
 @dataclass(frozen=True, slots=True)
 class Structure:
-    """What the model takes into account: branches that relax, lateness, reflex and its threshold."""
+    """What the model takes in: branches that relax, lateness, reflex and its threshold."""
 
     name: str  #: As texts call the intrinsic part.
     branches: int = 0  #: Maxwell branches beside inertia, viscosity and stiffness.

@@ -28,7 +28,9 @@ class Noise:
         return np.exp(np.interp(np.log(f), np.log(self.f), np.log(self.power)))
 
 
-def noise_of(pieces: Sequence[Piece], residuals: Sequence[ComplexArray], share: float = 1.0) -> Noise:
+def noise_of(
+    pieces: Sequence[Piece], residuals: Sequence[ComplexArray], share: float = 1.0
+) -> Noise:
     """Smooth periodogram of residuals, over at least 15 bins and a third of an octave.
 
     `share` of the degrees of freedom is left by what was estimated.
@@ -81,11 +83,16 @@ def slopes(
         elif name == "delay":
             rows.append(-s * q["gain"] * x[-1])
         elif name == "threshold":
-            velocity, slope = piece.stretched(structure.direction, q["threshold"])
-            filtered = muscle(s, q["omega"], q["zeta"]) * np.exp(-s * (q["delay"] + q.get("late", 0.0)))
+            _, slope = piece.stretched(structure.direction, q["threshold"])
+            filtered = muscle(s, q["omega"], q["zeta"]) * np.exp(
+                -s * (q["delay"] + q.get("late", 0.0))
+            )
             rows.append(q["gain"] * slope * filtered)
         else:
-            h, (by_omega, by_zeta) = muscle(s, q["omega"], q["zeta"]), muscle_slopes(s, q["omega"], q["zeta"])
+            h, (by_omega, by_zeta) = (
+                muscle(s, q["omega"], q["zeta"]),
+                muscle_slopes(s, q["omega"], q["zeta"]),
+            )
             rows.append(q["gain"] * x[-1] * (by_omega if name == "omega" else by_zeta) / h)
     return np.stack(rows) if rows else np.empty((0, len(s)), complex)
 
@@ -119,14 +126,18 @@ class Problem:
 
     def whitened(self, spectra: Sequence[ComplexArray]) -> FloatArray:
         """Whitened bins as real numbers, of one spectrum, or (k, half), of each piece."""
-        return stacked([p.bins(x) * w for p, x, w in zip(self.pieces, spectra, self.weights, strict=True)])
+        return stacked(
+            [p.bins(x) * w for p, x, w in zip(self.pieces, spectra, self.weights, strict=True)]
+        )
 
     def linear(self, structure: Structure, q: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
         """Linear parameters at given others, and the whitened regressors."""
         x = self.whitened([regressors(piece, structure, q) for piece in self.pieces])
         return solved(x, self.y), x
 
-    def jacobian(self, structure: Structure, q: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+    def jacobian(
+        self, structure: Structure, q: Mapping[str, float]
+    ) -> tuple[FloatArray, FloatArray]:
         """Whitened residual and its derivatives by all parameters (n, k), sign turned."""
         rows, vector = [], np.asarray([q[name] for name in structure.linear])
         for piece in self.pieces:
@@ -141,7 +152,10 @@ class Problem:
         low, high = np.array([BOUNDS.get(name, (-np.inf, np.inf)) for name in names]).T
         q = {name: float(start.get(name, START.get(name, 0.0))) for name in structure.nonlinear}
         margin = {name: 1e-3 * (BOUNDS[name][1] - BOUNDS[name][0]) for name in q}
-        q = {n: float(np.clip(v, BOUNDS[n][0] + margin[n], BOUNDS[n][1] - margin[n])) for n, v in q.items()}
+        q = {
+            n: float(np.clip(v, BOUNDS[n][0] + margin[n], BOUNDS[n][1] - margin[n]))
+            for n, v in q.items()
+        }
         first, _ = self.linear(structure, q)
         x0 = np.concatenate([list(q.values()), first])
         kinds = len(q)
@@ -192,7 +206,10 @@ class Problem:
         for piece in self.pieces:
             own = slice(first, first + len(piece.f))
             first = own.stop
-            series = [piece.in_time(v[..., :half][..., own] + 1j * v[..., half:][..., own]) for v in (e, j.T)]
+            series = [
+                piece.in_time(v[..., :half][..., own] + 1j * v[..., half:][..., own])
+                for v in (e, j.T)
+            ]
             scores, length = series[0] * series[1], round(BLOCK * piece.rate)
             count = max(scores.shape[1] // length, 1)
             cut = scores[:, : count * length].reshape(len(scores), count, -1)
@@ -205,10 +222,10 @@ START = {"late": 0.0, "time_1": 0.03, "time_2": 0.3, "delay": 0.045, "omega": 20
          "threshold": 0.03}  # fmt: skip
 
 
-def solved(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Least squares of y on the rows of x, however their sizes differ."""
+def solved(x: FloatArray, y: FloatArray, ridge: float = 1e-10) -> FloatArray:
+    """Least squares of y on the rows of x, however their sizes differ, drawn to 0 by `ridge`."""
     size = np.sqrt(np.sum(x**2, axis=1)) + 1e-300
     unit = x / size[:, None]
     normal = unit @ unit.T
-    normal[np.diag_indices_from(normal)] += 1e-10
+    normal[np.diag_indices_from(normal)] += ridge
     return np.asarray(np.linalg.solve(normal, unit @ y) / size)

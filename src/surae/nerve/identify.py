@@ -13,12 +13,12 @@ from surae.nerve.presence import Weighed, bound, first_shape, shapes, weigh
 from surae.nerve.response import faster, free_noise, lagged
 from surae.units import FloatArray
 
-#: Sums of whitened squares by which a structure must be better to be taken in (z of 4), and by which
-#: one that is worse is still possible (z of 3).
+#: Sums of whitened squares by which a structure must be better to be taken in (z of 4 or 3), and
+#: by which one that is worse is still possible (z of 2).
 BETTER, POSSIBLE = 8.0, 4.5
 #: The same, of a structure with more in it: what chance gains by two parameters.
 CHANCE = 2.0
-#: z of the gain of responses without equations, from which the equations are known to miss something.
+#: z of the gain of responses without equations, from which the equations miss something.
 MISFIT = 5.0
 #: z of a trend, and of the scatter over tens of seconds, from which stiffness is said to change.
 CHANGING = 3.0
@@ -121,7 +121,7 @@ def _floor_bias(problem: Problem, fitted: Fitted, floor: float) -> FloatArray:
     names, pull = fitted.structure.names, np.zeros(j.shape[1])
     v = fitted.values
     for piece, w in zip(problem.pieces, problem.weights, strict=True):
-        s = 2j * np.pi * piece.f
+        s = 2j * np.pi * np.asarray(piece.f, np.complex128)
         power = floor / np.maximum(piece.f, 0.3) ** 2 * np.abs(s) ** 2 * w**2 * 0.5
         by = {"stiffness": 1.0 + 0.0 * s, "viscosity": s, "inertia": s**2}
         for i in range(1, fitted.structure.branches + 1):
@@ -209,7 +209,12 @@ def identify(
     drift = trend.number("", _own("trend"))
     z = drift.value / max((drift.high - drift.value) / trend.quantile, 1e-12)
     parts = _parts(problem, judged)
-    scatter = float(np.sum(((parts[:, 1] - np.average(parts[:, 1], weights=parts[:, 2] ** -2.0)) / parts[:, 2]) ** 2))
+    scatter = float(
+        np.sum(
+            ((parts[:, 1] - np.average(parts[:, 1], weights=parts[:, 2] ** -2.0)) / parts[:, 2])
+            ** 2
+        )
+    )
     freedom = len(parts) - 1
     scattered = freedom > 1 and scatter > freedom + CHANGING * np.sqrt(2.0 * freedom)
     if scattered:
@@ -242,14 +247,19 @@ def _spread(
     def admit(fitted: Fitted, by: Problem, label: str, whole: bool) -> None:
         judged = Judged(by, fitted)
         tables = (INTRINSIC, REFLEX) if whole and fitted.structure.direction else (INTRINSIC,)
+        if fitted.structure.branches > 1:  # its slow branch is viscosity of another frequency
+            tables = ({"intrinsic_stiffness": INTRINSIC["intrinsic_stiffness"]},)
         for name, of in ((n, of) for table in tables for n, of in table.items() if n in widened):
             other = judged.number(name, of)
             widened[name] = widened[name].with_(other, whole)
             if name == "intrinsic_stiffness":
                 said[label] = other
 
-    others = [(replace(own, branches=b, name=n), n) for b, n in
-              ((0, PLAIN.name), (1, RELAXING.name), (2, TWO.name)) if b != branches and b - branches < 2]
+    others = [
+        (replace(own, branches=b, name=n), n)
+        for b, n in ((0, PLAIN.name), (1, RELAXING.name), (2, TWO.name))
+        if b != branches and b - branches < 2
+    ]
     others.append((replace(own, late=False), "torque that is not late"))
     for structure, label in others:
         start = dict(chosen.values)
@@ -296,5 +306,3 @@ def _parts(problem: Problem, judged: Judged) -> FloatArray:
             middle = float(piece.times[part].mean())
             found.append((middle, fitted.values["stiffness"] + step[0], sd))
     return np.array(found)
-
-

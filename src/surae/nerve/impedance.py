@@ -1,4 +1,4 @@
-"""What small random perturbations say of one ankle: intrinsic and reflex, with what each is worth."""
+"""What small random perturbations say of one ankle: tissue and reflex, and what each is worth."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -8,9 +8,18 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.frozen import Comparable, FrozenDict, freeze
-from surae.nerve.cascade import BOUNDS, Structure, muscle
-from surae.nerve.fitting import Fitted, Problem, noise_of, regressors
-from surae.nerve.identify import CHANGING, MISFIT, PLAIN, Identified, Judged, INTRINSIC, Number, identify
+from surae.nerve.cascade import BOUNDS, muscle
+from surae.nerve.fitting import Fitted, Problem, noise_of
+from surae.nerve.identify import (
+    CHANGING,
+    INTRINSIC,
+    MISFIT,
+    PLAIN,
+    Identified,
+    Judged,
+    Number,
+    identify,
+)
 from surae.nerve.piece import Piece
 from surae.nerve.presence import LEAST_SHARE, NATS, NONE_SEEN, OVER_NONE, OVER_OTHER, Weighed
 from surae.nerve.response import lags, predicted, responses
@@ -67,7 +76,9 @@ class Curves(Comparable):
     coherence: FloatArray  #: Of angle and torque, linear, shape (n,).
     gain: FloatArray  #: Measured torque over angle [Nm/rad], shape (n,).
     phase: FloatArray  #: [deg], shape (n,).
-    model_gain: FloatArray  #: Of the intrinsic part and of what of the reflex is linear, shape (n,).
+    model_gain: (
+        FloatArray  #: Of the intrinsic part and of what of the reflex is linear, shape (n,).
+    )
     model_phase: FloatArray  #: [deg], shape (n,).
     intrinsic_gain: FloatArray  #: Of the intrinsic part alone, shape (n,).
     lag: FloatArray  #: Lags of the reflex's response [s], shape (m,).
@@ -83,7 +94,9 @@ class Stationarity:
 
     verdict: Literal["steady", "changes"]
     halves: tuple[tuple[float, float, float], ...]  #: Stiffness of both halves: value, interval.
-    parts: tuple[tuple[float, float, float], ...]  #: Of every 10 s: time [s], value, standard error.
+    parts: tuple[
+        tuple[float, float, float], ...
+    ]  #: Of every 10 s: time [s], value, standard error.
     trend: float  #: z of a change in proportion to time.
 
 
@@ -109,7 +122,9 @@ class Perturbed(Comparable):
     curves: Curves  #: What its figures show.
 
 
-def number_of(name: str, number: Number | None, note: str = "", ends: tuple[float, float] = (0.0, np.inf)) -> NerveMeasure:
+def number_of(
+    name: str, number: Number | None, note: str = "", ends: tuple[float, float] = (0.0, np.inf)
+) -> NerveMeasure:
     """A measure of an estimate; of none the ends that it may lie between."""
     unit, _ = MEASURES[name]
     if number is None:
@@ -137,13 +152,20 @@ def judged(found: Weighed, share: Number, fitted: Fitted, direction: int, sample
             f"{found.over_none:.1f}) and than the other direction (z = {found.over_other:.1f})"
         ))  # fmt: skip
     if unseen[0] < NONE_SEEN and not better:
-        return Reflex("none seen", None, f"a reflex makes at most {unseen[0]:.2g} % of the torque’s variance")
+        return Reflex(
+            "none seen", None, f"a reflex makes at most {unseen[0]:.2g} % of the torque’s variance"
+        )
     if better:
-        why = "its share is below half a percent" if share.value < LEAST_SHARE else f"its {min(at_bound)} lies at the end of its range"
+        why = (
+            "its share is below half a percent"
+            if share.value < LEAST_SHARE
+            else f"its {min(at_bound)} lies at the end of its range"
+        )
         return Reflex("cannot tell", None, f"something answers stretch to {word}, but {why}")
     return Reflex("cannot tell", None, (
-        f"torque that was not fitted is not predicted better by either direction (z = {found.over_none:.1f} over none, "
-        f"{found.over_other:.1f} over the other), and up to {unseen[0]:.2g} % of the variance may be a reflex’s"
+        f"neither direction predicts torque that was not fitted better (z = {found.over_none:.1f} "
+        f"over none, {found.over_other:.1f} over the other), and up to {unseen[0]:.2g} % of the "
+        "variance may be a reflex’s"
     ))  # fmt: skip
 
 
@@ -159,7 +181,9 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
     halves = samples.halves()
     said: list[Reflex] = []
 
-    def judge(direction: int, weighed: Weighed, share: Number, fitted: Fitted, unseen: tuple[float, float]) -> bool:
+    def judge(
+        direction: int, weighed: Weighed, share: Number, fitted: Fitted, unseen: tuple[float, float]
+    ) -> bool:
         said.append(judged(weighed, share, fitted, direction, samples, unseen))
         return said[-1].verdict == "present"
 
@@ -167,11 +191,16 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
     reflex, notes = said[-1], list(samples.notes)
     hidden = {
         "reflex_share": (0.0, found.unseen[0]), "reflex_gain": (0.0, found.unseen[1]),
-        "reflex_delay": tuple(1e3 * end for end in BOUNDS["delay"]),
+        "reflex_delay": (1e3 * BOUNDS["delay"][0], 1e3 * BOUNDS["delay"][1]),
     }  # fmt: skip
     why = f"no reflex is claimed ({reflex.verdict}); the interval is what one may have unseen"
     measures = {
-        name: number_of(name, found.numbers.get(name), "" if name in found.numbers else why, hidden.get(name, (0.0, np.inf)))
+        name: number_of(
+            name,
+            found.numbers.get(name),
+            "" if name in found.numbers else why,
+            hidden.get(name, (0.0, np.inf)),
+        )
         for name in MEASURES
     }
     measures["inertia"] = _without(measures["inertia"], empty)
@@ -184,12 +213,10 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
     if stationarity.verdict == "changes":
         notes.append("The stiffness changes during the recording: its value is a mean.")
     path = 1 if found.direction > 0 else -1
-    sign = -1.0 if "torque" in "".join(n for n in samples.notes if "sign was turned" in n) else 1.0
-    torque = sign * samples.torque
     return Perturbed(
         recording.files[0].path if recording.files else recording.name,
         samples.seconds,
-        float(np.mean([torque[s].mean() for s in samples.spans])) * sign,
+        float(np.mean([samples.torque[s].mean() for s in samples.spans])),
         float(np.rad2deg(np.mean([samples.angle[s].mean() for s in samples.spans]))),
         predicted(pieces, pieces, path), predicted(halves[1], halves[0], path),
         predicted(halves[1], halves[0], 0), predicted(halves[1], halves[0], -path),
@@ -258,7 +285,9 @@ def _curves(pieces: Sequence[Piece], found: Identified, direction: int) -> Curve
     size = int(min(2 * piece.rate, len(angle) // 8))
     f, power = welch(angle, piece.rate, nperseg=size)
     _, spread = welch(torque, piece.rate, nperseg=size)
-    ratios = [csd(angle, each, piece.rate, nperseg=size)[1] / power for each in (torque, model, own)]
+    ratios = [
+        csd(angle, each, piece.rate, nperseg=size)[1] / power for each in (torque, model, own)
+    ]
     used = (f >= 0.5) & (f <= piece.f[-1])
     coherence = np.abs(ratios[0]) ** 2 * power / spread
     gain, model_gain, own_gain = (np.abs(each[used]) for each in ratios)
@@ -268,7 +297,10 @@ def _curves(pieces: Sequence[Piece], found: Identified, direction: int) -> Curve
     shape = np.zeros(len(lag))
     if fitted.structure.direction:
         h = v["gain"] * muscle(piece.s, v["omega"], v["zeta"]) * np.exp(-piece.s * v["delay"])
-        h = np.fft.irfft(h * np.exp(-((np.abs(piece.s) / (60.0 * np.pi)) ** 2)), piece.m) * piece.rate
+        h = (
+            np.fft.irfft(h * np.exp(-((np.abs(piece.s) / (60.0 * np.pi)) ** 2)), piece.m)
+            * piece.rate
+        )
         shape = h[np.round(lag * piece.rate).astype(int)]
     arrays = (f[used], coherence[used], gain, phase, model_gain, model_phase, own_gain, lag, shape,
               free[1] * piece.rate, lags(piece.rate, False), free[0] * piece.rate)  # fmt: skip
@@ -281,7 +313,9 @@ def turned(samples: Samples) -> tuple[Samples, list[Piece]]:
     noise = noise_of(pieces, [p.bins(p.torque) for p in pieces])
     plain = Problem(pieces, noise).fit(PLAIN, {}).values
     if plain["inertia"] < 0.0 and plain["viscosity"] < 0.0:
-        note = "The torque’s sign was turned: as it stands, inertia and viscosity would be negative."
+        note = (
+            "The torque’s sign was turned: as it stands, inertia and viscosity would be negative."
+        )
         samples = replace(samples, torque=-samples.torque, notes=(*samples.notes, note))
         return samples, samples.pieces()
     if plain["viscosity"] < 0.0 or plain["inertia"] < 0.0:

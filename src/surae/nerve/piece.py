@@ -1,4 +1,4 @@
-"""A stretch of a recording without gaps, as the fit sees it: spectra, and bins that forget drift."""
+"""A piece of a recording without gaps, as the fit sees it: spectra and bins that forget drift."""
 
 from functools import lru_cache
 
@@ -45,7 +45,9 @@ class Piece:
         time, angle, torque = time[:n], angle[:n] - anchor, torque[:n]
         f, cut = fft.rfftfreq(n, 1.0 / rate_hz), 4.0 / 3.0 * band
         self.n, self.full_rate, self.time0 = n, rate_hz, float(time[0])
-        self.m = min(fft.next_fast_len(int(np.ceil(2.2 * cut * n / rate_hz)) // 2, real=True) * 2, n)
+        self.m = min(
+            fft.next_fast_len(int(np.ceil(2.2 * cut * n / rate_hz)) // 2, real=True) * 2, n
+        )
         self.rate = self.m * rate_hz / n
         half = self.m // 2 + 1
         self.s = 2j * np.pi * f[:half]
@@ -80,9 +82,7 @@ class Piece:
         spectrum: ComplexArray = fft.rfft(signal)[: len(self.s)] * self._pass
         return spectrum
 
-    def _stretched(
-        self, direction: int, threshold: float
-    ) -> tuple[ComplexArray, ComplexArray]:
+    def _stretched(self, direction: int, threshold: float) -> tuple[ComplexArray, ComplexArray]:
         """Spectra of the velocity that the reflex answers, and of its slope over the threshold."""
         return tuple(
             self.spectrum(of(self.velocity, direction, threshold))

@@ -1,4 +1,4 @@
-"""Whether there is a reflex, and in which direction: by what it predicts of torque it has not seen."""
+"""Whether there is a reflex, and to which stretch: by what it predicts of torque not fitted."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.nerve.cascade import Structure, muscle
-from surae.nerve.fitting import Fitted, Problem, regressors
+from surae.nerve.fitting import Fitted, Problem
 from surae.nerve.piece import Piece
 from surae.nerve.response import faster
 from surae.units import FloatArray
@@ -41,20 +41,29 @@ def shapes(problem: Problem, intrinsic: Fitted, direction: int) -> list[Shape]:
     left = problem.y - basis @ (basis.T @ problem.y)
     total = sum(p.variance * (p.kept + 1) for p in problem.pieces)
     late, found = intrinsic.values.get("late", 0.0), []
-    spectra = [
-        [p.stretched(direction, 0.0)[0] * np.exp(-p.s * late), p.s] for p in problem.pieces
-    ]
+    spectra = [[p.stretched(direction, 0.0)[0] * np.exp(-p.s * late), p.s] for p in problem.pieces]
     for omega in OMEGAS:
         for zeta in ZETAS:
             filtered = [v * muscle(s, omega, zeta) for v, s in spectra]
-            power = sum(float(np.sum(faster(p, v) ** 2)) for p, v in zip(problem.pieces, filtered, strict=True)) / total
-            delayed = [v * np.exp(-np.outer(DELAYS, s)) for v, (_, s) in zip(filtered, spectra, strict=True)]
+            power = (
+                sum(
+                    float(np.sum(faster(p, v) ** 2))
+                    for p, v in zip(problem.pieces, filtered, strict=True)
+                )
+                / total
+            )
+            delayed = [
+                v * np.exp(-np.outer(DELAYS, s))
+                for v, (_, s) in zip(filtered, spectra, strict=True)
+            ]
             rows = problem.whitened(delayed)
             rows = rows - (rows @ basis) @ basis.T
             size = np.sum(rows**2, axis=1)
             for delay, gain, one in zip(DELAYS, rows @ left / size, size, strict=True):
                 q = {"delay": float(delay), "omega": omega, "zeta": zeta}
-                found.append(Shape(q, float(gain), float(one**-0.5), float(gain * abs(gain) * one), power))
+                found.append(
+                    Shape(q, float(gain), float(one**-0.5), float(gain * abs(gain) * one), power)
+                )
     return found
 
 
@@ -102,12 +111,14 @@ def weigh(
                 left = piece.in_time(fitted.residual(piece) * w)
                 length = round(piece.rate)
                 count = max(len(left) // length, 1)
-                errors[direction].append(np.sum(left[: count * length].reshape(count, -1) ** 2, axis=1))
+                errors[direction].append(
+                    np.sum(left[: count * length].reshape(count, -1) ** 2, axis=1)
+                )
     loss = {d: np.concatenate(of) for d, of in errors.items()}
+    gain = {d: loss[0] - loss[d] for d in (1, -1)}
     return {
-        d: Weighed(_z(loss[0] - loss[d]), _z(loss[-d] - loss[d]), 0.5 * float(np.sum(loss[0] - loss[d])))
-        for d in (1, -1)
-    }, fits  # fmt: skip
+        d: Weighed(_z(gain[d]), _z(gain[d] - gain[-d]), 0.5 * float(np.sum(gain[d]))) for d in gain
+    }, fits
 
 
 def _z(gains: FloatArray) -> float:

@@ -10,6 +10,8 @@ from surae.units import ComplexArray, FloatArray
 
 #: Half width of the intrinsic response [s] (Kearney 1997: two-sided, ± 40 ms).
 WIDTH = 0.04
+#: What keeps responses from what the movement does not excite, a part of each lag's power.
+_RIDGE = 1e-5
 #: First and last lag of the reflex's response [s]: a soleus's twitch has ended by then.
 FIRST, LAST = 0.04, 0.6
 
@@ -34,13 +36,19 @@ def lagged(piece: Piece, direction: int) -> ComplexArray:
 def free_noise(pieces: Sequence[Piece]) -> Noise:
     """Noise of the torque that no linear response to the movement explains, either direction."""
     noise = noise_of(pieces, [piece.bins(piece.torque) for piece in pieces])
-    bins = {d: [p.bins(np.concatenate([lagged(p, d), p.squared[None]])) for p in pieces] for d in (1, -1)}
+    bins = {
+        d: [p.bins(np.concatenate([lagged(p, d), p.squared[None]])) for p in pieces]
+        for d in (1, -1)
+    }
     own = [piece.bins(piece.torque) for piece in pieces]
     for _ in range(2):
         left = {}
         for direction, of in bins.items():
             w = [noise.at(p.f) ** -0.5 for p in pieces]
-            x, y = stacked([b * k for b, k in zip(of, w, strict=True)]), stacked([b * k for b, k in zip(own, w, strict=True)])
+            x, y = (
+                stacked([b * k for b, k in zip(of, w, strict=True)]),
+                stacked([b * k for b, k in zip(own, w, strict=True)]),
+            )
             c = solved(x, y)
             e = y - c @ x
             left[direction] = float(e @ e), c, 1.0 - len(c) / len(y)
@@ -57,7 +65,7 @@ def responses(pieces: Sequence[Piece], direction: int) -> tuple[FloatArray, Floa
     """
     x = np.concatenate([_centred(p.signals(lagged(p, direction))) for p in pieces], axis=1)
     y = np.concatenate([_centred(p.signals(p.torque)) for p in pieces])
-    c = solved(x, y)
+    c = solved(x, y, _RIDGE)
     k = len(lags(pieces[0].rate, False))
     return c[:k], c[k:]
 

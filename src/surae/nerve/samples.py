@@ -1,4 +1,4 @@
-"""Samples of a perturbed recording: what can be used, what is left out, and what is no use at all."""
+"""Samples of a perturbed recording: what can be used, what is left out, and what is no use."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,9 +16,9 @@ STILL = 0.002
 SHORTEST, LEAST = 5.0, 20.0
 #: Slowest sampling that shows inertia [Hz].
 SLOWEST = 80.0
-#: Frequency below which 95 % of the velocity's power lies in movements that are no perturbation [Hz].
+#: Frequency [Hz] below which 95 % of the velocity's power lies in what is no perturbation.
 TOO_SLOW = 5.0
-#: Range beyond which a slow movement is called one by will, not a perturbation of little bandwidth.
+#: Range beyond which a slow movement is called one by will, not a perturbation.
 BY_WILL = np.deg2rad(10.0)
 #: How many times noise the position's power must be to be fitted.
 EXCITED = 10.0
@@ -46,11 +46,11 @@ class Samples:
     @property
     def seconds(self) -> float:
         """Time that is used [s]."""
-        return sum(span.stop - span.start for span in self.spans) / self.rate_hz
+        return float(sum(span.stop - span.start for span in self.spans)) / self.rate_hz
 
     @property
     def band(self) -> tuple[float, float]:
-        """Highest frequency that the movement excites [Hz], and its floor k of k/f² [rad²·Hz]."""
+        """Highest frequency that is excited [Hz], and the position's floor k of k/f² [rad²·Hz]."""
         longest = max(self.spans, key=lambda span: span.stop - span.start)
         angle = self.angle[longest]
         segment = int(min(len(angle) // 8, 2 * self.rate_hz))
@@ -58,7 +58,9 @@ class Samples:
         high = (f > 0.2 * self.rate_hz) & (f < 0.4 * self.rate_hz)
         floor = float(np.exp(np.mean(np.log(power[high] * f[high] ** 2 + 1e-30))))
         half = max(1, int(1.5 / f[1]))
-        smooth = np.exp(np.convolve(np.log(power + 1e-30), np.ones(2 * half + 1) / (2 * half + 1), "same"))
+        smooth = np.exp(
+            np.convolve(np.log(power + 1e-30), np.ones(2 * half + 1) / (2 * half + 1), "same")
+        )
         dull = np.flatnonzero((f > 2.0) & (smooth <= EXCITED * floor / np.maximum(f, 0.1) ** 2))
         top = min(TOP, 0.36 * self.rate_hz)
         return float(np.clip(f[dull[0]] if len(dull) else top, 8.0, top)), floor
@@ -69,18 +71,29 @@ class Samples:
         anchor = float(np.mean(np.concatenate([self.angle[s] for s in self.spans])))
         whole, band = (float(self.time[0]), float(self.time[-1])), self.band[0]
         return [
-            Piece(self.time[s], self.angle[s], self.torque[s], self.rate_hz, band, anchor=anchor, span=whole)
+            Piece(
+                self.time[s],
+                self.angle[s],
+                self.torque[s],
+                self.rate_hz,
+                band,
+                anchor=anchor,
+                span=whole,
+            )
             for s in used
         ]
 
     def halves(self) -> list[list[Piece]]:
         """The pieces of the first and of the second half of the time that is used."""
-        middle, parts = 0.5 * self.seconds * self.rate_hz, ([], [])
+        middle = 0.5 * self.seconds * self.rate_hz
+        parts: tuple[list[slice], list[slice]] = ([], [])
         done = 0.0
         for span in self.spans:
             cut = int(np.clip(span.start + middle - done, span.start, span.stop))
             done += span.stop - span.start
-            for part, own in zip(parts, (slice(span.start, cut), slice(cut, span.stop)), strict=True):
+            for part, own in zip(
+                parts, (slice(span.start, cut), slice(cut, span.stop)), strict=True
+            ):
                 if own.stop - own.start >= 0.5 * SHORTEST * self.rate_hz:
                     part.append(own)
         return [self.pieces(part) for part in parts]
@@ -104,9 +117,11 @@ def on_one_clock(
     columns = [np.interp(clock, time[good], values[good]) for values in (angle, torque)]
     after = np.clip(np.searchsorted(time[good], clock), 1, good.sum() - 1)
     gap = time[good][after] - time[good][after - 1] > 1.6 * step
-    off = np.minimum(abs(clock - time[good][after]), abs(clock - time[good][after - 1])) > 0.4 * step
+    off = (
+        np.minimum(abs(clock - time[good][after]), abs(clock - time[good][after - 1])) > 0.4 * step
+    )
     missing = gap & off
-    return clock, *(np.where(missing, np.nan, values) for values in columns), rate  # type: ignore[return-value]
+    return clock, *(np.where(missing, np.nan, values) for values in columns), rate
 
 
 def usable(where: str, time: FloatArray, angle: FloatArray, torque: FloatArray) -> Samples:
@@ -159,7 +174,8 @@ def _moving(samples: Samples) -> Samples:
     most = float(f[below][np.searchsorted(speed, 0.95 * speed[-1])])
     notes, moved = list(samples.notes), float(np.ptp(angle))
     if most < TOO_SLOW:
-        what = f"{where}: the angle moves by {np.rad2deg(moved):.2g}°, hardly faster than {most:.2g} Hz"
+        span = np.rad2deg(moved)
+        what = f"{where}: the angle moves by {span:.2g}°, hardly faster than {most:.2g} Hz"
         if moved > BY_WILL:
             raise InputError(
                 f"{what}: a movement by will or by hand, not a perturbation; let the device move "
@@ -169,7 +185,9 @@ def _moving(samples: Samples) -> Samples:
             f"{what}: too little bandwidth to tell tissue, inertia and reflex apart; perturb up to "
             "10 Hz at least, as `surae protocol prbs` does"
         )
-    smooth = np.convolve(angle, np.ones(max(round(0.01 * rate), 1)) / max(round(0.01 * rate), 1), "valid")
+    smooth = np.convolve(
+        angle, np.ones(max(round(0.01 * rate), 1)) / max(round(0.01 * rate), 1), "valid"
+    )
     speeds = np.quantile(np.diff(smooth) * rate, (0.005, 0.995))
     one_sided = min(abs(speeds)) < ONE_SIDED * max(abs(speeds))
     if one_sided:

@@ -10,7 +10,7 @@ from surae.base.frozen import freeze
 from surae.base.units import FACTORS, SI, FloatArray, Stated, kind, plain, spelled, stated, to_si
 from surae.recording.recording import FILM_ROLES, Channel
 from surae.recording.roles import heading_unit
-from surae.recording.table import Column, IndexArray, Table, check_finite, check_samples
+from surae.recording.table import GAPS, Column, IndexArray, Table, check_finite, check_samples
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,8 +122,8 @@ def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channe
     """Check samples and bring them to SI; frames in which a film shows nothing are left out."""
     shown = f"column {column.name!r}"
     times, raw, position = column.time, column.values, column.position
-    if role in FILM_ROLES:
-        kept = np.flatnonzero(np.isfinite(raw) & (raw != 0.0))
+    if (filmed := role in FILM_ROLES) or GAPS.get():
+        kept = np.flatnonzero(np.isfinite(raw) & ((raw != 0.0) | (not filmed)))
         if len(kept) < len(raw):
             times, raw = freeze(times[kept]), freeze(raw[kept])
             position = lambda index: column.position(int(kept[index]))  # noqa: E731

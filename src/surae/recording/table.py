@@ -1,6 +1,8 @@
 """What every file format is turned into: named raw columns, each with its own times."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,6 +12,20 @@ from surae.base.errors import InputError
 from surae.base.units import FloatArray
 
 IndexArray = npt.NDArray[np.intp]
+
+#: Whether samples without a number are left out while a file is read: most of what is computed of a
+#: recording needs every sample, and refuses them.
+GAPS: ContextVar[bool] = ContextVar("gaps", default=False)
+
+
+@contextmanager
+def leaving_gaps() -> Iterator[None]:
+    """Files are read with gaps in time where a channel has no number."""
+    token = GAPS.set(True)
+    try:
+        yield
+    finally:
+        GAPS.reset(token)
 
 #: Says where sample `index` is, in the terms of its source: "row 12", "sample 12".
 Position = Callable[[int], str]

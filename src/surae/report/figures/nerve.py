@@ -1,0 +1,69 @@
+"""Figures of perturbed recordings: frequency and impulse responses, stiffness over effort."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from surae.nerve import NerveMeasure, Perturbed
+from surae.report import figures
+from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED
+from surae.units import FloatArray
+
+
+def frequency_figure(recording: Perturbed) -> Figure:
+    """Coherence, gain and phase of torque over angle, with the equations over them."""
+    c = recording.curves
+    figure = figures.new_figure(5.6, width=7.2)
+    top, middle, bottom = figure.subplots(3, 1, sharex=True)
+    top.plot(c.f, c.coherence, color=GREY, linewidth=1.6)
+    top.set_ylim(0.0, 1.03)
+    figures.dress(top, "Coherence")
+    middle.loglog(c.f, c.gain, color=GREY, linewidth=2.4, label="measured")
+    middle.loglog(c.f, c.model_gain, color=BLUE, linewidth=1.1, label="both paths")
+    middle.loglog(c.f, c.intrinsic_gain, color=OCHRE, linewidth=1.1, linestyle="--", label="tissue")
+    figures.dress(middle, "Gain [Nm/rad]")
+    figures.legend(middle, 3)
+    bottom.semilogx(c.f, c.phase, color=GREY, linewidth=2.4)
+    bottom.semilogx(c.f, c.model_phase, color=BLUE, linewidth=1.1)
+    figures.dress(bottom, "Phase [°]", "Frequency [Hz]")
+    return figure
+
+
+def impulse_figure(recording: Perturbed) -> Figure:
+    """Impulse responses of both paths, with and without equations."""
+    c = recording.curves
+    figure = figures.new_figure(2.6, width=7.2)
+    left, right = figure.subplots(1, 2, width_ratios=(1, 2))
+    left.plot(1e3 * c.intrinsic_lag, _smooth(c.free_intrinsic), color=GREY, linewidth=1.6)
+    figures.dress(left, "Tissue [Nm/rad/s]", "Lag [ms]")
+    right.plot(1e3 * c.lag, _smooth(c.free_reflex), color=GREY, linewidth=1.6, label="without equations")
+    if recording.reflex.verdict == "present":
+        right.plot(1e3 * c.lag, c.reflex, color=RED, linewidth=1.1, label="its equation")
+    right.axhline(0.0, color=MUTED, linewidth=0.6)
+    figures.dress(right, "Reflex [Nm/rad]", "Lag [ms]")
+    figures.legend(right, 2)
+    return figure
+
+
+def _smooth(response: FloatArray) -> FloatArray:
+    """A response without what alternates from lag to lag, which the movement hardly excites."""
+    return np.convolve(np.pad(response, 2, mode="edge"), np.array([1, 4, 6, 4, 1]) / 16, "valid")
+
+
+def effort_figure(recordings: Sequence[Perturbed]) -> Figure:
+    """Stiffness of every recording over its mean torque, and over its mean angle."""
+    figure = figures.new_figure(2.8, width=7.2)
+    panels = figure.subplots(1, 2, sharey=True)
+    of = [(r.mean_torque, r.mean_angle, r.measures["intrinsic_stiffness"]) for r in recordings]
+    for axes, at, label in zip(panels, (0, 1), ("Mean torque [Nm]", "Mean angle [°]"), strict=True):
+        for each in of:
+            _bar(axes, float(each[at]), each[2])  # type: ignore[arg-type]
+        figures.dress(axes, "Stiffness [Nm/rad]" if at == 0 else "", label)
+    return figure
+
+
+def _bar(axes: figures.Axes, at: float, measure: NerveMeasure) -> None:
+    if measure.value is not None:
+        axes.plot([at, at], measure.ci95, color=BLUE, linewidth=1.2)
+        axes.plot([at], [measure.value], marker="o", markersize=4, color=INK)

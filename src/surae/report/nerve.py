@@ -1,0 +1,106 @@
+"""The pages of tissue and reflex: perturbed recordings in one table, each with its figures."""
+
+from datetime import datetime
+
+from surae.formatting import NO_NUMBER, percentage
+from surae.nerve import Impedance, Perturbed
+from surae.nerve.answer import measure_rows
+from surae.report import block
+from surae.report.figures import Figure
+from surae.report.figures.nerve import effort_figure, frequency_figure, impulse_figure
+from surae.report.output import Report
+
+#: What the page says of itself.
+_ABOUT = (
+    "The foot was moved by a few degrees at random. Torque is taken for that of two paths side by "
+    "side: tissue, which answers at once, and a reflex, which answers the velocity of stretch in "
+    "one direction, later. Intervals contain noise that is not white, drift, and what structures "
+    "say that describe the torque about as well. No word of this is a diagnosis."
+)
+
+
+def impedance_report(impedance: Impedance, *, created: datetime) -> Report:
+    """The report of perturbed recordings."""
+    figures: list[tuple[str, Figure]] = []
+    several = len(impedance.recordings) > 1
+    sections = []
+    if several:
+        sections.append(_section("All recordings, means", measure_rows(impedance.measures)))
+        figures.append(("effort", effort_figure(impedance.recordings)))
+        sections.append(block.Section("Stiffness over effort and angle", (block.Picture(
+            "effort", "Stiffness over mean torque and over mean angle",
+            "Stiffness of each recording with its 95 % interval. A torque’s zero that is not known "
+            "shifts the axis.",
+        ),)))  # fmt: skip
+    for number, recording in enumerate(impedance.recordings, 1):
+        sections.append(_recording(recording, number, figures))
+    key = tuple(
+        (label, f"{m.value:.3g} {m.unit}" if m.value is not None else NO_NUMBER, m.verdict)
+        for label, m in (
+            ("stiffness of tissue", impedance.measures["intrinsic_stiffness"]),
+            ("reflex’s share", impedance.measures["reflex_share"]),
+        )
+    )  # fmt: skip
+    document = block.Document(
+        kicker="How much is nerve?",
+        heading="Tissue and reflex, from perturbations",
+        under=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
+        title="Tissue and reflex",
+        blocks=(
+            block.KeyFigures(
+                (("reflex", impedance.reflex.verdict, impedance.reflex.direction or ""), *key)
+            ),
+            block.Text(f"{impedance.reflex.reason}.", lead=f"Reflex: {impedance.reflex.verdict}:"),
+            block.Text(_ABOUT, "note"),
+            *sections,
+        ),
+        footer="Made by surae for research.",
+    )
+    return Report(document, figures)
+
+
+def _section(title: str, rows: list[tuple[str, ...]], *more: block.Block) -> block.Section:
+    heads = ("Measure", "Value", "95 % interval", "Unit", "Verdict", "Note")
+    cells = [
+        (name, value, ci, unit, block.verdict(verdict), note)
+        for name, value, ci, unit, verdict, note in rows
+    ]
+    table = block.Grid(title, block.columns(*heads, numbers=(1, 2), wide=(5,)), block.rows(cells))
+    return block.Section(title, (table, *more))
+
+
+def _recording(r: Perturbed, number: int, figures: list[tuple[str, Figure]]) -> block.Section:
+    """A recording's table, figures and what else to know."""
+    name = r.path.replace("\\", "/").rsplit("/", 1)[-1]
+    figures += [
+        (f"frequency-{number}", frequency_figure(r)),
+        (f"impulse-{number}", impulse_figure(r)),
+    ]
+    steady = "changes" if r.stationarity.verdict == "changes" else "is steady"
+    held, alone, other = map(
+        percentage, (r.vaf_held_out, r.vaf_held_out_intrinsic, r.vaf_held_out_other)
+    )
+    parts = ", ".join(f"{value:.3g}" for _, value, _ in r.stationarity.parts)
+    halves = " and ".join(
+        f"{v:.3g} ({low:.3g} to {high:.3g})" for v, low, high in r.stationarity.halves
+    )
+    structures = [(label, *(f"{x:.3g}" for x in said)) for label, said in r.structures.items()]
+    return _section(
+        name, measure_rows(r.measures),
+        block.Text(f"{r.reflex.reason}.", lead=f"Reflex: {r.reflex.verdict}:"),
+        block.Text(
+            f"Responses of both paths, of the first half, predict {held} % of the second half’s "
+            f"torque; tissue alone {alone} %, a reflex the other way round {other} %. Stiffness of "
+            f"the halves: {halves} Nm/rad; of every 10 s: {parts}: it {steady}."
+        ),
+        *(block.Text(note, "note") for note in r.notes),
+        block.Grid(
+            "Stiffness by structure",
+            block.columns("Structure", "Nm/rad", "from", "to", numbers=(1, 2, 3)),
+            block.rows(structures), titled=True,
+        ),
+        block.Picture(f"frequency-{number}", "Coherence, gain and phase of torque over angle",
+                      "Torque over angle: measured, and as the equations have it."),
+        block.Picture(f"impulse-{number}", "Impulse responses of tissue and reflex",
+                      "Answers to an impulse: of tissue to the angle, of the reflex to velocity."),
+    )  # fmt: skip
