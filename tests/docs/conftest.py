@@ -10,6 +10,7 @@ import pytest
 from scipy.io import savemat
 
 import surae
+from perturbed_ankle import Ankle
 from surae.base.units import FloatArray
 from surae.model import ModelOptions, adapted, get_model
 from surae.protocol import Protocol, generate
@@ -77,6 +78,11 @@ def prepared(tmp_path_factory) -> Path:
     }
     for name, trial in trials.items():
         write_csv(folder / f"{name}.csv", _columns(trial), ["emg: envelope"])
+    for seed, name in enumerate(("perturbed", "relaxed", "effort", "device")):
+        foot = {} if name != "device" else {"stiffness": 0.0, "inertia": 0.005, "gain": 0.0}
+        moved = Ankle(seconds=25.0, rate=200.0, **foot).moved(seed)
+        columns = zip(("time_s", "angle_rad", "torque_Nm"), moved.values(), strict=True)
+        write_csv(folder / f"{name}.csv", dict(columns))
     for name, source in {
         "a": "trial", "b": "other", "trial1": "trial", "trial2": "other", "mvc": "other",
         "in": "trial",

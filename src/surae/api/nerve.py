@@ -5,10 +5,10 @@ from datetime import datetime
 from typing import Any
 
 from surae.api.recordings import AnyRecording, read_in, several
-from surae.errors import InputError
-from surae.files import PathLike
-from surae.nerve import Impedance, inertia_of_empty, perturbed
-from surae.progress import Progress
+from surae.base.errors import InputError
+from surae.base.files import PathLike
+from surae.base.progress import Progress
+from surae.nerve import Impedance, inertia_of_empty, joined, perturbed
 from surae.recording import Recording, leaving_gaps, read
 
 
@@ -63,7 +63,7 @@ def impedance(
         if progress is not None:
             progress(done, len(given))
         found.append(perturbed(_measured(each, mapping, corrections), own))
-    return Impedance.of(found)
+    return joined(found)
 
 
 def write_impedance_page(path: PathLike, impedance: Impedance) -> None:

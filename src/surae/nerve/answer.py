@@ -6,12 +6,12 @@ from math import inf
 
 import numpy as np
 
-from surae.formatting import NO_NUMBER, of_interval, percentage
-from surae.frozen import FrozenDict
+from surae.base.formatting import NO_NUMBER, of_interval, percentage
+from surae.base.frozen import FrozenDict
+from surae.base.records import Saved
+from surae.base.tables import Tabular, TextTable
 from surae.nerve.identify import Number
 from surae.nerve.impedance import MEASURES, NerveMeasure, Perturbed, Reflex, number_of
-from surae.records import Saved
-from surae.tables import Tabular, TextTable
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -22,16 +22,6 @@ class Impedance(Tabular, Saved):
     reflex: Reflex  #: Of all recordings together.
     #: Of the only recording, or means over several, their differences in the intervals.
     measures: FrozenDict[str, NerveMeasure]
-
-    @classmethod
-    def of(cls, recordings: Sequence[Perturbed]) -> "Impedance":
-        """Join what recordings say."""
-        if len(recordings) == 1:
-            return cls(tuple(recordings), recordings[0].reflex, recordings[0].measures)
-        measures = {name: _mean(name, [r.measures[name] for r in recordings]) for name in MEASURES}
-        return cls(
-            tuple(recordings), _together([r.reflex for r in recordings]), FrozenDict(measures)
-        )
 
     def as_table(self) -> TextTable:
         """The table, as texts.
@@ -67,6 +57,16 @@ class Impedance(Tabular, Saved):
             (*(("recording",) if several else ()), *heads), tuple(rows), tuple(above), tuple(below),
             ("value", "95 % interval"),
         )  # fmt: skip
+
+
+def joined(recordings: Sequence[Perturbed]) -> Impedance:
+    """Everything that recordings of one leg say."""
+    one = recordings[0]
+    if len(recordings) == 1:
+        return Impedance((one,), one.reflex, one.measures)
+    measures = {name: _mean(name, [r.measures[name] for r in recordings]) for name in MEASURES}
+    reflex = _together([r.reflex for r in recordings])
+    return Impedance(tuple(recordings), reflex, FrozenDict(measures))
 
 
 def measure_rows(measures: FrozenDict[str, NerveMeasure]) -> list[tuple[str, ...]]:

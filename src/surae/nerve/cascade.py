@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.units import ComplexArray, FloatArray
+from surae.base.units import ComplexArray, FloatArray
 
 
 def relaxing(s: ComplexArray, time: float) -> ComplexArray:

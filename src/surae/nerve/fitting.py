@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
+from surae.base.units import ComplexArray, FloatArray
 from surae.nerve.cascade import BOUNDS, Structure, muscle, muscle_slopes, relaxing, relaxing_slope
 from surae.nerve.piece import Piece
-from surae.units import ComplexArray, FloatArray
 
 #: Scale of the curvature's regressor [rad].
 _BEND = 0.02
@@ -191,13 +191,13 @@ class Problem:
         model's correlations: what is left need be neither white nor the same all the time.
         """
         e, j = self.jacobian(fitted.structure, fitted.values)
-        (n, k), size = j.shape, np.sqrt(np.sum(j**2, axis=0)) + 1e-300
+        (n, k), size = j.shape, np.sqrt(np.sum(j**2, axis=0)) + 1e-100
         inverse = np.linalg.pinv((j / size).T @ (j / size), rcond=1e-12) / np.outer(size, size)
         model = inverse * float(e @ e) / (n - k)
         scores = np.concatenate(self.blocks(e, j))
         m = len(scores)
         sandwich = inverse @ (scores.T @ scores) @ inverse * m / max(m - k, 1)
-        wider = np.sqrt(np.maximum(np.diag(sandwich) / np.diag(model), 1.0))
+        wider = np.sqrt(np.maximum(np.diag(sandwich) / (np.diag(model) + 1e-300), 1.0))
         return model * np.outer(wider, wider), max(m - k, 5)
 
     def blocks(self, e: FloatArray, j: FloatArray) -> list[FloatArray]:
@@ -224,7 +224,7 @@ START = {"late": 0.0, "time_1": 0.03, "time_2": 0.3, "delay": 0.045, "omega": 20
 
 def solved(x: FloatArray, y: FloatArray, ridge: float = 1e-10) -> FloatArray:
     """Least squares of y on the rows of x, however their sizes differ, drawn to 0 by `ridge`."""
-    size = np.sqrt(np.sum(x**2, axis=1)) + 1e-300
+    size = np.sqrt(np.sum(x**2, axis=1)) + 1e-100
     unit = x / size[:, None]
     normal = unit @ unit.T
     normal[np.diag_indices_from(normal)] += ridge

@@ -2,16 +2,17 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from scipy.stats import t as student
 
+from surae.base.units import FloatArray
 from surae.nerve.cascade import Structure, relaxing, relaxing_slope
 from surae.nerve.fitting import Fitted, Noise, Problem, noise_of, regressors, slopes, solved
 from surae.nerve.piece import Piece
 from surae.nerve.presence import Weighed, bound, first_shape, shapes, weigh
 from surae.nerve.response import faster, free_noise, lagged
-from surae.units import FloatArray
 
 #: Sums of whitened squares by which a structure must be better to be taken in (z of 4 or 3), and
 #: by which one that is worse is still possible (z of 2).
@@ -37,12 +38,13 @@ class Number:
     low: float
     high: float
 
-    def with_(self, other: "Number", whole: bool = True) -> "Number":
-        """The same value, with what another says in its interval: its interval, or its value."""
-        low, high = (other.low, other.high) if whole else (other.value, other.value)
+    def with_(self, low: float, high: float) -> "Number":
+        """The same value, with what another says in its interval."""
         return replace(self, low=min(self.low, low), high=max(self.high, high))
 
 
+#: How another structure counts in an interval; see `_spread`.
+Counts = Literal["whole", "shifted", "value"]
 #: What is computed of the parameters of a fit: value, and its derivative by each parameter.
 Of = Callable[[Fitted], tuple[float, Mapping[str, float]]]
 
@@ -131,7 +133,7 @@ def _floor_bias(problem: Problem, fitted: Fitted, floor: float) -> FloatArray:
             by[f"time_{i}"] = v[f"branch_{i}"] * relaxing_slope(s, v[f"time_{i}"])
         for name, row in by.items():
             pull[names.index(name)] += float(np.sum(np.real(np.conj(row) * whole) * power))
-    size = np.sqrt(np.sum(j**2, axis=0)) + 1e-300
+    size = np.sqrt(np.sum(j**2, axis=0)) + 1e-100
     inverse = np.linalg.pinv((j / size).T @ (j / size), rcond=1e-12) / np.outer(size, size)
     bias: FloatArray = inverse @ pull
     return bias
@@ -177,7 +179,9 @@ def identify(
     base = RELAXING if loss(PLAIN) - loss(RELAXING) > BETTER else PLAIN
     direction = min((1, -1), key=lambda d: fits[base, d].loss)
     unseen = tuple(max(pair) for pair in zip(*(bound(of) for of in grids.values()), strict=True))
-    rows = free.whitened([np.concatenate([lagged(p, direction), p.squared[None]]) for p in pieces])
+    rows = free.whitened(
+        [np.concatenate([lagged(p, direction, pieces[0].rate), p.squared[None]]) for p in pieces]
+    )
     left = free.y - solved(rows, free.y) @ rows
     extra = len(rows) - len(fits[base, direction].structure.names)
 
@@ -220,7 +224,7 @@ def identify(
     if scattered:
         half = float(student.ppf(0.975, freedom) * parts[:, 1].std(ddof=1) / np.sqrt(len(parts)))
         k = numbers["intrinsic_stiffness"]
-        numbers["intrinsic_stiffness"] = k.with_(Number(k.value, k.value - half, k.value + half))
+        numbers["intrinsic_stiffness"] = k.with_(k.value - half, k.value + half)
     in_halves = []
     for own, fold in zip((halves[0], halves[1]), folds, strict=True):
         mine = Problem(own, noise)
@@ -237,45 +241,53 @@ def _spread(
 ) -> tuple[dict[str, Number], dict[str, Number]]:
     """Numbers with what other structures say in their intervals, and the stiffness of each.
 
-    Those that describe the torque about as well count with their intervals. Where the equations are
-    known to miss something, good description no longer tells which is true: then the named ones
-    count by their values, however well they do.
+    Simpler ones that describe the torque about as well count with their intervals, richer ones that
+    describe it better than chance by their values with the interval of the chosen one: their own is
+    endless where a branch is hardly seen. Where the equations are known to miss something, good
+    description no longer tells which is true: then named ones count by their values alone.
     """
     widened, said = dict(numbers), {chosen.structure.name: numbers["intrinsic_stiffness"]}
     branches, own = chosen.structure.branches, chosen.structure
 
-    def admit(fitted: Fitted, by: Problem, label: str, whole: bool) -> None:
+    def admit(fitted: Fitted, by: Problem, label: str, counts: Counts) -> None:
         judged = Judged(by, fitted)
-        tables = (INTRINSIC, REFLEX) if whole and fitted.structure.direction else (INTRINSIC,)
+        reflex = counts != "value" and fitted.structure.direction and own.direction
+        tables = INTRINSIC | REFLEX if reflex else INTRINSIC
         if fitted.structure.branches > 1:  # its slow branch is viscosity of another frequency
-            tables = ({"intrinsic_stiffness": INTRINSIC["intrinsic_stiffness"]},)
-        for name, of in ((n, of) for table in tables for n, of in table.items() if n in widened):
-            other = judged.number(name, of)
-            widened[name] = widened[name].with_(other, whole)
+            tables = {"intrinsic_stiffness": INTRINSIC["intrinsic_stiffness"]}
+        for name, of in tables.items():
+            other, half = judged.number(name, of), numbers[name].high - numbers[name].value
+            low, high = {
+                "whole": (other.low, other.high),
+                "shifted": (other.value - half, other.value + half),
+                "value": (other.value, other.value),
+            }[counts]
+            widened[name] = widened[name].with_(low, high)
             if name == "intrinsic_stiffness":
-                said[label] = other
+                said[label] = Number(other.value, low, high)
 
     others = [
         (replace(own, branches=b, name=n), n)
-        for b, n in ((0, PLAIN.name), (1, RELAXING.name), (2, TWO.name))
+        for b, n in enumerate((PLAIN.name, RELAXING.name, TWO.name))
         if b != branches and b - branches < 2
     ]
     others.append((replace(own, late=False), "torque that is not late"))
     for structure, label in others:
-        start = dict(chosen.values)
-        fitted = problem.fit(structure, start)
+        fitted = problem.fit(structure, chosen.values)
         gain, more = chosen.loss - fitted.loss, len(structure.names) - len(own.names)
-        simpler = more < 0
-        if (gain > -POSSIBLE) if simpler else (gain > CHANCE * more / 2):
-            admit(fitted, problem, label, structure.branches < 2)
+        if more < 0 and gain > -POSSIBLE:
+            admit(fitted, problem, label, "whole")
+        elif more > 0 and gain > CHANCE * more / 2:
+            admit(fitted, problem, label, "shifted")
         elif misfit > MISFIT and structure.branches:
-            admit(fitted, problem, label, False)
-    if not own.direction and chosen.loss - rival.loss > CHANCE and rival.values["gain"] > 0.0:
+            admit(fitted, problem, label, "value")
+    if not own.direction:
         again = problem.fit(rival.structure, rival.values)
-        admit(again, problem, "with a reflex that is not shown", True)
+        if chosen.loss - again.loss > CHANCE and again.values["gain"] > 0.0:
+            admit(again, problem, "with a reflex that is not shown", "whole")
     if misfit > MISFIT:
         alike = Problem(problem.pieces, Noise(problem.noise.f, problem.noise.f**2))
-        admit(alike.fit(own, chosen.values), alike, "all frequencies weighed alike", False)
+        admit(alike.fit(own, chosen.values), alike, "all frequencies weighed alike", "value")
     return widened, said
 
 

@@ -6,8 +6,10 @@ from typing import Literal
 
 import numpy as np
 
-from surae.errors import InputError
-from surae.frozen import Comparable, FrozenDict, freeze
+from surae.base.errors import InputError
+from surae.base.frozen import Comparable, FrozenDict, freeze
+from surae.base.records import FileName
+from surae.base.units import FloatArray
 from surae.nerve.cascade import BOUNDS, muscle
 from surae.nerve.fitting import Fitted, Problem, noise_of
 from surae.nerve.identify import (
@@ -25,8 +27,6 @@ from surae.nerve.presence import LEAST_SHARE, NATS, NONE_SEEN, OVER_NONE, OVER_O
 from surae.nerve.response import lags, predicted, responses
 from surae.nerve.samples import Samples, usable
 from surae.recording import Recording
-from surae.records import FileName
-from surae.units import FloatArray
 
 ReflexVerdict = Literal["present", "none seen", "cannot tell"]
 #: Of directions of movement, by their sign.
@@ -189,6 +189,11 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
 
     found = identify(pieces, halves, samples.band[1], judge)
     reflex, notes = said[-1], list(samples.notes)
+    if found.numbers["intrinsic_viscosity"].high < 0.0:
+        raise InputError(
+            f"{recording.where}: the leg drives the movement, not the device: a voluntary one, "
+            "or an angle and a torque that do not belong together; perturb a leg that holds still"
+        )
     hidden = {
         "reflex_share": (0.0, found.unseen[0]), "reflex_gain": (0.0, found.unseen[1]),
         "reflex_delay": (1e3 * BOUNDS["delay"][0], 1e3 * BOUNDS["delay"][1]),
@@ -308,19 +313,17 @@ def _curves(pieces: Sequence[Piece], found: Identified, direction: int) -> Curve
 
 
 def turned(samples: Samples) -> tuple[Samples, list[Piece]]:
-    """Turn a torque by which inertia and viscosity would be negative."""
+    """Turn a torque by which the inertia would be negative, or the viscosity where none is seen."""
     pieces = samples.pieces()
-    noise = noise_of(pieces, [p.bins(p.torque) for p in pieces])
-    plain = Problem(pieces, noise).fit(PLAIN, {}).values
-    if plain["inertia"] < 0.0 and plain["viscosity"] < 0.0:
-        note = (
-            "The torque’s sign was turned: as it stands, inertia and viscosity would be negative."
-        )
-        samples = replace(samples, torque=-samples.torque, notes=(*samples.notes, note))
-        return samples, samples.pieces()
-    if plain["viscosity"] < 0.0 or plain["inertia"] < 0.0:
-        raise InputError(
-            f"{samples.where}: the leg drives the movement, not the device: a voluntary movement, "
-            "or a torque and an angle that do not belong together; perturb a leg that holds still"
-        )
+    problem = Problem(pieces, noise_of(pieces, [p.bins(p.torque) for p in pieces]))
+    judged = Judged(problem, problem.fit(PLAIN, {}))
+    for name in ("inertia", "intrinsic_viscosity"):
+        number = judged.number(name, INTRINSIC[name])
+        if number.low > 0.0:
+            break
+        if number.high < 0.0:
+            what = name.removeprefix("intrinsic_")
+            note = f"The torque’s sign was turned: as it stands, the {what} would be negative."
+            turned = replace(samples, torque=-samples.torque, notes=(*samples.notes, note))
+            return turned, turned.pieces()
     return samples, pieces

@@ -5,8 +5,8 @@ from functools import lru_cache
 import numpy as np
 from scipy import fft
 
+from surae.base.units import ComplexArray, FloatArray
 from surae.nerve.cascade import stretched, stretched_slope
-from surae.units import ComplexArray, FloatArray
 
 #: Highest frequency that is fitted [Hz]: reflexes end by 15 Hz, inertia is known by 40.
 TOP = 45.0

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surae.base.units import FloatArray
 from surae.nerve.cascade import Structure, muscle
 from surae.nerve.fitting import Fitted, Problem
 from surae.nerve.piece import Piece
 from surae.nerve.response import faster
-from surae.units import FloatArray
 
 #: Shapes of a reflex from which a search begins: delay [s], frequency [rad/s], damping.
 DELAYS, OMEGAS, ZETAS = np.arange(0.024, 0.0961, 0.008), (8.0, 14.0, 24.0, 40.0), (0.6, 1.0)

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from surae.base.units import ComplexArray, FloatArray
 from surae.nerve.fitting import Noise, noise_of, solved, stacked
 from surae.nerve.piece import SLOW, Piece
-from surae.units import ComplexArray, FloatArray
 
 #: Half width of the intrinsic response [s] (Kearney 1997: two-sided, ± 40 ms).
 WIDTH = 0.04
@@ -24,20 +24,24 @@ def lags(rate: float, reflex: bool) -> FloatArray:
     return np.arange(-most, most + 1) / rate
 
 
-def lagged(piece: Piece, direction: int) -> ComplexArray:
-    """Spectra of the angle, and of the velocity in one direction, at every lag; (k, half)."""
-    rows = [piece.angle * np.exp(-np.outer(lags(piece.rate, False), piece.s))]
+def lagged(piece: Piece, direction: int, rate: float) -> ComplexArray:
+    """Spectra of the angle, and of the velocity in one direction, at every lag; (k, half).
+
+    Pieces of one recording have a common `rate` [Hz] of lags.
+    """
+    rows = [piece.angle * np.exp(-np.outer(lags(rate, False), piece.s))]
     if direction:
         velocity, _ = piece.stretched(direction, 0.0)
-        rows.append(velocity * np.exp(-np.outer(lags(piece.rate, True), piece.s)))
+        rows.append(velocity * np.exp(-np.outer(lags(rate, True), piece.s)))
     return np.concatenate(rows)
 
 
 def free_noise(pieces: Sequence[Piece]) -> Noise:
     """Noise of the torque that no linear response to the movement explains, either direction."""
     noise = noise_of(pieces, [piece.bins(piece.torque) for piece in pieces])
+    rate = pieces[0].rate
     bins = {
-        d: [p.bins(np.concatenate([lagged(p, d), p.squared[None]])) for p in pieces]
+        d: [p.bins(np.concatenate([lagged(p, d, rate), p.squared[None]])) for p in pieces]
         for d in (1, -1)
     }
     own = [piece.bins(piece.torque) for piece in pieces]
@@ -63,7 +67,9 @@ def responses(pieces: Sequence[Piece], direction: int) -> tuple[FloatArray, Floa
 
     Intrinsic [Nm/rad per lag], shape (k,); reflex [Nm·s/rad per lag], empty without a direction.
     """
-    x = np.concatenate([_centred(p.signals(lagged(p, direction))) for p in pieces], axis=1)
+    x = np.concatenate(
+        [_centred(p.signals(lagged(p, direction, pieces[0].rate))) for p in pieces], axis=1
+    )
     y = np.concatenate([_centred(p.signals(p.torque)) for p in pieces])
     c = solved(x, y, _RIDGE)
     k = len(lags(pieces[0].rate, False))
@@ -76,7 +82,7 @@ def predicted(pieces: Sequence[Piece], fitted: Sequence[Piece], direction: int) 
     left = total = 0.0
     for p in pieces:
         y = _centred(p.signals(p.torque))
-        e = y - c @ _centred(p.signals(lagged(p, direction)))
+        e = y - c @ _centred(p.signals(lagged(p, direction, fitted[0].rate)))
         left, total = left + float(np.var(e)) * len(e), total + float(np.var(y)) * len(y)
     return 100.0 * (1.0 - left / total)
 

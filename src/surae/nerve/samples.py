@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.signal import welch
 
-from surae.errors import InputError
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
 from surae.nerve.piece import TOP, Piece
-from surae.units import FloatArray
 
 #: Least range of a movement [rad]: sensors' noise is below a tenth of a degree.
 STILL = 0.002
@@ -193,7 +193,7 @@ def _moving(samples: Samples) -> Samples:
     if one_sided:
         way = "dorsiflexion" if speeds[1] > -speeds[0] else "plantarflexion"
         notes.append(
-            f"The foot moves fast in {way} only: a reflex cannot be told from tissue; perturb "
+            f"The foot moves fast in {way} only: tissue and reflex look alike; perturb "
             "in both directions."
         )
     steps = np.abs(np.diff(angle))

@@ -27,6 +27,7 @@ def leaving_gaps() -> Iterator[None]:
     finally:
         GAPS.reset(token)
 
+
 #: Says where sample `index` is, in the terms of its source: "row 12", "sample 12".
 Position = Callable[[int], str]
 

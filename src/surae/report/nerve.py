@@ -2,7 +2,7 @@
 
 from datetime import datetime
 
-from surae.formatting import NO_NUMBER, percentage
+from surae.base.formatting import NO_NUMBER, percentage
 from surae.nerve import Impedance, Perturbed
 from surae.nerve.answer import measure_rows
 from surae.report import block

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from surae.base.units import FloatArray
 from surae.nerve import NerveMeasure, Perturbed
 from surae.report import figures
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED
-from surae.units import FloatArray
 
 
 def frequency_figure(recording: Perturbed) -> Figure:
@@ -37,7 +37,9 @@ def impulse_figure(recording: Perturbed) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=(1, 2))
     left.plot(1e3 * c.intrinsic_lag, _smooth(c.free_intrinsic), color=GREY, linewidth=1.6)
     figures.dress(left, "Tissue [Nm/rad/s]", "Lag [ms]")
-    right.plot(1e3 * c.lag, _smooth(c.free_reflex), color=GREY, linewidth=1.6, label="without equations")
+    right.plot(
+        1e3 * c.lag, _smooth(c.free_reflex), color=GREY, linewidth=1.6, label="without equations"
+    )
     if recording.reflex.verdict == "present":
         right.plot(1e3 * c.lag, c.reflex, color=RED, linewidth=1.1, label="its equation")
     right.axhline(0.0, color=MUTED, linewidth=0.6)

@@ -1,0 +1,179 @@
+"""`surae.impedance`: recovery, verdicts, measured ankles, and what is no perturbation."""
+
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+import surae
+from surae.base.errors import InputError
+from surae.recording import Recording
+
+TRUE = {"intrinsic_stiffness": 60.0, "inertia": 0.015, "reflex_gain": 6.0, "reflex_delay": 45.0}
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_reflex_is_found_with_its_direction_and_its_numbers(ankle, direction) -> None:
+    found = surae.impedance(ankle(branch=30.0, direction=direction).recording())
+    assert found.reflex.verdict == "present"
+    assert found.reflex.direction == {1: "dorsiflexion", -1: "plantarflexion"}[direction]
+    for name, true in (TRUE | {"intrinsic_viscosity": 0.8 + 30.0 * 0.02}).items():
+        low, high = found.measures[name].ci95
+        assert low < true < high
+        assert found.measures[name].value == pytest.approx(true, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_tissue_alone_is_no_reflex(ankle, seed) -> None:
+    found = surae.impedance(ankle(gain=0.0, branch=40.0, seconds=60.0).recording(seed))
+    assert found.reflex.verdict == "none seen"
+    assert found.measures["reflex_gain"].value is None
+    assert found.measures["reflex_share"].ci95[1] < 2.0
+    assert found.measures["intrinsic_stiffness"].value == pytest.approx(60.0, rel=0.05)
+
+
+def test_a_torque_of_the_other_sign_is_turned_and_that_is_said(ankle) -> None:
+    moved = ankle().moved()
+    plain = surae.impedance(Recording.from_arrays(**moved))
+    turned = surae.impedance(Recording.from_arrays(**moved | {"torque": -moved["torque"]}))
+    assert turned.measures == plain.measures
+    assert "sign was turned" in turned.recordings[0].notes[0]
+
+
+def test_half_a_recording_says_the_same(ankle) -> None:
+    moved = ankle(seconds=60.0).moved()
+    half = {name: values[: len(values) // 2] for name, values in moved.items()}
+    whole, part = (surae.impedance(Recording.from_arrays(**m)) for m in (moved, half))
+    for name in TRUE:
+        low, high = part.measures[name].ci95
+        assert low < whole.measures[name].value < high
+
+
+def test_what_has_no_numbers_is_left_out_and_counted(ankle, tmp_path) -> None:
+    moved = ankle(seconds=60.0).moved()
+    moved["torque"][10_000:11_000] = np.nan
+    path = tmp_path / "gap.csv"
+    rows = zip(*moved.values(), strict=True)
+    path.write_text(
+        "time_s,angle_rad,torque_Nm\n" + "".join(f"{a},{b},{c}\n" for a, b, c in rows), "utf-8"
+    )
+    found = surae.impedance(path)
+    assert any("Left out: 2 s without samples" in note for note in found.recordings[0].notes)
+    assert found.measures["intrinsic_stiffness"].value == pytest.approx(60.0, rel=0.05)
+    with pytest.raises(InputError, match="not a finite number"):
+        surae.read(path)
+
+
+def test_lost_contact_is_left_out(ankle) -> None:
+    moved = ankle(seconds=60.0, noise=0.05).moved()
+    moved["torque"][10_000:12_000] = 0.3
+    found = surae.impedance(Recording.from_arrays(**moved))
+    assert any("contact lost" in note for note in found.recordings[0].notes)
+    assert found.measures["intrinsic_stiffness"].value == pytest.approx(60.0, rel=0.05)
+
+
+def test_a_coarse_encoder_is_named(ankle) -> None:
+    moved = ankle().moved()
+    moved["angle"] = np.round(moved["angle"] / 0.003) * 0.003
+    notes = surae.impedance(Recording.from_arrays(**moved)).recordings[0].notes
+    assert any("finer encoder" in note for note in notes)
+
+
+def test_one_direction_alone_tells_no_reflex(ankle) -> None:
+    moved = ankle(gain=0.0).moved()
+    t = moved["time"]
+    moved["angle"] = 0.02 * np.minimum(
+        t % 0.8 / 0.03, 1.0 - np.clip(t % 0.8 - 0.03, 0.0, 1.0) / 0.77
+    )
+    moved["torque"] = 60.0 * moved["angle"] + 0.05 * np.random.default_rng(1).standard_normal(
+        len(t)
+    )
+    moved["torque"] += 0.5 * np.gradient(moved["angle"], t)
+    found = surae.impedance(Recording.from_arrays(**moved))
+    assert found.reflex.verdict == "cannot tell"
+    assert "one direction only" in found.reflex.reason
+
+
+def voluntary(moved):
+    t = moved["time"]
+    moved["angle"] = 0.3 * np.sin(2 * np.pi * 0.7 * t + np.sin(0.9 * t))
+    moved["torque"] = -10.0 * np.sin(2 * np.pi * 0.7 * t)
+
+
+def still(moved):
+    moved["angle"] = 0.1 + 1e-4 * np.sin(moved["time"])
+
+
+def slow(moved):
+    moved["angle"] = 0.02 * np.sin(2 * np.pi * 1.5 * moved["time"] + np.sin(moved["time"]))
+
+
+def saturated(moved):
+    moved["torque"] = np.clip(moved["torque"], 2.6, 3.4)
+
+
+def short(moved):
+    for name in moved:
+        moved[name] = moved[name][:5000]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (still, "does not move"),
+        (voluntary, "by will"),
+        (slow, "too little bandwidth"),
+        (saturated, "at its limit.*raise the range"),
+        (short, "record 60 s"),
+    ],
+)
+def test_what_is_no_perturbation_is_said_in_one_line(ankle, spoil, said) -> None:
+    moved = ankle().moved()
+    spoil(moved)
+    with pytest.raises(InputError, match=said) as caught:
+        surae.impedance(Recording.from_arrays(**moved))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_leg_that_drives_the_device_is_named(ankle) -> None:
+    moved = ankle(viscosity=-0.8, gain=0.0).moved()
+    with pytest.raises(InputError, match="voluntary"):
+        surae.impedance(Recording.from_arrays(**moved))
+
+
+def test_the_empty_device_leaves_the_foot(ankle) -> None:
+    empty = ankle(stiffness=0.0, viscosity=0.01, inertia=0.005, gain=0.0, noise=0.02).recording(2)
+    found = surae.impedance(ankle().recording(), empty=empty)
+    low, high = found.measures["inertia"].ci95
+    assert low < 0.010 < high
+    assert found.measures["inertia"].value == pytest.approx(0.010, rel=0.05)
+
+
+def test_several_recordings_stand_in_one_table(ankle, tmp_path) -> None:
+    each = [ankle(stiffness=k).recording(k) for k in (50, 70)]
+    found = surae.impedance(each)
+    low, high = found.measures["intrinsic_stiffness"].ci95
+    assert low <= found.recordings[0].measures["intrinsic_stiffness"].value <= high
+    assert pickle.loads(pickle.dumps(found)) == found
+    found.save(tmp_path / "I.json")
+    plain = json.loads((tmp_path / "I.json").read_text("utf-8"))
+    assert plain["measures"]["reflex_share"]["ci95"][0] > 0.0
+    assert {"path", "vaf", "vaf_held_out", "vaf_held_out_intrinsic"} <= set(plain["recordings"][0])
+
+
+MEASURED = [("plantarflexing", 88.0), ("dorsiflexing", 94.0), ("dorsiflexing_stronger", 93.0)]
+
+
+@pytest.mark.parametrize(("name", "least"), MEASURED)
+def test_measured_ankles_show_a_reflex_to_dorsiflexion(shared, name, least) -> None:
+    found = surae.impedance(shared / "perturbed" / f"{name}.csv")
+    recording = found.recordings[0]
+    assert (found.reflex.verdict, found.reflex.direction) == ("present", "dorsiflexion")
+    assert recording.vaf_held_out > least
+    assert recording.vaf_held_out > recording.vaf_held_out_other + 5.0
+    (a, *_), (b, *_) = recording.stationarity.halves
+    assert a == pytest.approx(b, rel=0.15)
+    low, high = found.measures["intrinsic_stiffness"].ci95
+    for value, *_ in recording.structures.values():
+        assert low <= value <= high
