@@ -1,8 +1,9 @@
 """How much is nerve: tissue and reflex of an ankle, from perturbations and from stretches."""
 
 from surae.nerve.answer import Impedance, joined
-from surae.nerve.impedance import NerveMeasure, Perturbed, Reflex, inertia_of_empty, perturbed
+from surae.nerve.impedance import NerveMeasure, Perturbed, ReflexPath, inertia_of_empty, perturbed
 
 __all__ = [
-    "Impedance", "NerveMeasure", "Perturbed", "Reflex", "inertia_of_empty", "joined", "perturbed",
+    "Impedance", "NerveMeasure", "Perturbed", "ReflexPath", "inertia_of_empty", "joined",
+    "perturbed",
 ]  # fmt: skip

@@ -11,7 +11,7 @@ from surae.base.frozen import FrozenDict
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.nerve.identify import Number
-from surae.nerve.impedance import MEASURES, NerveMeasure, Perturbed, Reflex, number_of
+from surae.nerve.impedance import MEASURES, NerveMeasure, Perturbed, ReflexPath, number_of
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -19,7 +19,7 @@ class Impedance(Tabular, Saved):
     """What small random perturbations say of one leg's ankle."""
 
     recordings: tuple[Perturbed, ...]  #: In the order in which they were given.
-    reflex: Reflex  #: Of all recordings together.
+    reflex: ReflexPath  #: Of all recordings together.
     #: Of the only recording, or means over several, their differences in the intervals.
     measures: FrozenDict[str, NerveMeasure]
 
@@ -103,15 +103,15 @@ def _mean(name: str, measures: Sequence[NerveMeasure]) -> NerveMeasure:
     return number_of(name, Number(value, low, high), note)
 
 
-def _together(each: Sequence[Reflex]) -> Reflex:
+def _together(each: Sequence[ReflexPath]) -> ReflexPath:
     """One verdict on several recordings: present in one is present, if no other contradicts."""
     present = [reflex for reflex in each if reflex.verdict == "present"]
     ways = {reflex.direction for reflex in present}
     if len(ways) > 1:
-        return Reflex("cannot tell", None, "recordings show reflexes to opposite directions")
+        return ReflexPath("cannot tell", None, "recordings show reflexes to opposite directions")
     if present:
         some = f"in {len(present)} of {len(each)} recordings {present[0].reason}"
-        return Reflex("present", present[0].direction, some)
+        return ReflexPath("present", present[0].direction, some)
     none = all(reflex.verdict == "none seen" for reflex in each)
     worst = next((r for r in each if r.verdict == "cannot tell"), each[0])
-    return Reflex("none seen", None, f"in all recordings {worst.reason}") if none else worst
+    return ReflexPath("none seen", None, f"in all recordings {worst.reason}") if none else worst

@@ -140,7 +140,7 @@ def _floor_bias(problem: Problem, fitted: Fitted, floor: float) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class Identified:
+class Cascade:
     """What one recording says of both paths."""
 
     fitted: Fitted  #: The structure that describes it best, and its values.
@@ -161,7 +161,7 @@ class Identified:
 def identify(
     pieces: Sequence[Piece], halves: Sequence[Sequence[Piece]], floor: float,
     judge: Callable[[int, Weighed, Number, Fitted, tuple[float, float]], bool],
-) -> Identified:  # fmt: skip
+) -> Cascade:  # fmt: skip
     """Estimate everything; `judge` says whether a reflex is present."""
     free = Problem(pieces, free_noise(pieces))
     fits: dict[tuple[Structure, int], Fitted] = {}
@@ -230,7 +230,7 @@ def identify(
         mine = Problem(own, noise)
         again = mine.fit(replace(chosen.structure, threshold=False), {**fold[direction].values})
         in_halves.append(Judged(mine, again).number("", INTRINSIC["intrinsic_stiffness"]))
-    return Identified(
+    return Cascade(
         chosen, noise, numbers, structures, weighed, direction, its_share, unseen,
         (in_halves[0], in_halves[1]), parts, float(z), bool(scattered), float(misfit),
     )  # fmt: skip

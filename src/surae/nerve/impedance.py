@@ -17,7 +17,7 @@ from surae.nerve.identify import (
     INTRINSIC,
     MISFIT,
     PLAIN,
-    Identified,
+    Cascade,
     Judged,
     Number,
     identify,
@@ -60,7 +60,7 @@ class NerveMeasure:
 
 
 @dataclass(frozen=True, slots=True)
-class Reflex:
+class ReflexPath:
     """Whether a reflex is there, which stretch it answers, and why this is said."""
 
     verdict: ReflexVerdict
@@ -114,7 +114,7 @@ class Perturbed(Comparable):
     vaf_held_out: float
     vaf_held_out_intrinsic: float  #: The same with the intrinsic path alone.
     vaf_held_out_other: float  #: The same with a reflex the other way round.
-    reflex: Reflex  #: Whether there is one.
+    reflex: ReflexPath  #: Whether there is one.
     measures: FrozenDict[str, NerveMeasure]  #: By the names of `MEASURES`.
     structures: FrozenDict[str, tuple[float, float, float]]  #: Stiffness of each: value, interval.
     stationarity: Stationarity  #: Of the stiffness.
@@ -138,21 +138,21 @@ def number_of(
 
 
 def judged(found: Weighed, share: Number, fitted: Fitted, direction: int, samples: Samples,
-           unseen: tuple[float, float]) -> Reflex:  # fmt: skip
+           unseen: tuple[float, float]) -> ReflexPath:  # fmt: skip
     """The verdict on a reflex, by what it predicts: never by its size alone."""
     word = DIRECTIONS[direction]
     if samples.one_sided:
-        return Reflex("cannot tell", None, "the foot moved fast in one direction only")
+        return ReflexPath("cannot tell", None, "the foot moved fast in one direction only")
     bounds = {"delay", "threshold"} & set(fitted.at_bound)
     at_bound = {n for n in bounds if n == "delay" or fitted.values["threshold"] > 0.5}
     better = found.over_none > OVER_NONE and found.over_other > OVER_OTHER and found.nats > NATS
     if better and share.value >= LEAST_SHARE and not at_bound:
-        return Reflex("present", word, (  # type: ignore[arg-type]
+        return ReflexPath("present", word, (  # type: ignore[arg-type]
             f"a reflex to {word} predicts torque that was not fitted better than none (z = "
             f"{found.over_none:.1f}) and than the other direction (z = {found.over_other:.1f})"
         ))  # fmt: skip
     if unseen[0] < NONE_SEEN and not better:
-        return Reflex(
+        return ReflexPath(
             "none seen", None, f"a reflex makes at most {unseen[0]:.2g} % of the torque’s variance"
         )
     if better:
@@ -161,8 +161,8 @@ def judged(found: Weighed, share: Number, fitted: Fitted, direction: int, sample
             if share.value < LEAST_SHARE
             else f"its {min(at_bound)} lies at the end of its range"
         )
-        return Reflex("cannot tell", None, f"something answers stretch to {word}, but {why}")
-    return Reflex("cannot tell", None, (
+        return ReflexPath("cannot tell", None, f"something answers stretch to {word}, but {why}")
+    return ReflexPath("cannot tell", None, (
         f"neither direction predicts torque that was not fitted better (z = {found.over_none:.1f} "
         f"over none, {found.over_other:.1f} over the other), and up to {unseen[0]:.2g} % of the "
         "variance may be a reflex’s"
@@ -179,7 +179,7 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
     """
     samples, pieces = turned(samples_of(recording))
     halves = samples.halves()
-    said: list[Reflex] = []
+    said: list[ReflexPath] = []
 
     def judge(
         direction: int, weighed: Weighed, share: Number, fitted: Fitted, unseen: tuple[float, float]
@@ -268,7 +268,7 @@ def _without(whole: NerveMeasure, empty: NerveMeasure | None) -> NerveMeasure:
     return number_of("inertia", Number(value, value - half, value + half), note)
 
 
-def _stationarity(found: Identified) -> Stationarity:
+def _stationarity(found: Cascade) -> Stationarity:
     a, b = found.halves
     apart = abs(a.value - b.value) > np.hypot(a.high - a.low, b.high - b.low)
     verdict: Literal["steady", "changes"] = (
@@ -278,7 +278,7 @@ def _stationarity(found: Identified) -> Stationarity:
     return Stationarity(verdict, halves, tuple(map(tuple, found.parts.tolist())), found.trend)
 
 
-def _curves(pieces: Sequence[Piece], found: Identified, direction: int) -> Curves:
+def _curves(pieces: Sequence[Piece], found: Cascade, direction: int) -> Curves:
     """Frequency and impulse responses of the longest piece, with those of the equations."""
     from scipy.signal import csd, welch
 
