@@ -41,18 +41,16 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as temporary:
         folder = given.output or Path(temporary) / "answers"
         folder.mkdir(parents=True, exist_ok=True)
-        for family in given.families.split(","):
-            estimate = surae.stretches if family.startswith("s") else surae.impedance
-            for seed in given.seeds:
+        for seed in given.seeds:
+            for family in given.families.split(","):
+                estimate = surae.stretches if family.startswith("s") else surae.impedance
                 paths, begin = make(family, seed, Path(temporary)), time.process_time()
                 try:
                     estimate(paths).save(folder / f"{family}-{seed}.json")
                 except surae.SuraeError as error:
                     failed.append(f"{family}-{seed}: {error}")
                 spent.append(time.process_time() - begin)
-                print(
-                    f"{family}-{seed}: {spent[-1]:.1f} s of processor", file=sys.stderr, flush=True
-                )
+                print(f"{family}-{seed}: {spent[-1]:.1f} s", file=sys.stderr, flush=True)
                 for path in paths:
                     path.unlink()
         print(score(folder))
