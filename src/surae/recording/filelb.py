@@ -44,7 +44,9 @@ class _Case:
     def channel(self, data: bytes, index: int) -> FloatArray:
         """The samples of a channel."""
         at = self.begin + index * self.samples * self.format
-        return np.frombuffer(data, _FORMATS[self.format], self.samples, at).astype(np.float64)
+        raw = np.frombuffer(data, _FORMATS[self.format], self.samples, at)
+        with np.errstate(invalid="ignore"):
+            return raw.astype(np.float64)
 
 
 def recognises(source: Source) -> bool:

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.frozen import as_read_only, freeze
@@ -111,11 +112,11 @@ class Description:
         if trial in self.toml.get("trials", ()):
             where += f": trials.{shown(str(trial))}"
             table |= self._merged(self.toml["trials"][trial], where)
-        for key in ("name", "date"):
+        for key in ("name", "date", "condition", "notes"):
             if isinstance(table.get(key), datetime.date):  # which TOML writes without quotes
                 table[key] = table[key].isoformat()
             elif isinstance(table.get(key), str):
-                table[key] = " ".join(table[key].split()) or None
+                table[key] = " ".join(cleaned(table[key]).split()) or None
         try:
             return from_plain(MappedRecording, table)
         except InputError as error:

@@ -175,11 +175,11 @@ def _matlab73(data: bytes) -> Mapping[str, Any]:
     import h5py
 
     with h5py.File(io.BytesIO(data), "r") as file:
-        return _group(file, [_MOST_VARIABLES], 0)
+        return _group(file, [_MOST_VARIABLES], 0, set())
 
 
-def _group(group: Any, remaining: list[int], depth: int) -> dict[str, Any]:
-    """Variables of a file or structure, not those that are links to somewhere else."""
+def _group(group: Any, remaining: list[int], depth: int, seen: set[int]) -> dict[str, Any]:
+    """Variables of a file or structure, each once, not those that are links to somewhere else."""
     import h5py
 
     variables: dict[str, Any] = {}
@@ -188,8 +188,11 @@ def _group(group: Any, remaining: list[int], depth: int) -> dict[str, Any]:
         if remaining[0] < 0:
             raise ValueError(f"more than {_MOST_VARIABLES} variables")
         item = member(group, name)
+        if item is None or (place := h5py.h5o.get_info(item.id).addr) in seen:
+            continue
+        seen.add(place)
         if isinstance(item, h5py.Group) and depth < _DEEPEST and not name.startswith("#"):
-            variables[name] = _group(item, remaining, depth + 1)
+            variables[name] = _group(item, remaining, depth + 1, seen)
         elif isinstance(item, h5py.Dataset) and "MATLAB_empty" not in item.attrs:
             variables[name] = _dataset(item)
             for key in list(item.attrs)[:_MOST_ATTRIBUTES]:
