@@ -67,6 +67,9 @@ _NEARLY_NONE = {"gain": 1e-3, "drift": 1e-2, "misfit": 1e-3}
 _ROUNDS, _AT_REST = 5, 0.1
 #: What is to be gained in −2 ln p where a search ends.
 _ENDS = 0.01
+#: Rounds of a search's end at most, and the part of a standard deviation, of the noise and of the
+#: sizes by which nothing moves any more where it rests.
+_LAST, _RESTS = 8, 0.02
 #: Slow residual under effort over that at rest from which errors of the drive are sought, and their
 #: standard deviations that are tried.
 _LOUDER, _ERRORS = 1.6, (0.06, 0.11, 0.15, 0.21)
@@ -110,6 +113,8 @@ def resumed(result: FitResult) -> tuple[LogPosterior, Point]:
     assert family is not None
     with one_blas_thread():
         search = _Search(result.problem, None)
+        if family.sizes["gain"] == _NEARLY_NONE["gain"]:
+            search._hold()
         post = search._posterior(family.candidates[0].groups, _RATES[1], family.noise, family.sizes)
         if len(family.films) != sum(len(own.films) for own in post.latents):
             raise InputError("this fit kept no noise of its films: fit again")
@@ -118,7 +123,7 @@ def resumed(result: FitResult) -> tuple[LogPosterior, Point]:
             replace(own, films=tuple([replace(film, noise=next(noise)) for film in own.films]))
             for own in post.latents
         )
-        fast = None if search._perfect else family.sizes["drive"]
+        fast = None if search._perfect else family.sizes.get("drive")
         post = post.having(latents=latents, fast=fast)
         z = post.start(result.values)
         for j, name in enumerate(post.own):
@@ -159,6 +164,7 @@ class _Search:
             self._options = replace(self._options, emg_ref=emg_levels(problem.inputs))
         self._weights = _weights(problem)
         self._perfect = problem.settings.nuisances == NONE
+        self._moved = 0.0  #: How far the last round of the search went, in standard deviations.
         self._thinned: dict[float, tuple[ModelInputs, ...]] = {}
         if problem.has_unheard:  # what such muscles do would pass for noise of the others' EMG
             self._forget_noise()
@@ -177,13 +183,17 @@ class _Search:
         share = self._followed(chosen[:2])
         if share < most - _LESS:
             # latents have taken what parameters can follow: without them, and from where these do
-            self._still = True
-            self._forget_noise()
+            self._hold()
             again = self._choose(simplest, noise)
             self._stage("again, from the simplest member", 2, again[1].cost)
             if (other := self._followed(again[:2])) > share:
                 chosen, share = again, other
         result = summed(*chosen, self._inputs, self._original, self._met, self._stages)
+        if self._moved >= _RESTS:
+            more = (
+                f"; it has not come to rest: the last round still moved {self._moved:.2g} standard"
+            )
+            result = replace(result, message=f"{result.message}{more} deviations")
         if share >= most - _LESS or result.status == "failed":
             return result
         message = (
@@ -192,6 +202,11 @@ class _Search:
             "or give other start values"
         )
         return replace(result, status="failed", message=message)
+
+    def _hold(self) -> None:
+        """Search on with parameters alone: nothing differs from moment to moment."""
+        self._still = True
+        self._forget_noise()
 
     def _forget_noise(self) -> None:
         """Search on as if nothing were known of the noise of envelopes."""
@@ -341,7 +356,7 @@ class _Search:
 
     def _learnt(
         self, post: LogPosterior, point: Point, rounds: int, *, white: bool = False,
-        evaluations: int = 10,
+        evaluations: int = 10, tolerance: float = 0.1,
     ) -> tuple[LogPosterior, Point]:  # fmt: skip
         """Noise and sizes of the latents in turn with the mode, until it rests."""
         for _ in range(rounds):
@@ -351,7 +366,9 @@ class _Search:
                 sizes = {s: min(learnt[s], _MOST[s]) for s in SOURCES}
             noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
             post = post.having(noise=noise, sizes=sizes, latents=latents)
-            moved = post.descend(point.z, point.c, point.w, evaluations=evaluations, tolerance=0.1)
+            moved = post.descend(
+                point.z, point.c, point.w, evaluations=evaluations, tolerance=tolerance
+            )
             sd = np.sqrt(np.diag(post.covariance(moved)))
             if np.all(np.abs(moved.z - point.z) < _AT_REST * sd):
                 return post, moved
@@ -398,8 +415,27 @@ class _Search:
         own, best = self._learnt(own, best, 2 if own.fast else _ROUNDS)
         if own.fast is None and not self._perfect:
             own, best = self._with_drive_errors(own, best, ())
-        best = own.descend(best.z, best.c, best.w, evaluations=10, tolerance=_ENDS)
+        own, best = self._rested(own, best)
         return own, best, scored, full.names
+
+    def _rested(self, own: LogPosterior, best: Point) -> _Stage:
+        """The fixed point of noise, sizes and mode."""
+        for _ in range(_LAST):
+            before, at, sd = own, best, np.sqrt(np.diag(own.covariance(best)))
+            own, best = self._learnt(own, best, 1, evaluations=20, tolerance=_ENDS)
+            self._moved = max(
+                float(np.max(np.abs(best.z - at.z) / sd)),
+                *(abs(np.log(own.sizes[s] / before.sizes[s])) for s in SOURCES),
+                *(
+                    0.5 * abs(np.log(new.variance / old.variance))
+                    for new, old in zip(own.noise, before.noise, strict=True)
+                ),
+            )
+            if best.rested and self._moved < _RESTS:
+                break
+        else:
+            self._moved = max(self._moved, _RESTS)
+        return own, best
 
     def _with_drive_errors(
         self, own: LogPosterior, point: Point, sizes: Sequence[float]

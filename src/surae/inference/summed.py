@@ -89,7 +89,7 @@ def summed(
             each=FrozenDict(zip(post.own, map(tuple, post.each(point.z).T.tolist()), strict=True)),
             covariance=read_only(covariance),
             spread=FrozenDict(spread),
-            sizes=FrozenDict({**post.sizes, "drive": post.fast or 0.0}),
+            sizes=FrozenDict(post.sizes | ({} if post.fast is None else {"drive": post.fast})),
             population=FrozenDict({n: post.priors[n] for n in post.names if not group_of(n)}),
             recordings=_each(post, point, change) if len(inputs) > 1 else (),
             stages=tuple(stages),

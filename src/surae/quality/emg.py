@@ -22,6 +22,11 @@ CLIPPED_SAMPLES = 5
 #: A plateau holds more samples than the next hundredth of the range below it; where nothing is
 #: clipped, the numbers fall outwards.
 CLIPPED_EXCESS = 1.0
+#: Power of EMG in the last eighth below half the sampling rate over that below it, from 40 Hz on:
+#: small where EMG was filtered before it was sampled, about one where it was not.
+FOLDED, _NYQUIST_PART, _EMG_HZ = 0.65, 0.875, 40.0
+#: Length of the pieces of which the spectrum is taken [s], and the fewest that tell it.
+_PIECE_S, _PIECES = 0.25, 16
 #: Offset of raw EMG as a part of its standard deviation; the mean of clean EMG is below 0.01.
 OFFSET = 0.15
 #: Level of an envelope at rest as a part of its highest; clean ones, crosstalk included, stay
@@ -148,6 +153,31 @@ def clipped(trial: CheckedTrial) -> Iterator[Finding]:
                 severity="warning" if share < 1e-3 else "error",
             )  # fmt: skip
             break
+
+
+def aliased(trial: CheckedTrial) -> Iterator[Finding]:
+    """Raw EMG whose power does not fall towards half the sampling rate: the rest has folded."""
+    if trial.emg_kind != "raw":
+        return
+    for muscle, channel in trial.varying.items():
+        size = round(_PIECE_S * channel.rate_hz)
+        pieces = channel.values[: len(channel.values) // size * size].reshape(-1, size)
+        if len(pieces) < _PIECES:
+            continue
+        power = np.abs(np.fft.rfft((pieces - pieces.mean(axis=1)[:, None]) * np.hanning(size))) ** 2
+        strong = np.argsort(power.sum(axis=1))
+        quarter = len(pieces) // 4
+        # of efforts alone: an amplifier's own noise is as loud at all frequencies
+        own = power[strong[-quarter:]].mean(axis=0) - power[strong[:quarter]].mean(axis=0)
+        at = np.fft.rfftfreq(size) * channel.rate_hz
+        near = at > _NYQUIST_PART * 0.5 * channel.rate_hz
+        ratio = float(own[near].mean() / max(own[(at > _EMG_HZ) & ~near].mean(), 1e-300))
+        if ratio > FOLDED:
+            yield make_finding(
+                "emg-aliased", channel.role, span_of(channel.time), ratio,
+                f"The EMG of the {MUSCLE_NAMES[muscle]} is as strong at half its sampling rate, "
+                f"{0.5 * channel.rate_hz:.4g} Hz, as below: what is faster has folded into it.",
+            )  # fmt: skip
 
 
 def offset(trial: CheckedTrial) -> Iterator[Finding]:

@@ -143,6 +143,9 @@ _KINDS = (
     FindingKind("emg-clipped", "EMG at the amplifier’s limit",
         "Lower the amplifier's gain and record again; efforts beyond that level are "
         "underestimated."),
+    FindingKind("emg-aliased", "EMG sampled without a filter before",
+        "Sample at 1000 Hz or more, or filter below half the rate before; sizes hold, but hum and "
+        "artefacts can fold to where no filter finds them, and fewer values are identified."),
     FindingKind("emg-offset", "EMG that does not rest at zero",
         "Take the offset away in the mapping; rest the muscle for an envelope.", unit="V"),
     FindingKind("emg-artefact", "spikes and swings of cables and skin",

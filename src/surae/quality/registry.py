@@ -32,6 +32,7 @@ CHECKS: tuple[Check, ...] = (
     Check(("emg-missing",), emg.missing),
     Check(("emg-flat",), emg.flat),
     Check(("emg-clipped",), emg.clipped),
+    Check(("emg-aliased",), emg.aliased),
     Check(("emg-offset",), emg.offset),
     Check(("emg-artefact",), emg.artefact),
     Check(("mains-hum",), mains.hum),
