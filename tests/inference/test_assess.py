@@ -35,7 +35,7 @@ def test_every_parameter_of_an_ordinary_fit(fitted):
         assert p.free
         assert not p.at_bound
         half = half_width(p.sem, found.covariance.dof)
-        assert p.ci95 == (p.value - half, p.value + half)
+        assert p.ci95 == pytest.approx((p.value - half, p.value + half), rel=1e-12)
         assert p.lower < p.value < p.upper
         relative = half / p.value
         expected, words = (

@@ -274,7 +274,7 @@ _SOURCES = (
             own=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}))),
     UncertaintySource(
         "angle_zero", "zero of the angle", "how far the angle’s zero is from the ankle’s own",
-        N_("Strap the foot tighter, or measure the angle at the ankle."), Fill("ink", "\\"),
+        N_("Strap the foot tighter, or measure the angle at the ankle."), Fill("measured", "/"),
         # half of it another mounting by the same hands has anew; assumed
         again=(0.0, 0.25)),
     UncertaintySource(
