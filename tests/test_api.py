@@ -89,7 +89,7 @@ def test_the_contract_s_example(fit):
 
 
 def test_an_unknown_option_lists_the_known_ones(inputs, fit):
-    message = r"unknown option 'geometri'; known options: geometry, tendon_strain"
+    message = r"unknown option 'geometri' \(did you mean 'geometry'\?\); known options: geometry, "
     with pytest.raises(InputError, match=message):
         surae.fit(inputs, "muscle", geometri="thesis")
     with pytest.raises(InputError, match=message):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from surae.base import names
 from surae.base.errors import InputError
 from surae.base.filed import filed
-from surae.base.formatting import listed
+from surae.base.formatting import listed, nearest
 from surae.base.frozen import FrozenDict
 from surae.base.setting import checked, documented, kind_of, setting, settings_of
 from surae.model.options import ModelOptions, with_files
@@ -217,7 +217,8 @@ class FitSettings:
         for name in given:
             if name not in known:
                 others = ", ".join((*_OPTIONS, *known))
-                raise InputError(f"unknown option {name!r}; known options: {others}")
+                near = nearest(name, (*_OPTIONS, *known))
+                raise InputError(f"unknown option {name!r}{near}; known options: {others}")
         return replace(base, **given, options=replace(options, **switches))
 
     @property

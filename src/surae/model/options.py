@@ -11,6 +11,7 @@ from typing import Any
 
 from surae.base.errors import InputError
 from surae.base.filed import filed
+from surae.base.formatting import nearest
 from surae.base.names import CHOICES
 from surae.base.setting import Request, documented, setting
 from surae.model.geometry_table import GeometryTable
@@ -121,7 +122,10 @@ class ModelOptions(Request):
         known = [field.name for field in fields(cls)]
         for name in given:
             if name not in known:
-                raise InputError(f"unknown option {name!r}; known options: {', '.join(known)}")
+                near = nearest(name, known)
+                raise InputError(
+                    f"unknown option {name!r}{near}; known options: {', '.join(known)}"
+                )
         return cls(**with_files(given))
 
     @property
