@@ -84,19 +84,29 @@ def test_trials_differ_by_what_their_pulls_exceed() -> None:
     np.testing.assert_allclose(np.sum(rows**2, axis=0), [12.0, 0.0])
 
 
+def bandwidth(values: dict[str, float]) -> float:
+    f0, b = values["f0"], 1.0 - 2.0 * values["beta"] ** 2
+    return float(f0 * np.sqrt(b + np.sqrt(b**2 + 1.0)))
+
+
 def test_another_activation_filter_takes_the_other_values_along() -> None:
-    def shifts(*, unheard=False, fast=0.0, names=("f0", "k_tri", "beta"), has_unheard=False):
+    def shifts(*, unheard=False, names=("f0", "k_tri", "beta"), has_unheard=False):
         problem = SimpleNamespace(has_unheard=has_unheard)
-        return dynamics(
-            SimpleNamespace(names=names, fast=fast, problem=problem), V, unheard=unheard
-        )
+        return dynamics(SimpleNamespace(names=names, problem=problem), V, 1.1, unheard=unheard)
 
     order = shifts()
     np.testing.assert_allclose(order[0] / order[0, 0], V[0] / V[0, 0])
     np.testing.assert_allclose(order[1] / order[1, 2], V[2] / V[2, 2])
     assert order[0, 0] == order[1, 2] > 0.0
     released = shifts(names=("f0", "release", "beta"))[0, 0]
-    assert order[0, 0] < shifts(fast=0.1)[0, 0] < released <= shifts(unheard=True)[0, 0]
+    assert order[0, 0] < released <= shifts(unheard=True)[0, 0]
+    # of the bandwidth's logarithm as much, whatever f0 and β do together
+    moved, h = order[2], 1e-6
+    told = [
+        np.log(bandwidth({"f0": 2.0 * np.exp(s * moved[0]), "beta": 1.1 * np.exp(s * moved[2])}))
+        for s in (-h, h)
+    ]
+    assert (told[1] - told[0]) / (2.0 * h) == pytest.approx(order[0, 0], rel=1e-6)
     again = shifts(names=("f0", "release", "beta"), has_unheard=True)
     assert again[0, 0] == order[0, 0]  # what no electrode hears is not counted twice
     assert shifts(names=("m", "k_tri", "l0_tri")).shape == (0, 3)

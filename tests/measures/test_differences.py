@@ -71,6 +71,15 @@ def test_stiffness_over_ranges_that_hardly_overlap_is_not_compared() -> None:
     assert "overlap" in told.note
 
 
+def test_the_tibialis_tendon_is_held_to_more() -> None:
+    """By chance it differs more between trials of one leg than any other value."""
+    names = ("tendon_strain_tib@100N", "dlt_tib", "tendon_strain_tri@500N")
+    told = compare_sessions(side(dict.fromkeys(names, 10.0)), side(dict.fromkeys(names, 15.0)))
+    own, also, calf = (told.measures[name] for name in names)
+    wide = [d.ci95[1] - d.ci95[0] for d in (own, also, calf)]
+    assert wide[0] == wide[1] == pytest.approx(wide[2] * 2.0 / 1.2)
+
+
 def test_between_two_legs_nothing_cancels() -> None:
     one, other = side(many(), total=5.0), side({**many(), LEADING: 16.0}, total=5.0)
     assert compare_sessions(one, other).measures[LEADING].verdict is ChangeVerdict.CHANGED

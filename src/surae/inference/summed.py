@@ -47,9 +47,10 @@ def summed(
     blocks, V = point.blocks, post.covariance(point)
     shifts = shifts_by_source(post, blocks, V)
     departures = between_subsets(scored, names, post, V)
-    shifts["model"] = np.concatenate([departures, dynamics(post, V, unheard=False)])
+    beta = post.by_name(point.z).get("beta", 1.0)
+    shifts["model"] = np.concatenate([departures, dynamics(post, V, beta, unheard=False)])
     if original.has_unheard:
-        shifts["unheard"] = dynamics(post, V, unheard=True)
+        shifts["unheard"] = dynamics(post, V, beta, unheard=True)
     shifts["trials"] = between_trials(blocks, V)
     problem = replace(post.problem, inputs=inputs)
     change = _natural(post, point)
