@@ -124,6 +124,8 @@ class _Run:
                 self._step(trial.name, self.failed[trial.name])
             elif trial.use != "fit":
                 self._step(trial.name, f"not fitted: {trial.why}")
+            elif not trial.moves:
+                self._step(trial.name, "fitted with the other holds")
             else:
                 name = trial.name
                 fit, outcome = self._fit_or_saved(name, fit_name(name), (name,))
@@ -135,13 +137,19 @@ class _Run:
 
     def together(self, beside: "_Beside | None") -> None:
         """Fit all trials together that were fitted and have no error."""
-        for name in self.fits:
+        candidates = [
+            name
+            for name in self.session.fitted
+            if name in self.fits or (name in self.inputs and not self.session[name].moves)
+        ]
+        for name in candidates:
             if (finding := self._wrong(name)) is not None:
                 self.failed[name] = f"not in the joint fit: {finding.code}: {finding.message}"
         names = tuple(
             name
-            for name, fit in self.fits.items()
-            if self._wrong(name) is None and fit.status != "failed"
+            for name in candidates
+            if self._wrong(name) is None
+            and (name not in self.fits or self.fits[name].status != "failed")
         )
         if len(names) < 2:
             self.failed["joint"] = "a joint fit needs two trials that can be fitted"
@@ -185,8 +193,10 @@ class _Run:
         )  # fmt: skip
 
     def _wrong(self, name: str) -> Finding | None:
-        """The first finding of a trial that is an error."""
-        return next((f for f in self.quality[name].findings if f.severity == "error"), None)
+        """The first finding of a trial that is an error, and new."""
+        known = _known(self.session[name])
+        errors = (f for f in self.quality[name].findings if f.severity == "error")
+        return next((f for f in errors if f.code not in known), None)
 
     def _of(self, names: Sequence[str]) -> tuple[tuple[ModelInputs, ...], tuple[Quality, ...]]:
         return tuple(self.inputs[n] for n in names), tuple(self.quality[n] for n in names)

@@ -135,7 +135,8 @@ def session(
     name, side, date, condition, notes : str, optional
         Of the session, in place of what the mapping says.
     efforts : mapping of str to str, optional
-        Of trials: ``"passive"``, ``"active"`` or ``"maximal"``, where the data say otherwise.
+        Of trials: ``"passive"``, ``"active"``, ``"isometric"`` or ``"maximal"``, where the data say
+        otherwise.
     sign, scale, offset, swap, wrap : optional
         What is to be put right in all trials, as of `surae.read`.
 

@@ -157,7 +157,7 @@ def make_problem(
     if not inputs:
         raise InputError("nothing to fit: give at least one recording")
     for recording in inputs:
-        check_estimable(recording)
+        check_estimable(recording, alone=len(inputs) == 1)
         _check_weight(recording)
         _check_prescribed(recording, spec)
     absent = {spec.weights[channel]: 0.0 for channel in options.anatomy.silent}

@@ -1,6 +1,7 @@
 """What the muscles do: at rest where they should be, active where they should be."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,6 +26,9 @@ VARIES = 3.0
 MISSED = 0.3
 #: Stillness after the first effort that is no pause: so long [s], and this share of what is left.
 STILL_SECONDS, STILL_SHARE = 5.0, 0.3
+#: What angle alone leaves of the torque [Nm] of a leg at rest: less than 2 in measured and virtual
+#: passive trials.
+PASSIVE_LEFT = 4.0
 #: Both sides count as active above this part of their largest activity...
 TOGETHER = 0.25
 #: ...and so for more than this share of the time in which either is.
@@ -75,6 +79,16 @@ def active_part(trial: CheckedTrial) -> Iterator[Finding]:
     for muscle, envelope in trial.slow.items():
         top, rest = quantiles(envelope, 0.98, 0.05)
         idle[muscle] = top < _rest(trial.emg[muscle].unit) or top < VARIES * rest
+    if all(idle.values()) and trial.model is not None:
+        left = float(np.std(trial.model.unexplained))
+        if left > PASSIVE_LEFT and trial.torque is not None:
+            top = float(np.abs(trial.torque).max())
+            text = f"The EMG of no muscle shows effort, but the torque reaches {top:.2g} Nm and "
+            text += f"{left:.2g} Nm of it (root mean square) are no passive leg's."
+            advice = "This is no passive trial: see whether the amplifier was on, its gain set and "
+            advice += "the electrodes connected, and record again."
+            yield replace(_never(trial, None, tuple(idle), text, advice), severity="error")
+            return
     if all(idle.values()):
         yield _never(
             trial, None, tuple(idle), "No muscle is active at any time.",

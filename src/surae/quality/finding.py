@@ -212,6 +212,12 @@ _KINDS = (
         "Write sign = -1 for the angle in the TOML.", "error"),
     FindingKind("electrodes-swapped", "electrodes of two muscles that were exchanged, by the same",
         'Write swap = ["ta", "sol"] in the TOML, with the two that it says.', "error"),
+    FindingKind("torque-drift", "a torque whose zero drifts through the trial",
+        "Let the sensor warm up, set it to zero and record again; a fit of a part of the trial "
+        "(--exclude) is less wrong.", unit="Nm"),
+    FindingKind("emg-gain", "EMG whose gain changes within the trial",
+        "Look at the electrodes and at the amplifier's gain, and record again; a fit of a part of "
+        "the trial (--exclude) is less wrong."),
     FindingKind("angle-still", "a static hold",
         "Record a trial that moves: one hold can’t show stiffness, lengths or relaxation.",
         "error", "rad"),

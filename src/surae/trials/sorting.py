@@ -1,9 +1,10 @@
 """What each trial of a session is, decided from its signals and from the other trials.
 
 A trial moves, or holds still: a hold cannot show stiffness and lengths, and is never fitted by
-itself. It is passive where the EMG of every muscle stays near what it is at rest, active where
-not, and maximal where its description says so or, of a hold, where a muscle works harder than in
-any trial that moves. The reason is reported, and a description overrules it.
+itself; holds with effort at several angles are an isometric set, which is fitted together. A trial
+is passive where the EMG of every muscle stays near what it is at rest, active where not, and
+maximal where its description says so or, of a hold, where a muscle works harder than in any trial
+that moves. The reason is reported, and a description overrules it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,6 +34,9 @@ _RELAXED = 0.1
 _SILENT = 2.5
 #: A hold in which a muscle works so many times harder than in any moving trial is maximal.
 _HARDER = 1.25
+#: Holds at so many angles, each so far [rad] from the next, are an isometric set: a parabola's
+#: three, and twice what a held foot moves.
+_ANGLES, _APART = 3, 2.0 * STILL
 #: The problem of a trial whose description says use = false.
 LEFT_OUT = "left out by the description"
 _MAXIMAL_WORDS = {"mvc", "mvic", "mvcs", "max", "maximal", "maximum"}
@@ -69,7 +73,8 @@ class Trial:
     path: FileName | None  #: Its file.
     recording: Recording | None  #: None where it could not be read; `problem` then says why.
     problem: str  #: Why it is not used; empty where it is.
-    effort: str  #: "passive", "active", "maximal", "unknown": What the muscles did.
+    #: "passive", "active", "isometric", "maximal", "unknown": What the muscles did.
+    effort: str
     moves: bool  #: Whether the ankle moved.
     why: str  #: How effort and movement were decided.
     #: "fit", "hold", "reference", "none": What it is used for: it is fitted; it gives torque at one
@@ -124,7 +129,31 @@ def sorted_trials(
         use = "fit" if trial.moves else "reference" if effort == "maximal" else "hold"
         why = f"{trial.why}; {why}"
         sorted_.append(replace(trial, effort=effort, use=use, why=why, stated=stated is not None))
-    return tuple(sorted_)
+    return tuple(_isometric(sorted_))
+
+
+def _isometric(trials: list[Trial]) -> list[Trial]:
+    """The same, holds with effort at several angles as one isometric set where no trial moves.
+
+    Together they show torque over angle, which one of them does not.
+    """
+    active = [
+        trial
+        for trial in trials
+        if trial.hold is not None
+        and (trial.effort == "isometric" or (trial.effort == "active" and not trial.stated))
+    ]
+    angles = sorted(trial.hold.angle for trial in active if trial.hold is not None)
+    apart = 1 + int(np.count_nonzero(np.diff(angles) > _APART)) if angles else 0
+    if any(trial.moves for trial in trials) or apart < _ANGLES:
+        return trials
+    why = f"; one of {len(active)} holds at {apart} angles, fitted together"
+    return [
+        replace(trial, effort="isometric", use="fit", why=trial.why + why)
+        if trial in active
+        else trial
+        for trial in trials
+    ]
 
 
 def _unsorted(reading: Reading) -> Trial:

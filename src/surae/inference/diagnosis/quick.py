@@ -4,13 +4,13 @@ A quick fit is model 1.0 on some 500 samples with the zero of the torque free, a
 R² is about the mean.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from surae.base.errors import InputError
-from surae.base.frozen import read_only
+from surae.base.frozen import FrozenDict, read_only
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.inference import make_problem
@@ -28,6 +28,8 @@ _SAMPLES, _RATE = 500, 15.0
 _ACTIVE = 2.5
 #: A muscle does nothing whose weight is below this part of the largest.
 _WEIGHTS, _IDLE = ("g1", "g2", "g3", "g4"), 0.01
+#: The muscles whose gain may change together: heads of the triceps are hard to tell apart.
+_GROUPS = {"emg_ta": ("g1",), "emg_triceps": _WEIGHTS[1:], "emg": _WEIGHTS}
 #: Largest level [V] to which the EMG is brought, whatever its unit: weights then suit their bounds.
 _FULL = 6e-4
 
@@ -39,6 +41,9 @@ class QuickFit:
     r2: float  #: R² about the mean, the torque's zero being free.
     zero: float  #: That zero [Nm].
     idle: int = 0  #: How many muscles would do nothing while their EMG shows effort.
+    #: What grows through the trial, by signal: by how much (torque [Nm], an EMG's effect as a part
+    #: of it), and the part of what the fit leaves that it explains.
+    slow: Mapping[str, tuple[float, float]] = field(default_factory=FrozenDict)
 
     @property
     def left(self) -> float:
@@ -113,7 +118,34 @@ def quick_fit(
         return None
     weights = [x for name, x in zip(problem.free, best.x, strict=True) if name in _WEIGHTS]
     idle = sum(weight < _IDLE * max(weights) for weight in weights)
-    return QuickFit(1.0 - best.sse / power, offset, idle)
+    slow = _slow(rows(best.x), dict(zip(problem.free, best.x, strict=True)))
+    return QuickFit(1.0 - best.sse / power, offset, idle, slow)
+
+
+def _slow(rows: FloatArray, values: Mapping[str, float]) -> FrozenDict[str, tuple[float, float]]:
+    """What grows evenly through a trial, by what it explains of the residual, to first order."""
+    e, derivatives = -rows[-1], rows[:-1]
+    u = np.linspace(-0.5, 0.5, len(e))
+    names = list(values)
+    grows = {"torque": u}
+    for group, weights in _GROUPS.items():
+        known = [weight for weight in weights if weight in values]
+        # More torque for the same EMG, as where its gain falls.
+        pulls = [values[weight] * derivatives[names.index(weight)] for weight in known]
+        if known:
+            grows[group] = u * np.sum(pulls, axis=0)
+    others = np.column_stack([np.ones_like(u), *derivatives])
+    others /= np.maximum(np.linalg.norm(others, axis=0), 1e-300)
+    basis = np.linalg.qr(others)[0]
+    left = e - basis @ (basis.T @ e)
+    found = {}
+    for role, column in grows.items():
+        own = column - basis @ (basis.T @ column)
+        power = float(own @ own)
+        if power > 1e-6 * float(column @ column):
+            size = float(own @ left) / power
+            found[role] = (size, size**2 * power / max(float(left @ left), 1e-300))
+    return FrozenDict(found)
 
 
 def percent(r2: float) -> str:
