@@ -144,3 +144,37 @@ def test_only_what_is_used_is_judged(recording) -> None:
     settings = surae.api.FitSettings.of("muscle", weights=Weighting((window,)))
     found = {f.code for f in surae.api.check_for(settings, faulty).findings}
     assert not {"angle-units", "position-steps"} & found
+
+
+def test_a_torque_that_drifts_is_found(legs) -> None:
+    for leg in legs:
+        drifting = changed(leg, "torque", lambda v: v + np.linspace(0.0, 8.0, v.size))
+        found = {f.code: f for f in surae.check(drifting).findings}
+        assert found["torque-drift"].value == pytest.approx(8.0, abs=2.0)
+
+
+def test_emg_whose_gain_falls_is_found_where_nothing_else_is_left(recording) -> None:
+    fading = recording
+    for muscle in ("ta", "gl", "sol", "gm"):
+        fading = changed(fading, f"emg_{muscle}", lambda v: v * np.linspace(1.0, 0.65, v.size))
+    found = {f.code: f for f in surae.check(fading).findings}
+    assert found["emg-gain"].value == pytest.approx(0.65, abs=0.08)
+
+
+def test_right_recordings_do_not_drift_or_fade(legs, recording, shared) -> None:
+    measured = [surae.read(shared / "dynamometer" / "PL_50_01.toml")]
+    for right in (recording, *legs, *measured):
+        codes = {f.code for f in surae.check(right).findings}
+        assert not {"torque-drift", "emg-gain"} & codes
+
+
+def test_an_amplifier_that_idles_is_no_passive_trial(legs) -> None:
+    """Its EMG is noise of half a microvolt while the torque is an effort's."""
+    rng, idle = np.random.default_rng(1), legs[0]
+    for muscle in ("ta", "gl", "sol", "gm"):
+        noise = 5e-7 * np.abs(rng.standard_normal(idle.channels["angle"].values.size))
+        idle = changed(idle, f"emg_{muscle}", lambda _, noise=noise: noise)
+    (finding,) = (f for f in surae.check(idle).findings if f.code == "active-not-active")
+    assert finding.severity == "error"
+    assert "amplifier" in finding.advice
+    assert "passive trial, fix" not in finding.advice

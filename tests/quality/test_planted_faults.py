@@ -46,6 +46,8 @@ def test_every_code_has_a_fault_here_or_a_test_elsewhere() -> None:
         "angle-sign",
         "electrodes-swapped",  # test_explanations.py
         "not-used",
+        "torque-drift",
+        "emg-gain",
         "angle-still",
         "torque-unit",
         "emg-unit",

@@ -8,6 +8,7 @@ import pytest
 import surae
 from surae.base.errors import InputError
 from surae.recording import Recording
+from surae.recording.corrections import Corrections
 
 DYNAMOMETER = """\
 side = "right"
@@ -178,3 +179,16 @@ def test_mappings_of_one_recording_are_trials_and_their_files_are_not(shared):
 def test_repr_is_one_screen(measured_session):
     assert len(repr(measured_session).splitlines()) == 12
     assert "PL_0_01: fit: active" in repr(measured_session)
+
+
+def test_holds_with_effort_at_several_angles_are_one_isometric_set():
+    def held(k, angle):
+        recording = synthetic(f"h{k}", emg=1e-4, seed=k)
+        return Corrections(offset={"angle": angle})(recording)
+
+    rest = synthetic("rest")
+    trials = surae.session([*(held(k, 0.15 * k) for k in range(4)), rest]).trials
+    assert [(t.effort, t.use) for t in trials[:4]] == [("isometric", "fit")] * 4
+    assert trials[4].use == "hold"
+    alike = surae.session([*(held(k, 0.01 * k) for k in range(4)), rest]).trials
+    assert {t.effort for t in alike[:4]} == {"active"}  # at one angle they tell no more than one

@@ -6,7 +6,7 @@ from typing import Unpack
 
 from surae.api.fitted import Fit
 from surae.api.keywords import FitKeywords
-from surae.api.recordings import AnyRecording, check_for, explained, read_in, several
+from surae.api.recordings import AnyRecording, checks_for, explained, read_in, several
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.progress import SearchProgress
@@ -78,7 +78,7 @@ def fit(
     measured = [read_in(recording) for recording in several(recordings)]
     inputs = inputs_for(settings, measured, [read_in(recording) for recording in several(mvc)])
     if quality is None:
-        quality = [check_for(settings, each) for each in measured]
+        quality = checks_for(settings, measured)
     return fit_inputs(inputs, settings, tuple(quality), progress, follow)
 
 

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.inference import FitProblem
@@ -24,6 +26,7 @@ from surae.recording.dataframe import DataFrame, of_frame
 from surae.settings import FitSettings
 from surae.signals import ModelInputs, Weighting, normalised, prepare
 from surae.studies import Imperfections, virtual_recording, virtual_subject
+from surae.trials import tell_together
 
 #: A recording in any form: read, prepared, the path of its file, or a DataFrame with the columns of
 #: our CSV.
@@ -192,3 +195,21 @@ def check_for(settings: FitSettings, recording: AnyRecording) -> Quality:
         recording, prepared=settings.prepared, joint=settings.options.anatomy,
         exclude=[(start, end) for start, end, weight in counts.windows if weight == 0.0],
     )  # fmt: skip
+
+
+def checks_for(settings: FitSettings, recordings: Sequence[AnyRecording]) -> list[Quality]:
+    """Findings of recordings that are fitted together: holds at several angles are no fault."""
+    every = [check_for(settings, each) for each in recordings]
+    angles = [
+        float(np.median(each.channels["angle"].values))
+        for each, quality in zip(recordings, every, strict=True)
+        if isinstance(each, Recording) and "angle-still" in {f.code for f in quality.findings}
+    ]
+    whole = len(angles) == len(every) and tell_together(angles)
+    return [in_set(quality) for quality in every] if whole else every
+
+
+def in_set(quality: Quality) -> Quality:
+    """Findings of one of several holds, which together tell what one of them does not."""
+    kept = tuple(f for f in quality.findings if f.code not in ("angle-still", "rom-not-covered"))
+    return replace(quality, findings=kept)

@@ -16,7 +16,7 @@ import numpy as np
 from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import fit_inputs, load
-from surae.api.recordings import check_for, explained
+from surae.api.recordings import check_for, explained, in_set
 from surae.api.session_result import SessionResult, finite, write_index, write_summary
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import PathLike
@@ -111,7 +111,9 @@ class _Run:
             except InputError as error:
                 self.failed[trial.name] = str(explained(error, [trial.recording]))
                 continue
-            self.quality[trial.name] = check_for(self.settings, trial.recording)
+            quality = check_for(self.settings, trial.recording)
+            in_a_set = trial.effort == "isometric" and trial.use == "fit"
+            self.quality[trial.name] = in_set(quality) if in_a_set else quality
         for name in self.session.fitted:
             if name in self.inputs:
                 self._cost[name] = float(self.inputs[name].n)

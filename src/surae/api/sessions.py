@@ -8,7 +8,7 @@ from typing import Any, Unpack
 from surae.api.fitted import Fit
 from surae.api.fitting import asks_as_fit, fit_inputs
 from surae.api.keywords import FitKeywords
-from surae.api.recordings import check_for
+from surae.api.recordings import checks_for
 from surae.api.session_result import SessionResult
 from surae.api.session_run import StepProgress, run
 from surae.base.errors import InputError
@@ -69,7 +69,7 @@ class Session(TrialSet):
         recordings = [self.to_fit(name) for name in chosen]
         reference = self.emg_reference(settings)
         inputs = [prepared_for(settings, recording, reference) for recording in recordings]
-        quality = tuple(check_for(settings, each) for each in recordings)
+        quality = tuple(checks_for(settings, recordings))
         return fit_inputs(inputs, settings, quality, progress, follow)
 
     @asks_as_fit

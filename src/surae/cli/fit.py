@@ -48,12 +48,10 @@ def command(
     with work() as progress:
         measured = read_all(recordings, progress, mapping, corrections)
 
-        quality = []
-        for path, recording in zip(recordings, measured, strict=True):
-            progress.describe(f"checking {path}")
-            quality.append(api.check_for(settings, recording))
-            if strict:
-                refuse_errors(path, quality[-1])
+        progress.describe("checking the recordings")
+        quality = api.checks_for(settings, measured)
+        for path, each in zip(recordings if strict else (), quality, strict=False):
+            refuse_errors(path, each)
         contractions = read_all(mvc, progress, mapping, corrections)
         check_outputs(
             {"--output": output, "--report": report, "--figure": figure},

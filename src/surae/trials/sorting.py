@@ -7,7 +7,7 @@ maximal where its description says so or, of a hold, where a muscle works harder
 that moves. The reason is reported, and a description overrules it.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from string import digits
 
@@ -132,6 +132,12 @@ def sorted_trials(
     return tuple(_isometric(sorted_))
 
 
+def tell_together(angles: Iterable[float]) -> bool:
+    """Whether holds at these angles [rad] show torque over angle."""
+    apart = np.diff(np.sort(np.fromiter(angles, float)))
+    return 1 + int(np.count_nonzero(apart > _APART)) >= _ANGLES
+
+
 def _isometric(trials: list[Trial]) -> list[Trial]:
     """The same, holds with effort at several angles as one isometric set where no trial moves.
 
@@ -143,11 +149,11 @@ def _isometric(trials: list[Trial]) -> list[Trial]:
         if trial.hold is not None
         and (trial.effort == "isometric" or (trial.effort == "active" and not trial.stated))
     ]
-    angles = sorted(trial.hold.angle for trial in active if trial.hold is not None)
-    apart = 1 + int(np.count_nonzero(np.diff(angles) > _APART)) if angles else 0
-    if any(trial.moves for trial in trials) or apart < _ANGLES:
+    if any(trial.moves for trial in trials) or not tell_together(
+        trial.hold.angle for trial in active if trial.hold is not None
+    ):
         return trials
-    why = f"; one of {len(active)} holds at {apart} angles, fitted together"
+    why = f"; one of {len(active)} holds at several angles, fitted together"
     return [
         replace(trial, effort="isometric", use="fit", why=trial.why + why)
         if trial in active
