@@ -3,12 +3,15 @@
 import errno
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -586,3 +589,84 @@ def test_an_offset_of_a_clock_that_is_no_number_is_not_taken(lsl, tmp_path) -> N
         device.all_arrive(recorder)
     for stream in pyxdf.load_xdf(tmp_path / "a.xdf", dejitter_timestamps=False)[0]:
         assert np.isfinite(stream["time_stamps"]).all()
+
+
+def test_a_stream_that_is_away_for_an_hour_is_a_gap_and_goes_on(lsl, tmp_path) -> None:
+    told: list[tuple[str, dict]] = []
+    with recording(tmp_path, told) as recorder:
+        device = Device(lsl)
+        device.until(lambda: heard(recorder))
+        device.all_arrive(recorder)
+        later = device.clock() + 3600.0 + np.arange(500) / device.rate
+        before = of(recorder).received
+        device.send(500, stamps=later)
+        waited(lambda: of(recorder).received == before + 500)
+        health = of(recorder).health(recorder.clock())
+        time.sleep(1.2)  # on disk within a second, and readable while it is recorded
+        assert (columns(tmp_path / "a.xdf")["dev: angle"] == 1.0).all()
+    assert 3590.0 < health["lost_s"] < 3610.0
+    assert [event for event, _ in told if event == "gap"]
+    assert len(columns(tmp_path / "a.xdf")["dev: angle"]) >= before + 500
+
+
+FAKED = """
+import select, sys, time
+from pathlib import Path
+time.sleep = lambda seconds: select.select([], [], [], seconds)  # libfaketime refuses the other
+from surae_workbench.live.recorder import Recorder
+told = []
+made = Recorder(Path(sys.argv[1]), show=lambda *_: None, tell=lambda e, d: told.append(e))
+while not any(s.received for s in made.streams.values()):
+    time.sleep(0.02)
+print("recording", time.time(), flush=True)
+sys.stdin.readline()
+print(time.time(), flush=True)
+time.sleep(1.0)
+made.close()
+print(sorted(set(told)), flush=True)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("faketime") is None, reason="libfaketime is not installed")
+@pytest.mark.parametrize("jump", ["+1d", "-400d"])
+def test_the_systems_clock_may_jump(lsl, tmp_path, jump) -> None:
+    """With libfaketime the wall clock of a whole program jumps in the middle of a recording."""
+    clock = tmp_path / "clock"
+    clock.write_text("+0")
+    (library,) = Path("/usr/lib").glob("*/faketime/libfaketime.so.1")
+    device = Device(lsl)
+    made = subprocess.Popen(
+        [sys.executable, "-c", FAKED, str(tmp_path / "a.xdf")], text=True, stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "LD_PRELOAD": str(library),
+             "FAKETIME_TIMESTAMP_FILE": str(clock), "FAKETIME_NO_CACHE": "1",
+             "FAKETIME_DONT_FAKE_MONOTONIC": "1"},
+    )  # fmt: skip
+    ended = threading.Event()
+
+    def send() -> None:
+        while not ended.wait(0.02):
+            device.send(2)
+
+    sender = threading.Thread(target=send)
+    sender.start()
+    try:
+        first = float(made.stdout.readline().split()[1])
+        time.sleep(1.0)
+        clock.write_text(jump)
+        made.stdin.write("\n")
+        made.stdin.flush()
+        second = float(made.stdout.readline())
+        said = made.stdout.readline()
+    finally:
+        ended.set()
+        sender.join()
+        made.kill()
+        made.communicate()
+    assert abs(second - first) > 0.9 * 86400.0  # the clock did jump
+    assert "lost" not in said
+    assert "disk" not in said
+    assert (columns(tmp_path / "a.xdf")["dev: angle"] == 1.0).all()
+    (stream,) = [s for s in pyxdf.load_xdf(tmp_path / "a.xdf")[0] if s["info"]["type"][0] == "x"]
+    assert np.ptp(stream["time_stamps"]) < 120.0
