@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from surae.base.errors import InputError
+from surae.recording import mapping as mapping_module
 from surae.recording import read
+from surae.recording.mapping import Description
+from surae.recording.source import open_source
+from surae.trials import trial_files
 
 ROBOT = "Time,crank,load,marker,marker\n0,10,1,a,b\n1,20,2,a,b\n2,30,3,a,b\n"
 AMPLIFIER = "time_ms;ch1\n0;100\n500;200\n1000;300\n1500;400\n"
@@ -179,3 +183,16 @@ def test_a_message_does_not_repeat_a_name_of_any_length(mapping):
         with pytest.raises(InputError, match=r"'x+\.\.\.") as caught:
             read(mapping(wrong))
         assert len(str(caught.value)) < 500
+
+
+def test_thousands_of_trials_are_looked_through_once(tmp_path, monkeypatch) -> None:
+    text = '[channels.angle]\ncolumn = "a"\nfile = "{trial}.csv"\nunit = "deg"\n'
+    text += "".join(f'[trials.t{i}]\neffort = "active"\n' for i in range(500))
+    (tmp_path / "map.toml").write_text(text)
+    for i in range(500):
+        (tmp_path / f"t{i}.csv").write_text("x")
+    description = Description.of(open_source(tmp_path / "map.toml"))
+    read, made = mapping_module.from_plain, []
+    monkeypatch.setattr(mapping_module, "from_plain", lambda *a: made.append(1) or read(*a))
+    assert len(trial_files(tmp_path, description)) == 500
+    assert len(made) <= 1

@@ -54,6 +54,8 @@ class Description:
 
     source: Source  #: The TOML file.
     toml: Mapping[str, Any] = field(repr=False)  #: What it says.
+    #: What it says of every trial, once it was asked: thousands of files are looked at with it.
+    _whole: list[MappedRecording] = field(default_factory=list, repr=False, compare=False)
 
     @classmethod
     def of(cls, source: Source) -> "Description":
@@ -105,6 +107,13 @@ class Description:
 
     def mapped(self, trial: str | None = None) -> MappedRecording:
         """The mapped recording of a trial, or of every one."""
+        if trial is None:
+            if not self._whole:
+                self._whole.append(self._mapped(None))
+            return self._whole[0]
+        return self._mapped(trial)
+
+    def _mapped(self, trial: str | None) -> MappedRecording:
         where, table = self.source.shown, dict(self.toml)
         if trial is not None:
             table.pop("name", None)
