@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import surae
 from surae.base.errors import InputError
 from surae.recording import inspect, mapping_text, read
 from surae.recording.recording import MUSCLES
@@ -68,6 +69,9 @@ def test_short_gaps_are_bridged_aloud_when_the_user_says_so(tmp_path):
     toml, _ = mapped(path, lambda text: uncommented(text, "emg_sol"))
     channel = read(toml).channels["emg_sol"]
     assert "3 unreadable samples in 2 gaps, the longest 3 ms bridged by straight" in channel.source
+    finding = next(each for each in surae.check(read(toml)).findings if each.code == "as-read")
+    assert (finding.severity, finding.channel) == ("info", "emg_sol")
+    assert "3 unreadable samples in 2 gaps" in finding.message
     before, after = (float(rows[i][5]) for i in (99, 102))
     assert channel.values[100] == pytest.approx(before + (after - before) / 3)
     assert len(channel.values) == N

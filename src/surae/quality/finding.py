@@ -136,6 +136,8 @@ class FindingKind:
 _KINDS = (
     FindingKind("emg-kind", "raw EMG declared an envelope, or the other way round",
         "Declare what it is: # emg: raw or # emg: envelope.", "error"),
+    FindingKind("as-read", "gaps that were bridged, times that were rounded, a file cut short",
+        "Nothing, if you meant it so; else correct the file or the mapping.", "info", unit=""),
     FindingKind("emg-missing", "muscles without EMG",
         "Add the channel, or fix its weight, e.g. with --fixed g1=0.", unit=""),
     FindingKind("emg-flat", "EMG that is constant, for a while or throughout",

@@ -30,6 +30,7 @@ class Check:
 CHECKS: tuple[Check, ...] = (
     Check(("emg-kind",), emg.kind),
     Check(("emg-missing",), emg.missing),
+    Check(("as-read",), timing.as_read),
     Check(("emg-flat",), emg.flat),
     Check(("emg-clipped",), emg.clipped),
     Check(("emg-aliased",), emg.aliased),

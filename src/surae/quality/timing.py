@@ -1,14 +1,17 @@
 """Time: gaps, jitter, order, and whether the trial is long enough."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from surae.base.errors import InputError
+from surae.base.formatting import listed
 from surae.base.units import FloatArray
 from surae.quality.finding import Finding, make_finding
 from surae.quality.numeric import quantile
+from surae.quality.trial import CheckedTrial
 from surae.recording import Channel, Recording
 from surae.signals.timebase import GAP_STEPS, timing
 
@@ -119,3 +122,22 @@ def too_short(recording: Recording) -> Iterator[Finding]:
         severity="warning" if seconds >= TOO_SHORT else "error",
         advice=f"Record {SHORT:g} s or more with holds, or fix tau_rel and k_rel.",
     )  # fmt: skip
+
+
+#: What a reader says that it did to samples, as it stands in a channel's source.
+_DONE = re.compile(
+    r"\d+ unreadable [^;]*bridged by straight lines|times rounded to [^;]*|the header states [^;]*"
+)
+
+
+def as_read(trial: CheckedTrial) -> Iterator[Finding]:
+    """What was done to samples where they were read, each thing once, counted."""
+    channels: dict[str, list[str]] = {}
+    for role, channel in trial.recording.channels.items():
+        for text in _DONE.findall(channel.source):
+            channels.setdefault(text, []).append(role)
+    for text, roles in channels.items():
+        yield make_finding(
+            "as-read", roles[0] if len(roles) == 1 else None, trial.span, None,
+            f"As read from the file, {listed(roles)}: {text}.",
+        )  # fmt: skip
