@@ -84,7 +84,7 @@ def command(
                 options.get("rate_hz", api.Protocol(profile="sine").rate_hz),
             )  # fmt: skip
         ready = api.ready_protocols()[name]
-        table, model = [f"{name}: {ready.description}"], ready.model
+        table = [f"{name}: {ready.description}"]
     else:
         settings = api.Protocol(profile=name, device=limits, **options)
         trajectory = api.protocol_trajectory(settings)
@@ -93,9 +93,8 @@ def command(
             with compilation_notice():
                 trajectory, given_up = api.held_to_torque(settings)
         table = _table(settings, trajectory, given_up)
-        model = "muscle"
     with compilation_notice():
-        limits_checked = api.requested_limits(trajectory, model)
+        limits_checked = api.requested_limits(trajectory)
     beyond = "; ".join(limit.text for limit in limits_checked if limit.exceeded)
     if beyond:
         raise InputError(

@@ -6,14 +6,17 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown, write_atomic
+from surae.base.names import FITTED
 from surae.base.units import FloatArray
-from surae.protocol.protocol import Given, Trajectory
+from surae.protocol.protocol import Given, Protocol, Trajectory
 from surae.recording import MUSCLES
 from surae.recording.formats import open_table
 from surae.recording.source import open_source
 from surae.signals.resample import derivatives
 
 #: Column names: the position to follow and the effort to show to the subject.
+#: What a file says of the virtual legs by which its torque is judged, where they are others.
+_LEGS = "virtual legs: "
 COLUMNS = ("time_s", "angle_rad", *(f"emg_{muscle}" for muscle in MUSCLES))
 
 
@@ -70,7 +73,9 @@ def write_protocol_csv(trajectory: Trajectory, path: PathLike, *, note: str = ""
         The file cannot be written.
     """
     columns = [trajectory.time, trajectory.angle, *trajectory.effort.T]
-    _write(path, (f"# {note}\n" if note else "") + ",".join(COLUMNS), columns, "%.12g")
+    made_for = trajectory.settings.legs
+    about = [note] * bool(note) + [_LEGS + made_for] * (made_for != Protocol.legs)
+    _write(path, "".join(f"# {line}\n" for line in about) + ",".join(COLUMNS), columns, "%.12g")
 
 
 def _write(path: PathLike, header: str, columns: list[FloatArray], form: str) -> None:
@@ -148,5 +153,7 @@ def read_protocol(path: PathLike) -> Trajectory:
     velocity, acceleration = derivatives(angle, rate_hz, where=where)
     task = "as in the file" if effort.any() else "passive"
     span = float(angle.min()), float(angle.max())
-    given = Given(profile=shown(path), task=task, range_of_motion=span, rate_hz=rate_hz)
+    made_for = [line.rpartition(_LEGS)[2].strip() for line in source.head if _LEGS in line]
+    legs = made_for[0] if made_for and made_for[0] in FITTED else Protocol.legs
+    given = Given(profile=shown(path), task=task, range_of_motion=span, rate_hz=rate_hz, legs=legs)
     return Trajectory(given, time - time[0], angle, velocity, acceleration, effort)

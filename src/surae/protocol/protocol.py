@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
 
@@ -42,6 +43,8 @@ class Protocol(MotionSettings):
 
     profile: str
     device: Device | None = None
+    #: Model of the virtual legs by which its torque is judged; a designed movement may have others.
+    legs: ClassVar[str] = "muscle"
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -86,6 +89,7 @@ class Given:
     range_of_motion: tuple[float, float]
     rate_hz: float  #: Sampling rate [Hz].
     device: Device | None = None  #: Whose limits it keeps; None where nothing is known of them.
+    legs: str = "muscle"  #: Model of the virtual legs by which its torque is judged.
 
 
 @dataclass(frozen=True, slots=True)

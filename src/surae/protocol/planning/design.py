@@ -103,7 +103,7 @@ def make_design(
         progress=progress,
     )  # fmt: skip
     plan, limits, notes = within_torque(genes.plan(result.genes), limits, unseen, device)
-    trajectory = plan.trajectory(limits, rate_hz, device=device)
+    trajectory = plan.trajectory(limits, rate_hz, device=device, legs=unseen.spec.name)
     span = float(np.ptp(trajectory.angle)) / (limits.high - limits.low)
     reached = () if span > 0.98 else (f"Only {100 * span:.0f} % of the range is used.",)
     if result.stopped:

@@ -17,10 +17,12 @@ from surae.base.units import FloatArray
 from surae.inference.parameter import IDENTIFIED, Verdict, judge_interval, judge_singular
 from surae.inference.uncertainty.covariance import Covariance, half_width
 from surae.model import adapted
+from surae.model.joint import ANKLE
 from surae.model.sources import SOURCES, source_of
 from surae.protocol import Trajectory
 from surae.protocol.planning.information import estimated, information, prior_precision
 from surae.protocol.planning.legs import Legs
+from surae.protocol.planning.torque import Load, load_of
 
 #: Standard deviation of the torque's noise [Nm], white, sample by sample: that of a good sensor.
 NOISE = 0.5
@@ -53,7 +55,7 @@ class Expected:
 
 
 @filed(
-    "relative", "correlation", noise="noise_Nm", torque="torque_Nm", worst="worst",
+    "relative", "correlation", "of_fit", noise="noise_Nm", torque="torque_Nm", worst="worst",
     weakest="weakest", geometric_mean="geometric_mean",
 )  # fmt: skip
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -75,8 +77,18 @@ class Expectation(Tabular, Comparable):
     relative: FloatArray
     #: Of the leg in the middle of the others: names and correlation.
     correlation: Covariance | None
-    #: Least and greatest torque that any of the legs asks of the device [Nm].
+    #: Least and greatest torque of the legs that this is expected of [Nm]; `load` has what the
+    #: device must bear.
     torque: tuple[float, float]
+    load: Load | None  #: What the protocol asks of a device; None of another joint than the ankle.
+    of_fit: bool = False  #: Whether the legs are what one fit leaves possible.
+
+    @property
+    def asks(self) -> str:
+        """What the protocol asks of a device, and of a fitted leg, in words."""
+        low, high = self.torque
+        of_leg = f"torque {low:.3g} to {high:.3g} Nm of {self.legs}"
+        return of_leg if self.load is None else self.load.text + f"; {of_leg}" * self.of_fit
 
     @property
     def worst(self) -> float | None:
@@ -120,7 +132,6 @@ class Expectation(Tabular, Comparable):
             )
             for p in self.parameters.values()
         )  # fmt: skip
-        low, high = self.torque
         return TextTable(
             ("parameter", *(["the fit has"] * of_fit), "standard error", "95 % within",
              "identified in", "most of it", "verdict"),
@@ -130,7 +141,7 @@ class Expectation(Tabular, Comparable):
             below=(
                 f"largest standard error: {part(self.worst)} ({self.weakest}); geometric mean: "
                 f"{part(self.geometric_mean)}; identified: {self.identified} of {len(rows)}",
-                f"torque on the device: {low:.3g} to {high:.3g} Nm over these legs",
+                self.asks,
             ),
         )  # fmt: skip
 
@@ -198,6 +209,7 @@ def expected(
         parameters=FrozenDict(parameters),
         nuisances=tuple(n for n in legs.free if n in legs.priors),
         relative=read_only(relative), correlation=central,
+        load=load_of(trajectory) if legs.options.anatomy == ANKLE else None, of_fit=legs.of_fit,
         torque=(float(trial.torque[:, 0].min()), float(trial.torque[:, 1].max())),
     )  # fmt: skip
 

@@ -45,6 +45,7 @@ class Legs(Comparable):
     emg_rest: FloatArray
     emg_full: FloatArray
     emg_unit: str = "V"  #: "V", "1": Volts, or a normalised envelope.
+    of_fit: bool = False  #: Whether they are what one fit leaves possible.
     films: tuple[str, ...] = ()  #: Muscles that are filmed (`surae.protocol.planning.information`).
 
     @property
@@ -122,7 +123,7 @@ def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int
     return Legs(
         "the fitted leg, as far as the fit knows it", problem.spec, problem.options, problem.free,
         priors, read_only(rows), emg_rest=read_only(np.zeros(4)),
-        emg_full=read_only(levels), emg_unit=problem.inputs[0].emg_unit,
+        emg_full=read_only(levels), emg_unit=problem.inputs[0].emg_unit, of_fit=True,
     )  # fmt: skip
 
 

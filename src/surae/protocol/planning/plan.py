@@ -94,9 +94,11 @@ class Plan:
 
     def trajectory(
         self, limits: Sequence[float], rate_hz: float, *, device: Device | None = None,
-        fine_hz: float = _FINE_RATE,
+        legs: str = "muscle", fine_hz: float = _FINE_RATE,
     ) -> Trajectory:  # fmt: skip
         """The protocol sampled at a rate; `limits` (`Limits`) are kept at `fine_hz` at least.
+
+        `legs` names the model of the virtual legs by which its torque is judged.
 
         Raises
         ------
@@ -112,7 +114,7 @@ class Plan:
         time, task = np.arange(n) / rate_hz, "designed" if self.bursts else "passive"
         settings = Given(
             profile=self.name, task=task, range_of_motion=(limits[0], limits[1]), rate_hz=rate_hz,
-            device=device,
+            device=device, legs=legs,
         )  # fmt: skip
         effort = burst_effort(time, self.bursts)
         return Trajectory(settings, time, angle, velocity, acceleration, effort)

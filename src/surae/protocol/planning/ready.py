@@ -46,7 +46,7 @@ class Ready(Comparable):
         genes = Genes(self.name, self.seconds, limits, highest_hz(device), self.effort)
         carried = genes.carried(self.genes, self.counts)  # a slow device has time for fewer ramps
         plan, limits, _ = within_torque(genes.plan(carried), limits, legs, device)
-        return plan.trajectory(limits, rate_hz, device=device)
+        return plan.trajectory(limits, rate_hz, device=device, legs=self.model)
 
 
 @cache

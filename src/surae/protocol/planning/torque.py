@@ -14,6 +14,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
+from surae.model.laboratory import richest
 from surae.protocol import Device, Protocol, Trajectory, generate
 from surae.protocol.effort import GAP, Burst, burst_effort, named_task, task_bursts
 from surae.protocol.planning.information import model_inputs
@@ -171,24 +172,50 @@ class AskedLimit:
     exceeded: bool  #: Whether the first is more than the second.
 
 
-def requested_limits(
-    trajectory: Trajectory, model: str = "muscle", population: str | None = None
-) -> tuple[AskedLimit, ...]:
-    """Every known limit of the trajectory's device, and what the trial asks of it.
+@dataclass(frozen=True, slots=True)
+class Load:
+    """What a movement asks of a device and of a leg in it: one number, whoever asks.
 
-    Parameters
-    ----------
-    trajectory : Trajectory
-        The trial; its torque is that of twenty virtual legs.
-    model, population : str
-        Theirs: those that the trial was made for. Tendons that give way ask less of a device.
+    Torque is that of `_LEGS` virtual legs, half of them patients', of the model that the movement
+    was made for: about one leg in twenty asks for more (their 95th percentile).
     """
+
+    angle: tuple[float, float]  #: Least and greatest angle [rad].
+    speed: float  #: Highest speed [rad/s].
+    acceleration: float  #: Highest acceleration [rad/s²].
+    torque: tuple[float, float]  #: Least and greatest torque [Nm].
+
+    @property
+    def text(self) -> str:
+        """It in words."""
+        low, high = self.torque
+        return (
+            f"torque of virtual legs {low:.3g} to {high:.3g} Nm, speed up to {self.speed:.3g} rad/s"
+        )
+
+
+def load_of(trajectory: Trajectory) -> Load:
+    """What a movement asks of a device and of a leg in it."""
+    torque = _of_population(trajectory)
+    return Load(
+        (float(trajectory.angle.min()), float(trajectory.angle.max())),
+        *(float(np.abs(each).max()) for each in (trajectory.velocity, trajectory.acceleration)),
+        (float(torque.min()), float(torque.max())),
+    )
+
+
+def _of_population(trajectory: Trajectory) -> FloatArray:
+    return _felt(trajectory, population_legs(richest(trajectory.settings.legs), None, _LEGS))
+
+
+def requested_limits(trajectory: Trajectory) -> tuple[AskedLimit, ...]:
+    """Every known limit of the trajectory's device, and what the trial asks of it (`Load`)."""
     device = trajectory.settings.device
     if device is None:
         return ()
     torque = np.zeros(1)
     if math.isfinite(device.max_torque):
-        torque = np.abs(_felt(trajectory, population_legs(model, population, _LEGS))).max(axis=0)
+        torque = np.abs(_of_population(trajectory)).max(axis=0)
     demands = [
         ("velocity", np.abs(trajectory.velocity), device.max_velocity, "rad/s"),
         ("acceleration", np.abs(trajectory.acceleration), device.max_acceleration, "rad/s²"),

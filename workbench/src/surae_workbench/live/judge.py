@@ -270,13 +270,12 @@ def _next(
 def tells(protocol: str, fit: str | None = None) -> list[str]:
     """What a trial will tell, as `surae.expect` says: of a fitted leg, else of healthy ones."""
     expected = api.expect(protocol, fit=None if fit is None else api.load(fit))
-    low, high = expected.torque
     by: dict[str, list[str]] = {}
     for p in expected.parameters.values():
         width = "" if p.half_width is None else f" ± {100 * p.half_width:.2g} %"
         by.setdefault(str(p.verdict), []).append(f"{p.meaning}{width}")
     return [
-        f"Of {expected.legs}; torque on the device {low:.0f} to {high:.0f} Nm.",
+        f"Of {expected.legs}; {expected.asks}.",
         *(
             f"{words}: {'; '.join(by[verdict])}."
             for verdict, words in (("identified", "Known afterwards"), ("weak", "Roughly"),

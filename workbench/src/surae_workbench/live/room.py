@@ -139,7 +139,7 @@ class Room:
         with self._lock:
             if self.trials.running is not None:
                 raise InputError("a trial is running; stop it before another protocol is loaded")
-            profile, model = str(protocol.get("profile", "")), "muscle"
+            profile = str(protocol.get("profile", ""))
             given_up: tuple[str, ...] = ()
             if path is None and profile == MAXIMUM:
                 trajectory, name = _maximum(self.range), MAXIMUM
@@ -148,7 +148,6 @@ class Room:
                     ready_trajectory(profile, self.device, self.range, _RATE),
                     profile,
                 )
-                model = ready_protocols()[profile].model
             elif path is None:
                 settings = Protocol(
                     device=self.device, range_of_motion=self.range, rate_hz=_RATE, **protocol
@@ -158,7 +157,7 @@ class Room:
             else:
                 trajectory, name = read_protocol(path), name or Path(path).stem
             on_device = replace(trajectory.settings, device=self.device)
-            limits = requested_limits(replace(trajectory, settings=on_device), model)
+            limits = requested_limits(replace(trajectory, settings=on_device))
             too_much = [limit.text for limit in limits if limit.exceeded]
             if too_much and path is not None and not beyond:
                 raise InputError(f"{cleaned(name)} is not loaded: {'; '.join(too_much)}")

@@ -97,7 +97,7 @@ def post_preview(body: ProtocolPreview) -> dict[str, Any]:
         "velocity": plain(trajectory.velocity[shown]),
         "effort": [plain(trajectory.effort[shown, i]) for i in range(4)],
         "seconds": float(trajectory.time[-1]),
-        "limits": limits(settings, trajectory),
+        "limits": limits(trajectory),
         "adaptation": None if adaptation is None else list(adaptation.steps),
         "prediction": expectation.to_json() | {"identified": expectation.identified},
         "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
@@ -121,7 +121,7 @@ def post_csv(body: ProtocolFile) -> Response:
     It is within the device's limits, or beyond them for a reason.
     """
     trajectory, reason = trajectory_of(body.settings), " ".join(body.reason.split())
-    exceeded = [limit["text"] for limit in limits(body.settings, trajectory) if limit["exceeded"]]
+    exceeded = [limit["text"] for limit in limits(trajectory) if limit["exceeded"]]
     if exceeded and not reason:
         raise InputError(
             f"{'; '.join(exceeded)}; nothing is exported without a reason: type it, or change this"
@@ -157,7 +157,9 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
         api.allowed_range(device, limits[:2])
         plan = settings.plan.model_dump(exclude={"model", "population"})  # whom it is for
         designed = from_plain(api.Plan, plan)
-        return designed.trajectory(limits, settings.rate_hz, device=device)
+        return designed.trajectory(
+            limits, settings.rate_hz, device=device, legs=settings.plan.model
+        )
     if settings.profile in api.ready_protocols():
         reached = settings.range_of_motion
         return api.ready_trajectory(settings.profile, device, reached, settings.rate_hz)
@@ -165,14 +167,9 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
     return api.protocol_trajectory(protocol)
 
 
-def limits(settings: ProtocolSettings, trajectory: api.Trajectory) -> list[dict[str, Any]]:
+def limits(trajectory: api.Trajectory) -> list[dict[str, Any]]:
     """Every limit of the device, whether it is exceeded by those it is for, and by how much."""
     if trajectory.settings.device is None:
         return [{"text": "No device: no limit is kept", "exceeded": True}]
-    model, population = "muscle", None
-    if settings.plan is not None:
-        model, population = settings.plan.model, settings.plan.population
-    elif settings.profile in api.ready_protocols():
-        model = api.ready_protocols()[settings.profile].model
-    limits = api.requested_limits(trajectory, model, population)
+    limits = api.requested_limits(trajectory)
     return [{"text": limit.text, "exceeded": limit.exceeded} for limit in limits]
