@@ -199,7 +199,8 @@ def load_of(trajectory: Trajectory) -> Load:
     torque = _of_population(trajectory)
     return Load(
         (float(trajectory.angle.min()), float(trajectory.angle.max())),
-        *(float(np.abs(each).max()) for each in (trajectory.velocity, trajectory.acceleration)),
+        float(np.abs(trajectory.velocity).max()),
+        float(np.abs(trajectory.acceleration).max()),
         (float(torque.min()), float(torque.max())),
     )
 
