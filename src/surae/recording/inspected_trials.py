@@ -49,6 +49,11 @@ def inspect_trials(
     Files of the same names in several folders, and files that each hold an angle, are trials. Of
     several files those that are no recordings (notes, lists of events) or broken are set aside,
     and the advice names them. All else is as of `inspect`.
+
+    Raises
+    ------
+    InputError
+        None of them can be read.
     """
     if len(paths) == 1:
         return inspect(paths[0], side=side)
