@@ -52,3 +52,37 @@ class Ankle:
 
     def recording(self, seed: int = 1) -> Recording:
         return Recording.from_arrays(**self.moved(seed), name="ankle")
+
+
+def ramps(speeds, *, neural=0.0, emg=True, seed=1, returning=30.0, rate=500.0) -> Recording:
+    """A calf stretched from −20 to 10° at `speeds` [°/s]; a reflex of `neural` Nm from 60°/s on.
+
+    Its EMG begins 30 ms after the foot passes 5° − 0.05 s·velocity; tissue has 20 Nm/rad, 0.3
+    Nm·s/rad and 0.02 kg·m².
+    """
+    draw, angle, onsets, n = np.random.default_rng(seed), [], [], 0
+    low, high = -20.0, 10.0
+    for speed in speeds:
+        up = np.arange(low, high, speed / rate)
+        down = np.arange(high, low, -(returning or 30.0) / rate)
+        holds = (np.full(round(1.0 * rate), low), up, np.full(round(2.0 * rate), high), down)
+        if neural and speed >= 60.0:
+            passed = round((5.0 - 0.05 * speed - low) / speed * rate)
+            onsets.append(n + len(holds[0]) + passed + round(0.03 * rate))
+        angle.extend(holds)
+        n += sum(map(len, holds))
+    b, a = signal.butter(2, 30.0, fs=rate)
+    x = np.deg2rad(signal.filtfilt(b, a, np.concatenate([*angle, np.full(round(rate), low)])))
+    t = np.arange(len(x)) / rate
+    v = np.gradient(x, t)
+    torque = 20.0 * x + 0.3 * v + 0.02 * np.gradient(v, t) + 0.05 * draw.standard_normal(len(t))
+    envelope = 1e-7 * np.abs(draw.standard_normal(len(t)))
+    keep = np.exp(-25.0 / rate)
+    burst, step = np.zeros(len(t)), np.arange(round(0.12 * rate))
+    for at in onsets:
+        burst[at + step] = np.sin(np.pi * step / len(step))
+    force = signal.lfilter([(1.0 - keep) ** 2], [1.0, -2.0 * keep, keep**2], burst)
+    if onsets:
+        torque += neural * force / force.max()
+    channels = {"emg": np.outer(envelope + 1e-4 * burst, [0.0, 1.0, 1.0, 1.0])} if emg else {}
+    return Recording.from_arrays(t, x, torque, name="ramps", emg_kind="envelope", **channels)

@@ -22,6 +22,7 @@ from surae.api import session as session
 from surae.api import simulate as simulate
 from surae.api import simulate_parts as simulate_parts
 from surae.api import simulate_tendon as simulate_tendon
+from surae.api import stretches as stretches
 from surae.api import validate as validate
 from surae.base.errors import ComputationError as ComputationError
 from surae.base.errors import InputError as InputError
@@ -39,6 +40,7 @@ from surae.measures.package import measures as measures
 from surae.model import MODELS as MODELS
 from surae.model.options import ModelOptions as ModelOptions
 from surae.nerve import Impedance as Impedance
+from surae.nerve import Stretches as Stretches
 from surae.protocol import Protocol as Protocol
 from surae.protocol import Trajectory as Trajectory
 from surae.protocol import generate as generate

@@ -10,11 +10,11 @@ import pytest
 from scipy.io import savemat
 
 import surae
-from perturbed_ankle import Ankle
+from perturbed_ankle import Ankle, ramps
 from surae.base.units import FloatArray
 from surae.model import ModelOptions, adapted, get_model
 from surae.protocol import Protocol, generate
-from surae.recording import MUSCLES, write_csv, write_hdf5
+from surae.recording import MUSCLES, csv_columns, write_csv, write_hdf5
 from surae.signals import ModelInputs
 from surae.studies import virtual_subject, virtual_trial
 
@@ -83,6 +83,8 @@ def prepared(tmp_path_factory) -> Path:
         moved = Ankle(seconds=25.0, rate=200.0, **foot).moved(seed)
         columns = zip(("time_s", "angle_rad", "torque_Nm"), moved.values(), strict=True)
         write_csv(folder / f"{name}.csv", dict(columns))
+    for name, speeds in {"slow": (10.0, 10.0), "fast": (120.0, 120.0)}.items():
+        write_csv(folder / f"{name}.csv", csv_columns(ramps(speeds, neural=6.0, rate=200.0)))
     for name, source in {
         "a": "trial", "b": "other", "trial1": "trial", "trial2": "other", "mvc": "other",
         "in": "trial",

@@ -24,7 +24,9 @@ from surae.api.fitting import fit_inputs as fit_inputs
 from surae.api.fitting import inputs_for as inputs_for
 from surae.api.fitting import load as load
 from surae.api.nerve import impedance as impedance
+from surae.api.nerve import stretches as stretches
 from surae.api.nerve import write_impedance_page as write_impedance_page
+from surae.api.nerve import write_stretches_page as write_stretches_page
 from surae.api.recordings import AnyRecording as AnyRecording
 from surae.api.recordings import check as check
 from surae.api.recordings import check_for as check_for
@@ -80,6 +82,7 @@ from surae.model.parameters import OPTIONAL as OPTIONAL
 from surae.model.parameters import OPTIONAL_PARAMETERS as OPTIONAL_PARAMETERS
 from surae.model.registry import PARAMETERS as PARAMETERS
 from surae.nerve import Impedance as Impedance
+from surae.nerve import Stretches as Stretches
 from surae.protocol import DEVICES as DEVICES
 from surae.protocol import PROFILES as PROFILES
 from surae.protocol import TASKS as TASKS

@@ -8,7 +8,7 @@ from surae.api.recordings import AnyRecording, read_in, several
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.progress import Progress
-from surae.nerve import Impedance, inertia_of_empty, joined, perturbed
+from surae.nerve import Impedance, Stretches, answers, inertia_of_empty, joined, perturbed
 from surae.recording import Recording, leaving_gaps, read
 
 
@@ -64,6 +64,54 @@ def impedance(
             progress(done, len(given))
         found.append(perturbed(_measured(each, mapping, corrections), own))
     return joined(found)
+
+
+def stretches(
+    recordings: AnyRecording | Sequence[AnyRecording],
+    *,
+    mapping: PathLike | None = None,
+    **corrections: Any,
+) -> Stretches:
+    """Slow and fast stretches of a relaxed ankle: elastic, viscous, inertial and neural torque.
+
+    The stretches are found in the recordings. Tissue's torque is fitted to all of them together,
+    beside what the muscles' EMG drives; without EMG to what comes before a reflex can, and to slow
+    ones, and what is beyond it is *probably neural*.
+
+    Parameters
+    ----------
+    recordings : Recording, DataFrame or path, or a sequence of them
+        Of one leg: ramps of 5° or more that end in holds, at two speeds at least.
+    mapping : path, optional
+        A TOML that describes the columns of the files.
+    **corrections
+        What to put right in signals, as of `surae.read`.
+
+    Returns
+    -------
+    Stretches
+        Every stretch, the threshold of each muscle, and what repeats differ by.
+
+    Raises
+    ------
+    InputError
+        A recording has no torque, or no stretch is in it.
+
+    Examples
+    --------
+    >>> surae.stretches(["slow.csv", "fast.csv"]).smallest_detectable_change["neural_Nm"]
+    """
+    given = several(recordings)
+    if not len(given):
+        raise InputError("no recording is given; name one at least")
+    return answers([_measured(each, mapping, corrections) for each in given])
+
+
+def write_stretches_page(path: PathLike, stretches: Stretches) -> None:
+    """Write the page of stretches, HTML or by its ending PDF."""
+    from surae.report.nerve import stretches_report  # matplotlib
+
+    stretches_report(stretches, created=datetime.now().astimezone()).write(path)
 
 
 def write_impedance_page(path: PathLike, impedance: Impedance) -> None:

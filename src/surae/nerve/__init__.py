@@ -2,8 +2,9 @@
 
 from surae.nerve.answer import Impedance, joined
 from surae.nerve.impedance import NerveMeasure, Perturbed, ReflexPath, inertia_of_empty, perturbed
+from surae.nerve.stretches import StretchAnswer, Stretches, answers
 
 __all__ = [
-    "Impedance", "NerveMeasure", "Perturbed", "ReflexPath", "inertia_of_empty", "joined",
-    "perturbed",
+    "Impedance", "NerveMeasure", "Perturbed", "ReflexPath", "StretchAnswer", "Stretches", "answers",
+    "inertia_of_empty", "joined", "perturbed",
 ]  # fmt: skip

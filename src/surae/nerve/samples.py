@@ -150,7 +150,7 @@ def usable(where: str, time: FloatArray, angle: FloatArray, torque: FloatArray) 
             notes.append(f"Left out: {fresh.sum() / rate:.2g} s {what}.")
             left |= found
     spans = tuple(
-        span for span in _runs(~left) if span.stop - span.start >= SHORTEST * rate
+        span for span in runs(~left) if span.stop - span.start >= SHORTEST * rate
     )  # fmt: skip
     samples = Samples(where, time, angle, torque, rate, spans, tuple(notes))
     if samples.seconds < LEAST:
@@ -207,14 +207,15 @@ def _moving(samples: Samples) -> Samples:
     return replace(samples, notes=tuple(notes), one_sided=one_sided)
 
 
-def _runs(mask: np.ndarray) -> list[slice]:
+def runs(mask: np.ndarray) -> list[slice]:
+    """Stretches of samples that are true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
     return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _wider(mask: np.ndarray, by: int) -> np.ndarray:
     wide = mask.copy()
-    for run in _runs(mask):
+    for run in runs(mask):
         wide[max(run.start - by, 0) : run.stop + by] = True
     return wide
 
@@ -225,7 +226,7 @@ def _saturated(torque: FloatArray) -> np.ndarray:
     known = torque[np.isfinite(torque)]
     for end in (known.min(), known.max()):
         at = np.abs(torque - end) <= 1e-6 * max(abs(end), 1e-9)
-        for run in _runs(at):
+        for run in runs(at):
             if run.stop - run.start >= 4:
                 found[run] = True
     return found
@@ -247,6 +248,6 @@ def _lost(angle: FloatArray, torque: FloatArray, rate: float) -> np.ndarray:
     moves, answers = changes
     lost = (moves > 0.5 * np.median(moves)) & (answers < LOST * np.median(answers))
     found = np.zeros(len(angle), bool)
-    for run in _runs(lost):
+    for run in runs(lost):
         found[run] = True
     return _wider(found, window // 2) if found.any() else found

@@ -3,11 +3,16 @@
 from datetime import datetime
 
 from surae.base.formatting import NO_NUMBER, percentage
-from surae.nerve import Impedance, Perturbed
+from surae.nerve import Impedance, Perturbed, Stretches
 from surae.nerve.answer import measure_rows
 from surae.report import block
 from surae.report.figures import Figure
-from surae.report.figures.nerve import effort_figure, frequency_figure, impulse_figure
+from surae.report.figures.nerve import (
+    effort_figure,
+    frequency_figure,
+    impulse_figure,
+    stretches_figure,
+)
 from surae.report.output import Report
 
 #: What the page says of itself.
@@ -16,6 +21,16 @@ _ABOUT = (
     "side: tissue, which answers at once, and a reflex, which answers the velocity of stretch in "
     "one direction, later. Intervals contain noise that is not white, drift, and what structures "
     "say that describe the torque about as well. No word of this is a diagnosis."
+)
+
+#: What the page of stretches says of itself.
+_STRETCHES = (
+    "Elastic is the rise of tissue’s torque, relaxed; viscous and inertial the largest of tissue’s "
+    "and of foot and device; neural the largest beyond them after 30 ms. Without EMG nothing shows "
+    "that it is neural: it is late, and tissue as it is before does not explain it. EMG begins "
+    "where it exceeds its rest by three standard deviations for 25 ms (Hodges and Bui 1996); the "
+    "threshold is the angle of onset over its velocity, at none (Levin and Feldman 1994). No word "
+    "of this is a diagnosis."
 )
 
 
@@ -53,6 +68,34 @@ def impedance_report(impedance: Impedance, *, created: datetime) -> Report:
             block.Text(f"{impedance.reflex.reason}.", lead=f"Reflex: {impedance.reflex.verdict}:"),
             block.Text(_ABOUT, "note"),
             *sections,
+        ),
+        footer="Made by surae for research.",
+    )
+    return Report(document, figures)
+
+
+def stretches_report(found: Stretches, *, created: datetime) -> Report:
+    """The report of slow and fast stretches."""
+    table, figures, pictures = found.as_table(), list[tuple[str, Figure]](), list[block.Block]()
+    for way in dict.fromkeys(s.direction for s in found.stretches):
+        own = [s for s in found.stretches if s.direction == way]
+        figures.append((way, stretches_figure(own)))
+        caption = f"Largest torque of each part in stretches to {way}; bars are 95 % intervals."
+        pictures.append(block.Picture(way, f"Torque over speed, {way}", caption))
+    numbers = tuple(k for k, head in enumerate(table.heads) if head in table.numbers)
+    grid = block.Grid(
+        "Stretches", block.columns(*table.heads, numbers=numbers), block.rows(table.rows)
+    )
+    document = block.Document(
+        kicker="How much is nerve?",
+        heading="Slow and fast stretches",
+        under=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
+        title="Slow and fast stretches",
+        blocks=(
+            *(block.Text(f"{line}.") for line in table.below),
+            *pictures,
+            block.Section("Every stretch", (grid,)),
+            block.Text(_STRETCHES, "note"),
         ),
         footer="Made by surae for research.",
     )

@@ -1,0 +1,130 @@
+"""A stretch's torque taken apart: tissue, as it is where no muscle answers, and what is beyond."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.signal import lfilter
+
+from surae.base.units import FloatArray
+from surae.nerve.ramps import RATE, SMOOTH, RampSpan, Stretched, low
+
+#: Without EMG: time from a stretch's begin in which no reflex has torque yet, and how long its
+#: torque lasts after the stretch [s].
+NOT_YET, LATE = 0.04, 0.6
+#: Speed as a multiple of the slowest stretch's beyond which a reflex is looked for without EMG.
+FAST = 2.0
+#: Times in which tissue relaxes [s]; time between knots of a torque's drift [s].
+RELAXES, DRIFT = (0.05, 0.8), 15.0
+#: Knots of the elastic torque over the angle, and what keeps them together.
+KNOTS, RIDGE = 6, 1e-6
+#: Natural frequencies of muscles that EMG drives [rad/s]; the one that fits best is taken.
+OMEGAS = (8.0, 12.0, 18.0, 26.0, 40.0, 60.0)
+#: Samples of which one is independent; what of a reflex's peak is not known for its smoothing [1].
+DEPENDENT, PEAK = 20.0, 0.06
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """Torque [Nm] of one stretch, at its most."""
+
+    elastic: float
+    viscous: float
+    inertial: float
+    neural: float
+    error: float  #: Standard error of the neural part.
+
+
+class TissueTorque:
+    """Elastic, viscous and inertial torque of a leg, beside that of its EMG.
+
+    Where there is EMG, its torque is that of second-order muscles which it drives, fitted with
+    tissue's; where there is none, tissue is fitted to the samples in which no reflex is expected.
+    """
+
+    def __init__(self, every: Sequence[Stretched], quiet: Sequence[FloatArray]) -> None:
+        """`quiet` are samples of each recording, at its rate, that are fitted."""
+        self.every = every
+        self.angles = [_slow(of, of.angle) for of in every]
+        joined = np.concatenate(self.angles)
+        ends = float(joined.min()) - 1e-6, float(joined.max()) + 1e-6
+        inner = np.linspace(*ends, KNOTS)[1:-1]
+        self.knots = np.concatenate([[ends[0]] * 4, inner, [ends[1]] * 4])
+        self.rows = [self._rows(i) for i in range(len(every))]
+        torques = [_slow(of, low(of.torque, of.rate, SMOOTH)) for of in every]
+        use = [_slow(of, q.astype(float)) > 0.99 for of, q in zip(every, quiet, strict=True)]
+        muscles = sorted(set.intersection(*({*of.emg} for of in every)))
+        heard = [
+            {m: _slow(of, low(of.emg[m], of.rate, SMOOTH)) for m in muscles} for of in every
+        ]  # smoothed alike: corners of the movement would else be left
+        best = np.inf
+        for omega in OMEGAS if muscles else OMEGAS[:1]:
+            driven = [
+                _driven([h[m] for m in muscles], omega, len(r))
+                for h, r in zip(heard, self.rows, strict=True)
+            ]
+            x = np.concatenate(
+                [np.hstack([r, d])[u] for r, d, u in zip(self.rows, driven, use, strict=True)]
+            )
+            y = np.concatenate([t[u] for t, u in zip(torques, use, strict=True)])
+            size = np.sqrt(np.mean(x**2, axis=0)) + 1e-12
+            normal = (x / size).T @ (x / size) / len(y) + RIDGE * np.eye(x.shape[1])
+            c = np.linalg.solve(normal, (x / size).T @ y / len(y)) / size
+            sd = float(np.std(y - x @ c))
+            if sd < best:
+                best, k = sd, self.rows[0].shape[1]
+                self.c, self.sd = c[:k], sd
+                inverse = np.linalg.inv(normal) / np.outer(size, size) / len(y)
+                self.covariance = (inverse * sd**2 * DEPENDENT)[:k, :k]
+        self.left = [t - r @ self.c for t, r in zip(torques, self.rows, strict=True)]
+
+    def _rows(self, index: int) -> FloatArray:
+        angle = self.angles[index]
+        v = np.gradient(angle, 1.0 / RATE)
+        columns = [np.gradient(v, 1.0 / RATE), v]
+        for time in RELAXES:
+            keep = np.exp(-1.0 / (RATE * time))
+            columns.append(lfilter([keep, -keep], [1.0, -keep], angle - angle[0]))
+        curve = BSpline.design_matrix(angle, self.knots, 3).toarray()
+        counts = [max(round(len(a) / RATE / DRIFT), 1) + 1 for a in self.angles]
+        at, where = np.linspace(0.0, 1.0, len(angle)), np.linspace(0.0, 1.0, counts[index])
+        own = np.stack([np.interp(at, where, row) for row in np.eye(counts[index])], axis=1)
+        drift = [own if i == index else np.zeros((len(angle), n)) for i, n in enumerate(counts)]
+        return np.column_stack([*columns, curve[:, 1:], *drift])
+
+    def parts(self, index: int, ramp: RampSpan) -> Parts:
+        """Of one stretch: largest viscous and inertial torque, elastic rise, and what is beyond."""
+        of, n, lead = self.every[index], len(self.knots) - 5, 2 + len(RELAXES)
+        first, last = (round((of.time[k] - of.time[0]) * RATE) for k in (ramp.begin, ramp.stop))
+        rows, sign = self.rows[index], float(ramp.direction)
+        span = slice(max(first - 5, 0), last + 6)
+        curve = rows[:, lead : lead + n] @ self.c[lead : lead + n]
+        end = min(last + round(0.05 * RATE), len(curve) - 1)
+        viscous = rows[span, 1] * (self.c[1] + self.c[2] * RELAXES[0])
+        window = slice(first + round(0.03 * RATE), min(last + round(0.3 * RATE), len(curve)))
+        beyond = sign * self.left[index]
+        before = float(np.mean(beyond[max(first - 30, 0) : max(first - 2, 1)]))
+        top = window.start + int(np.argmax(beyond[window]))
+        error = float(np.sqrt(rows[top] @ self.covariance @ rows[top] + self.sd**2))
+        neural = float(beyond[top]) - before
+        error = float(np.hypot(error, 0.5 * before))
+        return Parts(
+            sign * float(curve[end] - curve[max(first - 5, 0)]), float(np.max(sign * viscous)),
+            float(np.max(np.abs(rows[span, 0] * self.c[0]))), neural,
+            float(np.hypot(error, PEAK * neural)),
+        )  # fmt: skip
+
+
+def _slow(of: Stretched, values: FloatArray) -> FloatArray:
+    """A signal at `RATE`, smoothed before."""
+    at = np.arange(of.time[0], of.time[-1], 1.0 / RATE)
+    return np.interp(at, of.time, low(values, of.rate, 0.4 * RATE))
+
+
+def _driven(emg: Sequence[FloatArray], omega: float, n: int) -> FloatArray:
+    """Torque of critically damped muscles that EMG drives, (n, muscles)."""
+    keep = float(np.exp(-omega / RATE))
+    once = [lfilter([1.0 - keep], [1.0, -keep], each) for each in emg]
+    twice = [lfilter([1.0 - keep], [1.0, -keep], each) for each in once]
+    return np.stack(twice, axis=1) if twice else np.zeros((n, 0))

@@ -1,0 +1,114 @@
+"""Slow and fast stretches in a recording: where they are, and when muscles answer them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from surae.base.errors import InputError
+from surae.base.units import FloatArray
+from surae.nerve.samples import on_one_clock, runs
+from surae.recording import MUSCLES, Recording
+
+#: A movement [rad/s], the range [rad] that makes it a stretch, and its hold afterwards [s].
+MOVING, RANGE, HOLD = np.deg2rad(2.0), np.deg2rad(5.0), 0.2
+#: Rate at which torque is taken apart [Hz], and what is smoothed away before [Hz].
+RATE, SMOOTH = 100.0, 25.0
+#: Rest before a stretch by which a burst is judged [s]; standard deviations over it, for as long as
+#: a burst lasts at least [s] (Hodges and Bui 1996), and the least part of the trial's largest.
+REST, DEVIATIONS, LASTS, LEAST = 0.3, 3.0, 0.025, 0.03
+#: Time after a stretch ends in which a burst still counts [s].
+AFTER = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class RampSpan:
+    """One stretch by its samples."""
+
+    begin: int  #: First sample of the movement.
+    stop: int  #: Last.
+    direction: int  #: 1 dorsiflexion, −1 plantarflexion.
+
+
+@dataclass(frozen=True, slots=True)
+class Stretched:
+    """A recording at `rate`: signals, envelopes of its EMG, and its stretches."""
+
+    name: str  #: Of its file.
+    rate: float  #: [Hz]
+    time: FloatArray  #: [s], shape (n,).
+    angle: FloatArray  #: [rad], smoothed, shape (n,).
+    torque: FloatArray  #: [Nm], shape (n,).
+    emg: Mapping[str, FloatArray]  #: Envelopes by muscle, of 1 at the trial's largest, (n,).
+    ramps: tuple[RampSpan, ...]  #: In order of time.
+
+    @property
+    def velocity(self) -> FloatArray:
+        """[rad/s], shape (n,)."""
+        return np.gradient(self.angle, 1.0 / self.rate)
+
+
+def low(values: FloatArray, rate: float, cutoff: float) -> FloatArray:
+    """Low-passed without delay."""
+    sections = butter(2, min(cutoff, 0.45 * rate), fs=rate, output="sos")
+    return np.asarray(sosfiltfilt(sections, values))
+
+
+def stretched(recording: Recording) -> Stretched:
+    """Find the stretches of a recording.
+
+    Raises
+    ------
+    InputError
+        It has no torque or no stretch.
+    """
+    if "torque" not in recording.channels:
+        raise InputError(f"{recording.where}: there is no torque; name its column torque_Nm")
+    a, t = recording.channels["angle"], recording.channels["torque"]
+    torque = np.interp(a.time, t.time, t.values)
+    time, angle, torque, rate = on_one_clock(recording.where, a.time, a.values, torque)
+    good = np.isfinite(angle)
+    angle, torque = (np.interp(time, time[good], x[good]) for x in (angle, torque))
+    smooth = low(angle, rate, SMOOTH)
+    velocity, ramps = np.gradient(smooth, 1.0 / rate), []
+    for direction in (1, -1):
+        for run in runs(direction * velocity > MOVING):
+            moved = direction * (smooth[run.stop - 1] - smooth[run.start])
+            held = slice(run.stop, run.stop + round(HOLD * rate))
+            still = np.abs(smooth[held] - smooth[run.stop - 1])
+            if moved > RANGE and len(still) and float(still.max()) < 0.15 * moved:
+                fast = direction * velocity[run] > 0.3 * float(np.max(direction * velocity[run]))
+                own = run.start + np.flatnonzero(fast)
+                ramps.append(RampSpan(int(own[0]), int(own[-1]), direction))
+    if not ramps:
+        raise InputError(
+            f"{recording.where}: no stretch is in it: no movement of {np.rad2deg(RANGE):.0f}° or "
+            "more ends in a hold; move the relaxed foot by ramps at several speeds, or use "
+            "`surae impedance` for small random movements"
+        )
+    emg = {}
+    for muscle in MUSCLES:
+        if (channel := recording.channels.get(f"emg_{muscle}")) is not None:
+            values = np.interp(time, channel.time, channel.values)
+            if recording.emg == "raw":
+                own_rate = channel.rate_hz
+                high = butter(2, 20.0, "high", fs=own_rate, output="sos")
+                whole = np.abs(sosfiltfilt(high, channel.values))
+                values = np.interp(time, channel.time, low(whole, own_rate, 30.0))
+            emg[muscle] = values
+    ramps.sort(key=lambda ramp: ramp.begin)
+    name = recording.files[0].name if recording.files else recording.name
+    return Stretched(name, rate, time, smooth, torque, emg, tuple(ramps))
+
+
+def onset(of: Stretched, ramp: RampSpan, muscle: str, largest: float) -> int | None:
+    """Sample at which a muscle's EMG begins to answer; None where it does not."""
+    envelope, rate = of.emg[muscle], of.rate
+    rest = envelope[max(ramp.begin - round(REST * rate), 0) : ramp.begin]
+    if len(rest) < 3:
+        return None
+    level = float(rest.mean()) + max(DEVIATIONS * float(rest.std()), LEAST * largest)
+    above = envelope[ramp.begin : ramp.stop + round(AFTER * rate)] > level
+    first = next((r for r in runs(above) if r.stop - r.start >= LASTS * rate), None)
+    return None if first is None else ramp.begin + int(first.start)

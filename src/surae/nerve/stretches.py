@@ -1,0 +1,273 @@
+"""The answer of `surae.stretches`: every stretch, thresholds, and what repeats differ by."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.stats import norm
+from scipy.stats import t as student
+
+from surae.base.errors import InputError
+from surae.base.formatting import NO_NUMBER
+from surae.base.frozen import FrozenDict
+from surae.base.records import Saved
+from surae.base.tables import Tabular, TextTable
+from surae.base.units import FloatArray
+from surae.nerve.impedance import DIRECTIONS
+from surae.nerve.parts import FAST, LATE, NOT_YET, TissueTorque
+from surae.nerve.ramps import RampSpan, Stretched, low, onset, stretched
+from surae.recording import Recording
+
+#: Muscles that a movement in each direction stretches.
+OPPOSED = {1: ("gl", "sol", "gm"), -1: ("ta",)}
+#: Repeats whose speeds differ by less are repeats of one stretch [part].
+ALIKE = 0.15
+#: Standard errors, and part of the stretch's torque, from which one without EMG is probably neural.
+PROBABLE, LEAST_PART = 3.0, 0.05
+#: Onsets and half-width [deg] up to which a threshold is identified, and weak.
+LEAST_ONSETS, IDENTIFIED, WEAK = 4, 3.0, 10.0
+#: Least spread of velocities at onset [rad/s], and error of one onset's angle in all of them [deg].
+SPREAD, ONSET_ERROR = 0.3, 0.5
+#: Of which repeats give the smallest detectable change.
+_COMPARED = ("peak_torque_Nm", "elastic_Nm", "viscous_Nm", "neural_Nm", "inertial_Nm")
+
+
+@dataclass(frozen=True, slots=True)
+class StretchAnswer:
+    """One stretch; torque is counted in its own direction."""
+
+    recording: str  #: Name of its file.
+    start_s: float  #: Begin [s].
+    direction: Literal["dorsiflexion", "plantarflexion"]  #: Of the movement.
+    speed_deg_s: float  #: Median of its middle.
+    from_deg: float  #: Angle at its begin.
+    to_deg: float  #: Angle at its end.
+    peak_torque_Nm: float  #: Largest torque over that before it.
+    elastic_Nm: float  #: Rise of tissue's torque, relaxed.
+    viscous_Nm: float  #: Largest, of tissue.
+    inertial_Nm: float  #: Largest, of foot and device.
+    neural_Nm: float | None  #: Largest beyond tissue's; None where it cannot be told from tissue.
+    neural_ci95: tuple[float, float] | None  #: Its 95 % interval.
+    neural_note: str  #: Whether EMG says so, or time alone.
+    emg_onset_deg: FrozenDict[str, float | None]  #: Angle at which each muscle's EMG begins.
+    catch_deg: float | None  #: Angle of the largest drop of power after its peak.
+
+
+@dataclass(frozen=True, slots=True)
+class StretchThreshold:
+    """Angle at which a muscle would answer an endlessly slow stretch (Levin and Feldman 1994)."""
+
+    angle_deg: float | None  #: None where there are too few onsets.
+    ci95: tuple[float, float] | None  #: 95 % interval.
+    verdict: Literal["identified", "weak", "undetermined"]  #: By the half-width of the interval.
+    note: str  #: Of how many onsets.
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Stretches(Tabular, Saved):
+    """What slow and fast stretches say of one leg."""
+
+    stretches: tuple[StretchAnswer, ...]  #: In the order of recordings and time.
+    threshold: FrozenDict[str, StretchThreshold]  #: By muscle whose EMG is there.
+    #: 1.96·√2·SD of repeats at one speed: what a difference must exceed; None without repeats.
+    smallest_detectable_change: FrozenDict[str, float | None]
+
+    def as_table(self) -> TextTable:
+        """The table, as texts.
+
+        Returns
+        -------
+        TextTable
+            A row for each stretch, thresholds and smallest changes below.
+        """
+        rows = []
+        for s in self.stretches:
+            first = [v for v in s.emg_onset_deg.values() if v is not None]
+            numbers = (s.peak_torque_Nm, s.elastic_Nm, s.viscous_Nm, s.inertial_Nm, s.neural_Nm)
+            texts = [NO_NUMBER if v is None else f"{v:.1f}" for v in numbers]
+            onset_ = f"{min(first):.0f}" if first else NO_NUMBER
+            catch = NO_NUMBER if s.catch_deg is None else f"{s.catch_deg:.0f}"
+            place = f"{s.start_s:.2f}", s.direction, f"{s.speed_deg_s:.0f}"
+            span = f"{s.from_deg:.0f} to {s.to_deg:.0f}"
+            rows.append((s.recording, *place, span, *texts, onset_, catch, s.neural_note))
+        below = [
+            f"Threshold at rest, {muscle}: {h.angle_deg:.1f}° "
+            f"({h.ci95[0]:.1f} to {h.ci95[1]:.1f}), {h.verdict}: {h.note}"
+            if h.angle_deg is not None and h.ci95 is not None
+            else f"Threshold at rest, {muscle}: none: {h.note}"
+            for muscle, h in self.threshold.items()
+        ]
+        changes = [
+            f"{n} {v:.2g}" for n, v in self.smallest_detectable_change.items() if v is not None
+        ]
+        below.append(
+            "Smallest detectable change: "
+            + (", ".join(changes) or "no stretch was repeated at one speed")
+        )
+        return TextTable(
+            ("recording", "start [s]", "direction", "speed [°/s]", "from, to [°]", "peak [Nm]",
+             "elastic", "viscous", "inertial", "neural", "EMG from [°]", "catch [°]", "note"),
+            tuple(rows), below=tuple(below),
+            numbers=("start [s]", "speed [°/s]", "peak [Nm]", "elastic", "viscous", "inertial",
+                     "neural", "EMG from [°]", "catch [°]"),
+        )  # fmt: skip
+
+    def to_dataframe(self) -> Any:
+        """The stretches as a pandas DataFrame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each; EMG onsets are columns ``emg_onset_gm_deg`` and the like.
+
+        Raises
+        ------
+        InputError
+            The package pandas is not installed.
+        """
+        try:
+            import pandas as pd
+        except ImportError:
+            raise InputError("pandas is not installed; pip install pandas") from None
+        rows = []
+        for plain in self.as_dict()["stretches"]:
+            onsets = plain.pop("emg_onset_deg")
+            rows.append(plain | {f"emg_onset_{m}_deg": angle for m, angle in onsets.items()})
+        return pd.DataFrame(rows)
+
+
+def answers(recordings: Sequence[Recording]) -> Stretches:
+    """Everything that the stretches of a leg say."""
+    every = [stretched(recording) for recording in recordings]
+    largest = {
+        m: max(float(np.quantile(of.emg[m], 0.9995)) for of in every if m in of.emg)
+        for m in {m for of in every for m in of.emg}
+    }
+    ramps = [(i, ramp) for i, of in enumerate(every) for ramp in of.ramps]
+    onsets = [
+        {m: onset(every[i], r, m, largest[m]) for m in OPPOSED[r.direction] if m in every[i].emg}
+        for i, r in ramps
+    ]
+    speeds = [_speed(every[i], ramp) for i, ramp in ramps]
+    quiet = [np.ones(len(of.time), bool) for of in every]
+    seen = [bool(found) for found in onsets]
+    for (i, ramp), found, speed in zip(ramps, onsets, speeds, strict=True):
+        rate, alike = every[i].rate, zip(speeds, ramps, strict=True)
+        slowest = min(s for s, (_, r) in alike if r.direction == ramp.direction)
+        if not found and speed > FAST * slowest and ramp.direction > 0:
+            begin = min(ramp.begin + round(NOT_YET * rate), ramp.stop)
+            quiet[i][begin : ramp.stop + round(LATE * rate)] = False
+    tissue = TissueTorque(every, quiet)
+    stretches = tuple(
+        _stretch(every[i], ramp, found, speed, tissue, i, emg)
+        for (i, ramp), found, speed, emg in zip(ramps, onsets, speeds, seen, strict=True)
+    )
+    thresholds = {m: _threshold(m, every, ramps, onsets) for m in sorted(largest)}
+    return Stretches(stretches, FrozenDict(thresholds), FrozenDict(_changes(stretches)))
+
+
+def _speed(of: Stretched, ramp: RampSpan) -> float:
+    """Speed of the middle of a stretch [rad/s]."""
+    third = (ramp.stop - ramp.begin) // 4
+    return float(abs(np.median(of.velocity[ramp.begin + third : ramp.stop - third + 1])))
+
+
+def _stretch(of: Stretched, ramp: RampSpan, found: Mapping[str, int | None], speed: float,
+             tissue: TissueTorque, index: int, emg: bool) -> StretchAnswer:  # fmt: skip
+    parts, rate = tissue.parts(index, ramp), of.rate
+    torque = ramp.direction * low(of.torque, rate, 40.0)
+    before = float(np.mean(torque[max(ramp.begin - round(0.1 * rate), 0) : ramp.begin + 1]))
+    after = torque[ramp.begin : ramp.stop + round(0.1 * rate)]
+    first = [at for at in found.values() if at is not None]
+    neural: float | None = max(parts.neural, 0.0)
+    half = 1.96 * parts.error
+    if emg and not first:
+        neural, note = 0.0, "no EMG answers"
+        ci: tuple[float, float] | None = (0.0, max(half, parts.neural))
+    elif emg:
+        note, ci = "with EMG", (max(parts.neural - half, 0.0), parts.neural + half)
+    elif parts.neural > max(PROBABLE * parts.error, LEAST_PART * float(after.max() - before)):
+        note, ci = "probably neural: late, no EMG", (parts.neural - half, parts.neural + half)
+    else:
+        neural, note, ci = (
+            0.0,
+            "nothing late is seen, no EMG",
+            (0.0, max(half, parts.neural + half)),
+        )
+    degrees = np.rad2deg(of.angle)
+    catch = None
+    if neural and ci and ci[0] > 0.0:
+        power = low(torque * ramp.direction * of.velocity, rate, 20.0)
+        peak = ramp.begin + int(np.argmax(power[ramp.begin : ramp.stop + 1]))
+        drop = -np.gradient(power[peak : ramp.stop + 2])
+        catch = float(degrees[peak + int(np.argmax(drop))]) if len(drop) > 2 else None
+    return StretchAnswer(
+        of.name, float(of.time[ramp.begin]), DIRECTIONS[ramp.direction],  # type: ignore[arg-type]
+        float(np.rad2deg(speed)), float(degrees[ramp.begin]), float(degrees[ramp.stop]),
+        float(after.max()) - before, parts.elastic, parts.viscous, parts.inertial, neural, ci, note,
+        FrozenDict({m: None if at is None else float(degrees[at]) for m, at in found.items()}),
+        catch,
+    )  # fmt: skip
+
+
+def _threshold(muscle: str, every: Sequence[Stretched], ramps: Sequence[tuple[int, RampSpan]],
+               onsets: Sequence[Mapping[str, int | None]]) -> StretchThreshold:  # fmt: skip
+    """Angle of onset over velocity, at no velocity; without an onset it lies beyond the end.
+
+    To leave stretches out that are not answered would draw the line down: slow ones are answered
+    where the threshold happens to lie low. They are censored (Tobin 1958).
+    """
+    seen, ended = [], []
+    for (i, ramp), found in zip(ramps, onsets, strict=True):
+        of, at = every[i], found.get(muscle)
+        if at is not None:
+            seen.append((of.velocity[at], of.angle[at]))
+        elif muscle in found:
+            ended.append((ramp.direction * _speed(of, ramp), of.angle[ramp.stop]))
+    n = len(seen)
+    if n < LEAST_ONSETS or np.ptp([v for v, _ in seen]) < SPREAD:
+        note = f"{n} onsets, at too few speeds; repeat fast stretches"
+        return StretchThreshold(None, None, "undetermined", note)
+    (v, angle), end = np.rad2deg(np.array(seen)).T, np.rad2deg(np.array(ended).reshape(-1, 2)).T
+    sign = -1.0 if muscle == "ta" else 1.0
+
+    def loss(q: FloatArray) -> float:
+        sd = np.exp(q[2])
+        left = (angle - q[0] - 0.01 * q[1] * v) / sd
+        beyond = sign * (end[1] - q[0] - 0.01 * q[1] * end[0]) / sd
+        return float(0.5 * left @ left + n * q[2] - np.sum(norm.logsf(beyond)))
+
+    line = np.polynomial.polynomial.polyfit(v, angle, 1)
+    first = np.array([line[0], 100.0 * line[1], np.log(max(np.std(angle), 0.5))])
+    found_ = minimize(loss, first, method="BFGS")
+    angle0, sd = float(found_.x[0]), float(np.sqrt(found_.hess_inv[0, 0]))
+    half = float(student.ppf(0.975, max(n - 2, 1))) * float(np.hypot(sd, ONSET_ERROR))
+    verdict: Literal["identified", "weak", "undetermined"] = "undetermined"
+    if half < WEAK:
+        verdict = "identified" if half <= IDENTIFIED else "weak"
+    note = f"{n} onsets, {len(ended)} stretches without"
+    return StretchThreshold(angle0, (angle0 - half, angle0 + half), verdict, note)
+
+
+def _changes(stretches: Sequence[StretchAnswer]) -> dict[str, float | None]:
+    """1.96·√2 times the standard deviation of repeats, pooled over speeds of each direction."""
+    groups: list[list[StretchAnswer]] = []
+    for s in sorted(stretches, key=lambda s: (s.direction, s.speed_deg_s)):
+        last = groups[-1][-1] if groups else None
+        same = last is not None and last.direction == s.direction
+        if same and s.speed_deg_s < (1.0 + ALIKE) * groups[-1][0].speed_deg_s:
+            groups[-1].append(s)
+        else:
+            groups.append([s])
+    found: dict[str, float | None] = {}
+    for name in _COMPARED:
+        squares, freedom = 0.0, 0
+        for group in groups:
+            values = np.array([v for s in group if (v := getattr(s, name)) is not None])
+            if len(values) > 1:
+                squares += float(np.sum((values - values.mean()) ** 2))
+                freedom += len(values) - 1
+        found[name] = float(1.96 * np.sqrt(2.0 * squares / freedom)) if freedom else None
+    return found

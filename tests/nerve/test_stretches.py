@@ -1,0 +1,67 @@
+"""`surae.stretches`: stretches of a simulated calf, found and taken apart."""
+
+import pytest
+
+import surae
+from perturbed_ankle import ramps
+from surae.base.errors import InputError
+
+SPEEDS = (10.0, 10.0, 60.0, 60.0, 120.0, 120.0, 180.0, 180.0)
+
+
+def calf(found):
+    return [s for s in found.stretches if s.direction == "dorsiflexion"]
+
+
+def test_every_stretch_is_found_with_its_speed_and_ends() -> None:
+    found = calf(surae.stretches(ramps(SPEEDS)))
+    assert [s.speed_deg_s for s in found] == pytest.approx(SPEEDS, rel=0.05)
+    assert [s.from_deg for s in found] == pytest.approx([-20.0] * 8, abs=1.5)
+    assert [s.to_deg for s in found] == pytest.approx([10.0] * 8, abs=1.5)
+
+
+@pytest.mark.parametrize("emg", [True, False])
+def test_torque_is_taken_apart(emg) -> None:
+    found = calf(surae.stretches(ramps(SPEEDS, neural=6.0, emg=emg)))
+    assert [s.elastic_Nm for s in found] == pytest.approx([0.5236 * 20.0] * 8, rel=0.1)
+    for s in found[4:]:
+        low, high = s.neural_ci95
+        assert low < 6.0 < high or s.neural_Nm == pytest.approx(6.0, rel=0.15)
+        assert s.neural_note == ("with EMG" if emg else "probably neural: late, no EMG")
+    assert all(s.neural_Nm == 0.0 for s in found[:2])
+
+
+@pytest.mark.parametrize("emg", [True, False])
+def test_tissue_alone_has_no_nerve(emg) -> None:
+    found = calf(surae.stretches(ramps(SPEEDS, neural=0.0, emg=emg)))
+    assert all(s.neural_Nm == 0.0 for s in found)
+    assert all(s.catch_deg is None for s in found)
+
+
+def test_the_threshold_is_that_of_no_velocity() -> None:
+    answered = (60.0, 60.0, 90.0, 120.0, 120.0, 180.0, 180.0)
+    threshold = surae.stretches(ramps(answered, neural=6.0)).threshold["gm"]
+    low, high = threshold.ci95
+    assert low < 5.0 < high
+    assert threshold.angle_deg == pytest.approx(5.0, abs=3.0)
+    assert surae.stretches(ramps(SPEEDS, neural=0.0)).threshold["gm"].angle_deg is None
+
+
+def test_repeats_give_the_smallest_change_and_single_ones_none() -> None:
+    some = surae.stretches(ramps(SPEEDS, neural=6.0)).smallest_detectable_change
+    assert 0.0 < some["neural_Nm"] < 3.0
+    once = surae.stretches(ramps((10.0, 120.0), returning=None)).smallest_detectable_change
+    assert once["elastic_Nm"] is None or once["elastic_Nm"] >= 0.0
+
+
+def test_a_table_has_a_row_for_each_stretch() -> None:
+    pytest.importorskip("pandas")
+    found = surae.stretches(ramps(SPEEDS))
+    table = found.to_dataframe()
+    assert len(table) == len(found.stretches) == len(found.as_table().rows)
+    assert "emg_onset_gm_deg" in table
+
+
+def test_no_stretch_is_said(ankle) -> None:
+    with pytest.raises(InputError, match="surae impedance"):
+        surae.stretches(ankle(seconds=10.0).recording())
