@@ -20,6 +20,8 @@ REACHED = 0.9
 #: Departure from the commanded profile as a part of its span. Clean virtual trials keep to 0.006 of
 #: a recognised profile; the thesis's overshoots were seen by eye.
 DEPARTURE = 0.015
+#: Range [rad], time [s] and bandwidth [Hz] of small random perturbations, as in `surae.nerve`.
+PERTURBED, PERTURBED_S, PERTURBED_HZ = (0.002, 0.175), 20.0, 5.0
 #: Overshoot of a movement as a part of it, where no profile is known, and the least [rad].
 OVERSHOOT, LEAST = 0.04, 0.012
 #: A jump of the angle [rad] that is no encoder's step...
@@ -40,6 +42,17 @@ def units(trial: CheckedTrial) -> Iterator[Finding]:
         )  # fmt: skip
 
 
+def perturbing(angle: FloatArray, rate: float) -> bool:
+    """Whether a movement is small, broad-band and goes on: a perturbation, no trial of a fit."""
+    if not PERTURBED[0] < float(np.ptp(angle)) < PERTURBED[1] or len(angle) < PERTURBED_S * rate:
+        return False
+    smoothed = smooth(angle, 3)
+    power = np.abs(np.fft.rfft(np.diff(smoothed) * np.hanning(len(smoothed) - 1))) ** 2
+    speed, f = np.cumsum(power), np.fft.rfftfreq(len(smoothed) - 1, 1.0 / rate)
+    noise = float(np.std(np.diff(angle))) > 0.5 * float(np.std(angle))
+    return not noise and float(f[np.searchsorted(speed, 0.95 * speed[-1])]) > PERTURBED_HZ
+
+
 def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     """A range too small to tell the parameters, or smaller than was commanded."""
     span = float(np.ptp(trial.angle))
@@ -52,6 +65,8 @@ def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     ends = f"{np.rad2deg(low):.0f} to {np.rad2deg(high):.0f}°".replace("-", "−")
     text = f"The angle covers {np.rad2deg(span):.0f}°, from {ends}"
     text += f": {100 * (span / moved):.0f} % of what was commanded." if missed else "."
+    if trial.torque is not None and perturbing(trial.angle, trial.rate_hz):
+        text += " These are small random perturbations: `surae impedance` tells tissue from reflex."
     yield make_finding(
         "rom-not-covered", "angle", trial.span, span, text,
         severity="warning" if span < SMALL_ROM or missed else "info",
