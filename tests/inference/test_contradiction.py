@@ -140,7 +140,7 @@ def test_a_fit_as_people_make_it_is_held_against_the_rest(legs, tmp_path) -> Non
     leg, _ = legs[0]
     leg.write(tmp_path / "leg.csv")
     fit = surae.fit(tmp_path / "leg.csv", model="muscle", starts=1, quality=())
-    assert "a model with some of zero, delay, crosstalk, tendons" in fit.assessment.interval_note
+    assert "what models with zero, delay, crosstalk, tendons give" in fit.assessment.interval_note
     fit.save(tmp_path / "fit.json")
     again = surae.load(tmp_path / "fit.json")
     assert again == fit

@@ -198,7 +198,7 @@ def test_what_users_gave_stays_as_it_is() -> None:
         ("m = {", "mm = {", "parameters: m missing"),
         ("start = 0.6,", "start = 9.0,", "m must be above zero and within its bounds"),
         ('limb = "hand"', "", "limb: it is missing|missing"),
-        ('limb = "hand"', "limb = ", "not a TOML file"),
+        ('limb = "hand"', "limb = ", "not valid TOML"),
     ],
 )
 def test_what_is_no_joint_is_refused(tmp_path, line, by, message) -> None:

@@ -229,7 +229,7 @@ def test_devices_are_data(tmp_path) -> None:
         ('name = "a"\nmax_torque_Nm = -1', "use more than 0"),
         ('name = "a"\nrange_rad = [1]', "range_rad"),
         ('name = "a"\nrange_rad = [1, 0]', "low must be below"),
-        ("name = ", "not a TOML"),
+        ("name = ", "not valid TOML"),
     ],
 )
 def test_a_device_that_is_none_is_refused(tmp_path, text, complaint) -> None:

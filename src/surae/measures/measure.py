@@ -77,15 +77,18 @@ class Measures(Tabular, Mapping[str, Measure]):
             A row for each measure that has a value, and why the others have none.
         """
         rows = []
+        missing: dict[str, list[str]] = {}
         for m in self.values():
-            if m.value is not None:
+            if m.value is None:
+                missing.setdefault(m.note, []).append(m.name)
+            else:
                 text = of_interval(m.value, m.ci95)
                 rows.append((m.name, text.value, text.interval, m.unit, m.note, str(m.verdict)))
         return TextTable(
             ("measure", "value", "95 % interval", "unit", "note", "verdict"),
             tuple(rows),
             above=(f"{self.model}: {self.adequacy.grade}", *self.adequacy.reasons),
-            below=tuple(f"{m.name}: {m.note}" for m in self.values() if m.value is None),
+            below=tuple(f"{', '.join(names)}: {why}" for why, names in missing.items()),
             numbers=("value", "95 % interval"),
         )
 

@@ -56,7 +56,7 @@ def wrong_angle(recording: Recording) -> tuple[Finding, Recording] | None:
     ends = " to ".join(f"{value / FACTORS['angle'][unit]:.3g}" for value in (low, high))
     found = f"The angle goes from {ends} {unit}".replace("-", "−").replace(" deg", "°")
     found += ", further than an ankle can" if far else ""
-    right, advice = recording, "Find out its unit and zero: 0 is the foot at 90° to the shank."
+    right, advice = recording, "Find out its unit and zero: 0 is the joint’s neutral position."
     if len(named) == 1:
         best = _certain(left, good)
         others = [each for what, each in tries if what.words not in named]

@@ -36,7 +36,7 @@ STILL = 0.03
 _ZERO, _GOOD_ENOUGH, _ZERO_GAIN = 8.0, 0.9, 1.3
 #: Drift of a torque that is claimed [Nm], and the part of what a fit leaves that it then explains.
 #: Of 48 virtual legs of another generator and 21 measured trials none has both; of 48 drifts by
-#: 8 Nm, 45 do.
+#: 8 Nm, 46 do (the legs on which it was set).
 _DRIFT, _DRIFT_SHARE = (3.8, 40.0), 0.21
 #: The same of what EMG shows for the same torque: a change by a third is 0.43. Right legs have less
 #: than 0.26 of a group, and 0.42 of all together where force is no multiple of EMG (family b).
