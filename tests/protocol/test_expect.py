@@ -134,7 +134,7 @@ def test_a_fit_is_a_leg_too(tmp_path) -> None:
     ("text", "complaint"),
     [
         ("time_s,angle_rad\n0,0\n", "no column emg_ta"),
-        ("time_s,angle_rad,emg_ta,emg_gl,emg_sol,emg_gm\n" + "0,x,0,0,0,0\n" * 20, "of them numbers"),
+        ("time_s,angle_rad,emg_ta,emg_gl,emg_sol,emg_gm\n" + "0,x,0,0,0,0\n" * 20, "numbers"),
         ("time_s,angle_rad,emg_ta,emg_gl,emg_sol,emg_gm\n" + "0,0,0,0,0,0\n" * 20, "equal steps"),
         ("time_s,angle_rad,emg_ta,emg_gl,emg_sol,emg_gm\n"
          + "".join(f"{k},{k},0,0,0,0\n" for k in range(20)), "degrees"),
