@@ -116,6 +116,18 @@ class Fitted:
         return piece.bins(piece.torque - self.prediction(piece))
 
 
+def _few_rows(e: FloatArray, j: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Qᵀe and R of j = QR, by Cholesky of the scaled normal equations where they are regular."""
+    size = np.sqrt(np.einsum("nk,nk->k", j, j)) + 1e-100
+    scaled = j / size
+    try:
+        r = np.linalg.cholesky(scaled.T @ scaled).T
+    except np.linalg.LinAlgError:
+        q, r = np.linalg.qr(j)
+        return q.T @ e, r
+    return np.linalg.solve(r.T, scaled.T @ e), r * size
+
+
 class Problem:
     """Pieces of one recording and the noise that weighs their bins."""
 
@@ -167,8 +179,7 @@ class Problem:
                 state.clear()
                 e, j = self.jacobian(structure, dict(zip(names, x, strict=True)))
                 # the same squares and steps from few rows: what j cannot reach is one number
-                q, r = np.linalg.qr(j)
-                reached = q.T @ e
+                reached, r = _few_rows(e, j)
                 rest = np.sqrt(max(float(e @ e - reached @ reached), 0.0))
                 state[key] = np.append(reached, rest), np.vstack([r, np.zeros(len(x))])
             return state[key]
