@@ -333,8 +333,9 @@ def _truth(
     measures: dict[str, float | None] = {
         # of the elastic torque over the angles that the record has
         "intrinsic_stiffness": float(moved @ elastic / (moved @ moved)),
-        "intrinsic_viscosity": a.own.slow_viscosity()
-        + a.own.viscosity * float(np.mean(np.sqrt(level)) - 1),
+        "intrinsic_viscosity": float(
+            a.own.slow_viscosity() + a.own.viscosity * (np.mean(np.sqrt(level)) - 1)
+        ),
         "inertia": a.own.inertia,
         "foot_inertia": a.foot,
         "reflex_gain": reflexes[0].gain if len(reflexes) == 1 else None,
