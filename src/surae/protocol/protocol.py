@@ -33,6 +33,9 @@ class Protocol(MotionSettings):
         A name of `PROFILES`.
     device : Device or None
         Whose limits the motion must keep; None for no limits.
+    legs : str
+        Model of the virtual legs by which its torque is judged; a designed movement may have
+        others.
     {settings}
 
     Raises
@@ -43,7 +46,6 @@ class Protocol(MotionSettings):
 
     profile: str
     device: Device | None = None
-    #: Model of the virtual legs by which its torque is judged; a designed movement may have others.
     legs: ClassVar[str] = "muscle"
 
     def __post_init__(self) -> None:
@@ -136,6 +138,11 @@ def generate(settings: Protocol) -> Trajectory:
     InputError
         The device cannot follow the motion and `settings.adapt` is False; the message says by how
         much and what to do.
+
+    Examples
+    --------
+    >>> protocol = surae.Protocol(profile="multi-sine", duration=20.0)
+    >>> surae.generate(protocol).angle.max()
     """
     oversampling = math.ceil(_FINE_RATE / settings.rate_hz)
     fine_rate = settings.rate_hz * oversampling

@@ -95,6 +95,10 @@ def virtual_subject(
     ------
     InputError
         The population is not known.
+
+    Examples
+    --------
+    >>> surae.virtual_subject(seed=1).parameters
     """
     check_population(population)
     rng = np.random.default_rng([seed, list(POPULATIONS).index(population)])

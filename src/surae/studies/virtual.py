@@ -52,6 +52,12 @@ def virtual_trial(
     -------
     ModelInputs
         Ready to fit, used as it is.
+
+    Examples
+    --------
+    >>> protocol = surae.Protocol(profile="multi-sine", duration=20.0)
+    >>> leg = surae.virtual_subject(seed=1)
+    >>> surae.virtual_trial(leg, surae.generate(protocol)).torque
     """
     trial = VirtualTrial(subject, trajectory, imperfections, seed)
     envelopes, torque = trial.simulated(model, options or ModelOptions())

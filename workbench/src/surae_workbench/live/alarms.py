@@ -179,7 +179,7 @@ class Watch:
             if speed >= _NEAR * most and speed >= _FASTER * self.speed:
                 yield Alarm("speed-limit", "angle", (
                     f"The foot turns at {np.degrees(speed):.0f} °/s, {100 * speed / most:.0f} % of "
-                    "what the device may: stop if nobody asked for that."
+                    "what the device may: stop if nobody wanted that."
                 ))  # fmt: skip
         if low < self._span[0] - _BEYOND or high > self._span[1] + _BEYOND:
             beyond = low if low < self._span[0] else high
@@ -250,7 +250,7 @@ class Watch:
                 least = min((e for e in efforts if e is not None), default=0.0)
                 if None not in efforts and least > _TOO_MUCH and f"emg_{muscle}" not in faulty:
                     yield Alarm("effort", f"emg_{muscle}", (
-                        f"Rest is asked for, and the {MUSCLE_NAMES[muscle]} works at "
+                        f"The leg should rest now, and the {MUSCLE_NAMES[muscle]} works at "
                         f"{100 * least:.0f} % of its largest so far: ask the subject to relax."
                     ))  # fmt: skip
                     return
@@ -262,7 +262,7 @@ class Watch:
                 name, word = ("triceps", "push down") if side == "triceps" else (
                     MUSCLE_NAMES["ta"], "pull up")  # fmt: skip
                 yield Alarm("effort", f"emg_{heard[0]}", (
-                    f"Effort is asked for, and the {name} shows none: ask the subject to {word}; "
+                    f"The leg should work now, and the {name} does not: ask the subject to {word}; "
                     "else look at its electrodes."
                 ))  # fmt: skip
 

@@ -119,8 +119,9 @@ def judge(
     wrong = None
     if asked in ("passive", "active") and judged in ("passive", "active") and asked != judged:
         wrong = (
-            "Rest was asked for, and muscles worked: record it again relaxed, or keep it as it is."
-            if asked == "passive" else "Effort was asked for, and every muscle stayed "
+            "The leg should have rested, and muscles worked: record it again relaxed, or keep it "
+            "as it is."
+            if asked == "passive" else "The leg should have worked, and every muscle stayed "
             "relaxed: record it again with effort, or keep it as it is."
         )  # fmt: skip
     judgement: dict[str, Any] = {
