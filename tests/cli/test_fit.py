@@ -151,7 +151,7 @@ def test_odd_names_are_shown_as_they_are(run, files) -> None:
     )  # fmt: skip
     assert done.code == 0
     assert f"{odd.stem}: VAF" in done.out
-    assert r"fit: '[b]\nx.json'" in done.out
+    assert "fit: [b] x.json\n" in done.out
     assert (files / "[b]\nx.json").is_file()
 
 

@@ -81,10 +81,21 @@ def test_what_cannot_be_predicted(run, files, edit) -> None:
     refused(run("validate", "fit.json", "c.csv"), "c.csv", "'1'", "'V'")
 
 
-def test_a_prediction_that_overflows(run, files, edit_fit) -> None:
-    edit_fit("f.json", lambda f: f["parameters"]["k_tri"].update(value=1e6))
+def test_a_fit_whose_numbers_overflow_is_refused(run, files, edit_fit) -> None:
+    def change(content) -> None:
+        content["parameters"]["k_tri"].update(value=1e6)
+
+    edit_fit("f.json", change)
     done = run("validate", "f.json", "trial.csv", "--output", "v.json")
-    refused(done, "trial.csv", "overflows", code=1)
+    refused(done, "f.json", "not those that were fitted")
+
+    def unsealed(content) -> None:
+        change(content)
+        del content["sha256"]  # as files of before have none
+
+    edit_fit("f.json", unsealed)
+    done = run("validate", "f.json", "trial.csv", "--output", "v.json")
+    refused(done, "f.json", "beyond any leg")
     assert not (files / "v.json").exists()
 
 

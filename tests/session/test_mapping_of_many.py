@@ -110,7 +110,10 @@ def test_what_differs_in_one_trial_is_a_line(leg):
     [
         ("b.torqe.sign = -1", "trials.b: key 'torqe' is not known"),
         ("b.torque = -1", "trials.b.torque is -1; write what differs"),
-        ("b.effort = 'lazy'", "trials.b: effort: 'lazy' is none of: passive, active, maximal"),
+        (
+            "b.effort = 'lazy'",
+            "trials.b: effort: 'lazy' is none of: passive, active, isometric, maximal",
+        ),
         ("b = 3", "trials.b: 3 is no table"),
         ("b.torque.sign = 2", "trials.b: channels.torque.sign: 2 is none of: 1, -1"),
     ],

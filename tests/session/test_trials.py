@@ -153,7 +153,7 @@ def test_what_cannot_be_a_session(leg, tmp_path):
             surae.session(given)
     with pytest.raises(InputError, match="effort of 'x': there is no such trial"):
         surae.session(leg, efforts={"x": "passive"})
-    with pytest.raises(InputError, match="use one of: passive, active, maximal"):
+    with pytest.raises(InputError, match="use one of: passive, active, isometric, maximal"):
         surae.session(leg, efforts={"hold": "lazy"})
 
 

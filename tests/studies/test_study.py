@@ -76,7 +76,7 @@ def test_a_factor_of_the_thesis_is_its_rate(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("protocol = ", "not TOML"),
+        ("protocol = ", "not valid TOML"),
         ("", 'protocol is missing; e.g. protocol = "multiple-holds"'),
         (MINIMAL + "chirp = 1", "unknown setting 'chirp'; known settings: name, protocol, chirp_"),
         ('protocol = "sin"', "protocol is 'sin'; use one of: ramp-and-hold, sine"),

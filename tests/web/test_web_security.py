@@ -249,7 +249,7 @@ def test_the_cohorts_table_runs_no_formula(serve) -> None:
 def test_a_study_that_is_an_attack_is_refused_in_a_line(browser, toml) -> None:
     answer = browser.post("/api/studies", json={"toml": toml, "start": False})
     assert answer.status_code == 400
-    assert "not TOML" in answer.json()["error"]
+    assert "not valid TOML" in answer.json()["error"]
 
 
 def test_nothing_is_sent_elsewhere_whatever_the_environment_asks_for(tmp_path, monkeypatch) -> None:

@@ -160,7 +160,7 @@ def load_saved(path: PathLike) -> SavedFit:
         if data.get("sha256", (own := _checksum(data))) != own:
             raise InputError("its numbers are not those that were fitted: somebody changed them")
         return SavedFit(result, _as_judged(assess(result, alternatives=True), data), file.findings)
-    except ArithmeticError:
+    except (ArithmeticError, np.linalg.LinAlgError):
         raise InputError(f"{shown(path)}: a number in it is beyond any leg; fit again") from None
     except InputError as error:
         raise InputError(f"{shown(path)}: {error}; fit again where this is damaged") from None
