@@ -41,6 +41,16 @@ def test_a_torque_of_the_other_sign_is_turned_and_that_is_said(ankle) -> None:
     assert "sign was turned" in turned.recordings[0].notes[0]
 
 
+def test_a_stiffness_below_zero_claims_nothing(ankle) -> None:
+    """No held ankle pushes away from where it is: a fit that says so has lost its way."""
+    moved = ankle(gain=0.0).moved()
+    torque = moved["torque"] - 160.0 * (moved["angle"] - moved["angle"].mean())
+    found = surae.impedance(Recording.from_arrays(**moved | {"torque": torque}))
+    assert found.reflex.verdict == "cannot tell"
+    assert {m.value for m in found.measures.values()} == {None}
+    assert "below zero" in found.measures["intrinsic_stiffness"].note
+
+
 def test_half_a_recording_says_the_same(ankle) -> None:
     moved = ankle(seconds=60.0).moved()
     half = {name: values[: len(values) // 2] for name, values in moved.items()}

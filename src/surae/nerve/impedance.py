@@ -199,12 +199,13 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         "reflex_delay": (1e3 * BOUNDS["delay"][0], 1e3 * BOUNDS["delay"][1]),
     }  # fmt: skip
     why = f"no reflex is claimed ({reflex.verdict}); the interval is what one may have unseen"
+    told = found.numbers
+    if told["intrinsic_stiffness"].value <= 0.0:  # the search lost its way: nothing is claimed
+        why = "the fit ended at a stiffness below zero, which no relaxed or held ankle has"
+        reflex, told, hidden = ReflexPath("cannot tell", None, why), {}, {}
     measures = {
         name: number_of(
-            name,
-            found.numbers.get(name),
-            "" if name in found.numbers else why,
-            hidden.get(name, (0.0, np.inf)),
+            name, told.get(name), "" if name in told else why, hidden.get(name, (0.0, np.inf))
         )
         for name in MEASURES
     }
