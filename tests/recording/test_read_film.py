@@ -109,10 +109,14 @@ def test_a_trackers_file_offers_its_lengths_and_pennation() -> None:
     assert {c.column for c in inspection.open["fascicle_tib"]} == {
         "Fdat.Region(1).FL",
         "Fdat.Region(2).FL",
+        "TrackingData.Region(1).fas_length",  # without times
+        "TrackingData.Region(2).fas_length",
     }
     assert {c.column for c in inspection.open["pennation_gm"]} == {
         "Fdat.Region(1).PEN",
         "Fdat.Region(2).PEN",
+        "TrackingData.Region(1).fas_pen",
+        "TrackingData.Region(2).fas_pen",
     }
 
 

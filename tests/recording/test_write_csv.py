@@ -15,16 +15,24 @@ from surae.base.files import atomic_file, read_bytes, sha256, write_atomic
 from surae.recording import Channel, Recording, read, write_csv
 from surae.recording.writing import shared_time
 
-FINITE = st.floats(allow_nan=False, allow_infinity=False)
-ROLES = ("angle_rad", "torque_Nm", "emg_ta_V", "emg_gm_V", "angular_velocity_rad_s")
+#: Columns and the largest values that a channel takes, see `Channel`.
+ROLES = {
+    "angle_rad": 1e5,
+    "torque_Nm": 1e6,
+    "emg_ta_V": 1e9,
+    "emg_gm_V": 1e9,
+    "angular_velocity_rad_s": 1e7,
+}
 
 
 @st.composite
 def tables(draw):
-    time = draw(st.lists(FINITE, min_size=2, max_size=30, unique=True))
+    times = st.lists(st.floats(-4e5, 4e5), min_size=2, max_size=30, unique=True)
+    time = draw(times.filter(lambda t: max(t) - min(t) > 1e-6 * len(t)))
     columns = {"time_s": np.sort(np.array(time))}
-    for role in ROLES:
-        columns[role] = draw(arrays(np.float64, len(time), elements=FINITE))
+    for role, most in ROLES.items():
+        values = arrays(np.float64, len(time), elements=st.floats(-most, most))
+        columns[role] = draw(values.filter(lambda v: not 0.0 < np.abs(v).max() < 1e-9))
     names = draw(st.permutations(list(columns)))
     return {name: columns[name] for name in names}
 

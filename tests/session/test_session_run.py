@@ -297,7 +297,7 @@ def test_what_is_wrong_in_every_trial_is_the_mappings(shared, tmp_path):
     assert turned.common[0].startswith(
         "angle-sign in 2 of 2 trials, so the mapping is the place to mend it"
     )
-    assert "Write sign = -1 for the angle and the torque" in turned.common[0]
+    assert "Write sign = -1 for the angle, sign = -1 for the torque" in turned.common[0]
     turned.report(tmp_path / "report.html")
     assert "so the mapping is the place to mend it" in (tmp_path / "report.html").read_text()
     assert right.common == ()

@@ -97,7 +97,7 @@ def _faulty(source: Source, table: Table) -> Quality | None:
     except InputError:
         return None
     columns = {role: loaded[name] for role, name in names.items()}
-    if "angle" not in columns:
+    if "angle" not in columns or not any(np.isfinite(c.values).any() for c in columns.values()):
         return None
     findings = [
         finding

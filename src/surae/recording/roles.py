@@ -115,10 +115,12 @@ _ANGLE = {
 _EMG = {"emg", "semg", "bip", "bipolar", "emgenv", "envelope"}
 
 #: What a film shows of a muscle, by the words of trackers.
-_FILMS = {
-    "fascicle": {"fascicle", "fascicles", "fl", "fas"},
+_FILMS = {  # a fascicle has a pennation: that word goes first
     "pennation": {"pennation", "pennate", "pen"},
+    "fascicle": {"fascicle", "fascicles", "fl", "fas"},
 }
+#: A tracker's count of the film's frames.
+_FRAMES = {"frame", "frames"}
 
 _LATERAL = {"lat", "lateral", "lateralis"}
 _MEDIAL = {"med", "medial", "medialis"}
@@ -307,7 +309,7 @@ def _film(words: tuple[str, ...]) -> _Match | None:
     seen, word = next(
         ((seen, word) for seen, known in _FILMS.items() if (word := _first(words, known))), ("", "")
     )
-    if not seen:
+    if not seen or _first(words, _FRAMES):
         return None
     match = _muscle(words)
     muscles = FILMED if match is None else [role[4:].replace("ta", "tib") for role in match[0]]

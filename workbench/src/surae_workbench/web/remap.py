@@ -4,6 +4,7 @@ What was imported stays as it was. Each description makes a version of the recor
 that undo has only to point at the one before, and a fit says which one it was made of.
 """
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -31,6 +32,7 @@ FIELDS = (
 )
 _UNIT = re.compile(r"\[([^\]]+)\]")
 _ADVISED = re.compile(r'unit = "([^"]+)"')
+_SCALED = re.compile(r"scale = ([\d.e+-]+) for")
 _FILE = "for another column drop its file on the page Add trials again"
 
 
@@ -189,7 +191,7 @@ def _mend(
     if not roles:
         return None
     if code in ("angle-sign", "torque-sign") and finding["advice"].startswith("Write sign = -1"):
-        both = "for the angle and the torque" in finding["advice"]
+        both = all(f"sign = -1 for the {each}" in finding["advice"] for each in ("angle", "torque"))
         if both and code == "torque-sign":
             return None  # the finding on the angle turns both
         turned = ["angle", "torque"] if both else [role]
@@ -208,9 +210,27 @@ def _mend(
             "label": f"Take {finding['value']:.3g} Nm away".replace("-", "−"),
             "channels": {role: {"offset": channel["offset"] - shift}},
         }
-    advised = _ADVISED.search(finding["advice"])
-    unit = advised[1].replace("µ", "u") if advised else None
-    if code in ("angle-units", "torque-unit", "emg-unit") and unit in FACTORS[kind(roles[0])]:
-        return {"label": f"It is {advised[1] if advised else ''}",
-                "channels": {each: {"unit": unit} for each in roles}}  # fmt: skip
+    if code in ("angle-units", "torque-unit", "emg-unit") and (
+        unit := _unit(finding, channels[roles[0]], FACTORS[kind(roles[0])])
+    ):
+        return {
+            "label": f"It is {unit}".replace("uV", "µV"),
+            "channels": {each: {"unit": unit} for each in roles},
+        }
     return None
+
+
+def _unit(
+    finding: Mapping[str, Any], channel: Mapping[str, Any], factors: Mapping[str, float]
+) -> str | None:
+    """The unit that a finding is certain of: it names it, or the scale that is between the two."""
+    if advised := _ADVISED.search(finding["advice"]):
+        unit = advised[1].replace("µ", "u")
+        return unit if unit in factors else None
+    scaled = _SCALED.search(finding["advice"])
+    if scaled is None or "cannot tell" in finding["message"] or channel["unit"] not in factors:
+        return None
+    right = float(scaled[1]) * factors[channel["unit"]]
+    return next(
+        (u for u, factor in factors.items() if math.isclose(factor, right, rel_tol=1e-5)), None
+    )
