@@ -327,7 +327,8 @@ def test_a_designed_protocol_keeps_to_the_device_and_too_much_is_not_loaded(
         command = surae.expect(room._file, legs=2)
         monkeypatch.setattr("surae.api.expect", lambda *_, **__: command)
         told = tells(str(room._file))
-        assert f"torque on the device {command.torque[0]:.0f} to" in told[0]
+        assert command.load is not None
+        assert told[0].endswith(f"; {command.load.text}.")
         assert "stiffness coefficient, triceps surae ±" in " ".join(told)
     finally:
         room.close()
