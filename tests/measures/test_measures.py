@@ -80,11 +80,14 @@ def half(m) -> float:
 def test_the_zero_of_the_angle_is_in_what_is_told_at_an_angle_and_in_nothing_else(fitted) -> None:
     fit, _ = fitted(1)
     usual, known = fit.measures(), zero_known(fit, 0.0).measures()
-    less = zero_known(fit, 1.25).measures()  # with more, the neutral angle is that of draws
+    less, twice = (zero_known(fit, sd).measures() for sd in (1.25, 5.0))
     for name in ("passive_torque@10deg", "passive_stiffness@10deg", "neutral_angle"):
         assert usual[name].value == known[name].value
-        more, least = (half(m[name]) ** 2 - half(known[name]) ** 2 for m in (usual, less))
-        assert more == pytest.approx(4.0 * least, rel=0.05), name
+        # where the angle's zero is known to 5°, the neutral angle bends: its interval is of draws
+        pair = (less, usual) if name == "neutral_angle" else (usual, twice)
+        little, much = (half(m[name]) ** 2 - half(known[name]) ** 2 for m in pair)
+        assert much == pytest.approx(4.0 * little, rel=0.05), name
+        more = half(usual[name]) ** 2 - half(known[name]) ** 2
         assert more > 0.1 * half(known[name]) ** 2, name
     for name in ("end_torque", "end_stiffness", "torque_rise", "slack_before_end_tri",
                  "optimum_before_end_tri", "bandwidth", "tissue_share"):  # fmt: skip
