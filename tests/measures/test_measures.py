@@ -79,20 +79,28 @@ def half(m) -> float:
 
 def test_the_zero_of_the_angle_is_in_what_is_told_at_an_angle_and_in_nothing_else(fitted) -> None:
     fit, _ = fitted(1)
-    usual, known = fit.measures(), zero_known(fit, 0.0).measures()
-    less, twice = (zero_known(fit, sd).measures() for sd in (1.25, 5.0))
+    told = {sd: zero_known(fit, sd).measures() for sd in (0.0, 1.25, 5.0)} | {2.5: fit.measures()}
+
+    def linear(name: str) -> dict[float, float]:
+        """Half-widths by how well the zero is known, where they are not of draws."""
+        return {sd: half(m[name]) for sd, m in told.items() if m[name].method == "linear"}
+
     for name in ("passive_torque@10deg", "passive_stiffness@10deg", "neutral_angle"):
-        assert usual[name].value == known[name].value
-        # where the angle's zero is known to 5°, the neutral angle bends: its interval is of draws
-        pair = (less, usual) if name == "neutral_angle" else (usual, twice)
-        little, much = (half(m[name]) ** 2 - half(known[name]) ** 2 for m in pair)
-        assert much == pytest.approx(4.0 * little, rel=0.05), name
-        more = half(usual[name]) ** 2 - half(known[name]) ** 2
-        assert more > 0.1 * half(known[name]) ** 2, name
+        assert len({m[name].value for m in told.values()}) == 1
+        halves = linear(name)
+        known, more = halves[0.0], halves[2.5] ** 2 - halves[0.0] ** 2
+        assert more > 0.1 * known**2, name
+        assert len(halves) >= 3, name
+        for sd, width in halves.items():
+            expected = (sd / 2.5) ** 2 * more
+            assert width**2 - known**2 == pytest.approx(expected, rel=0.05), (name, sd)
     for name in ("end_torque", "end_stiffness", "torque_rise", "slack_before_end_tri",
                  "optimum_before_end_tri", "bandwidth", "tissue_share"):  # fmt: skip
-        assert half(usual[name]) == pytest.approx(half(known[name]), rel=0.05), name
-    more = half(usual["neutral_angle"]) ** 2 - half(known["neutral_angle"]) ** 2
+        halves = linear(name)
+        assert len(halves) >= 3, name
+        assert list(halves.values()) == pytest.approx([halves[2.5]] * len(halves), rel=1e-6), name
+    halves = linear("neutral_angle")
+    more = halves[2.5] ** 2 - halves[0.0] ** 2
     assert more**0.5 == pytest.approx(1.96 * 2.5, rel=0.01)
 
 
