@@ -12,13 +12,14 @@ from surae.base.progress import Progress
 from surae.base.records import from_plain, to_plain
 from surae.model import MODELS
 from surae.processes import Plain
-from surae.runner import Batch, Died, Engine, Ledger, results
+from surae.runner import Batch, Died, Engine, results
+from surae_thesis.ledger import Ledger
 from surae_thesis.studies.study import Study, Value, parse_study
 from surae_thesis.studies.tasks import FitTask, TaskOutcome, run_task, task_of
 
 
 class Store(Ledger):
-    """A study's file, open; see `surae.runner.Ledger`."""
+    """A study's file, open; see `surae_thesis.ledger.Ledger`."""
 
     _NOTHING = "no study yet; start it with `surae study run`"
 

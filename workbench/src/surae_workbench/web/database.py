@@ -17,7 +17,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from surae.base.database import (
+from surae.base.errors import ComputationError
+from surae.base.files import shown
+from surae.processes import NO_ROOM
+from surae_thesis.database import (
     Format,
     damage,
     open_to_read,
@@ -25,9 +28,6 @@ from surae.base.database import (
     sqlite_errors,
     transaction,
 )
-from surae.base.errors import ComputationError
-from surae.base.files import shown
-from surae.processes import NO_ROOM
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.rows import KINDS, Entry, entry
 

@@ -17,12 +17,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from surae.base import database
-from surae.base.database import Format, sqlite_errors, transaction
 from surae.base.errors import ComputationError, InputError, SuraeError
 from surae.base.files import PathLike, require_writable, shown
 from surae.processes import Plain
-from surae.runner.engines import Batch, Died
+from surae.runner import Batch, Died
+from surae_thesis import database
+from surae_thesis.database import Format, sqlite_errors, transaction
 
 FORMAT = Format(
     application=0x73726165,  # "srae"
