@@ -10,7 +10,6 @@ from surae.api import cohort as cohort
 from surae.api import design as design
 from surae.api import example as example
 from surae.api import expect as expect
-from surae.api import export as export
 from surae.api import fit as fit
 from surae.api import impedance as impedance
 from surae.api import load as load
@@ -62,3 +61,4 @@ from surae.signals import Weighting as Weighting
 from surae.signals import prepare as prepare
 from surae.studies import virtual_subject as virtual_subject
 from surae.studies import virtual_trial as virtual_trial
+from surae_exchange.exported import export as export

@@ -18,7 +18,7 @@ def held(project: Path, folder: Path) -> set[str]:
         return set(wheel.namelist())
 
 
-@pytest.fixture(scope="module", params=["surae", "thesis", "workbench", "legs"])
+@pytest.fixture(scope="module", params=["surae", "exchange", "thesis", "workbench", "legs"])
 def wheel(request, tmp_path_factory) -> tuple[Path, set[str]]:
     """The folder of a distribution's source, and what its wheel holds."""
     project = ROOT if request.param == "surae" else ROOT / request.param
@@ -35,6 +35,7 @@ def test_it_holds_every_file_of_its_packages(wheel):
     assert {name for name in names if not name.split("/")[0].endswith(".dist-info")} == files
     needed = {
         ROOT / "src": ("surae/py.typed", "surae/report/templates/page.html.j2"),
+        ROOT / "exchange" / "src": ("surae_exchange/joint.py",),
         ROOT / "thesis" / "src": ("surae_thesis/claims/tendons.toml",),
         ROOT / "workbench" / "src": ("surae_workbench/web/static/icon.svg",),
         ROOT / "legs" / "src": ("ankle_legs/main.py",),

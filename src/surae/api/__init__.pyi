@@ -3,7 +3,6 @@
 from surae.api.answers import change as change
 from surae.api.answers import change_part as change_part
 from surae.api.answers import cohort as cohort
-from surae.api.answers import export as export
 from surae.api.answers import fit_of as fit_of
 from surae.api.answers import posterior as posterior
 from surae.api.answers import predictions_part as predictions_part

@@ -1,4 +1,4 @@
-"""Answers of fits: profiles, posterior, predictions, model files, changes and cohorts."""
+"""Answers of fits: profiles, posterior, predictions, changes and cohorts."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -14,7 +14,6 @@ from surae.base.files import PathLike
 from surae.base.progress import NamedProgress, Progress
 from surae.base.requests import ChangeSettings, CohortSettings, PosteriorSettings, ProfileSettings
 from surae.base.setting import takes
-from surae.exchange import ExportedModel, exported
 from surae.inference.assessment import variance_inflation
 from surae.inference.likelihood.profile import profiled
 from surae.inference.likelihood.profiles import Profiles, profiles
@@ -303,31 +302,3 @@ def validate(
     inputs = as_in_fit(fitted.result.problem, several(recordings), prepared)
     counted = inputs if weights is None else weighted(inputs, weights)
     return predict_others(fitted.result, counted, fitted.assessment.uncertainty)
-
-
-def export(fit: Fit | PathLike, *, to: str) -> ExportedModel:
-    """The leg of a fit as a model of OpenSim or MuJoCo, with how far its torque is from ours.
-
-    Parameters
-    ----------
-    fit : Fit or path
-        A fit, its file, or the folder of a session, whose joint fit is taken.
-    to : {"osim", "mjcf"}
-        Whose model file: OpenSim's (4.5 or later) or MuJoCo's.
-
-    Returns
-    -------
-    ExportedModel
-        The file's text, and the difference of both torques; `save` writes it.
-
-    Raises
-    ------
-    InputError
-        The format is not known, the fit cannot be read, or its model has no such muscles.
-
-    Examples
-    --------
-    >>> surae.export("fit.json", to="osim").save("leg.osim")
-    """
-    given = fit_of(fit)
-    return exported(given.result, given.assessment, to)

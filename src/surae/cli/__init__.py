@@ -38,7 +38,7 @@ COMMANDS = {
     "measures": ("surae.cli.measures", "Compute stiffness, torque and more in Nm and degrees."),
     "impedance": ("surae.cli.impedance", "Tell tissue from reflex by small perturbations."),
     "stretches": ("surae.cli.stretches", "Take slow and fast stretches apart: tissue and nerve."),
-    "export": ("surae.cli.export", "Write the leg as a model of OpenSim or MuJoCo."),
+    "export": ("surae-exchange", "Write the leg as a model of OpenSim or MuJoCo."),
     "change": ("surae.cli.change", "Compare a leg between two sessions."),
     "cohort": ("surae.cli.cohort", "Compare groups of legs, and every leg with its group."),
     "profile": ("surae.cli.profile", "Compute profile likelihoods and their intervals."),

@@ -3,11 +3,11 @@
 import math
 from xml.etree.ElementTree import Element, SubElement
 
-from surae.exchange.joint import JointModel, Springs
-from surae.exchange.muscles import MujocoMuscle, WrappedPath
-from surae.exchange.text import row, text_of
 from surae.model.contraction import FECC
 from surae.model.movement import GRAVITY
+from surae_exchange.joint import JointModel, Springs
+from surae_exchange.muscles import MujocoMuscle, WrappedPath
+from surae_exchange.text import row, text_of
 
 #: Inertia of a point mass about itself [kg·m²]; none may be zero.
 _POINT = 1e-6

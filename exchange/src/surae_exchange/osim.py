@@ -3,9 +3,9 @@
 import math
 from xml.etree.ElementTree import Element, SubElement
 
-from surae.exchange.joint import JointModel, JointMuscle, Tissue
-from surae.exchange.muscles import DeGrooteMuscle, PolynomialPath
-from surae.exchange.text import row, text_of
+from surae_exchange.joint import JointModel, JointMuscle, Tissue
+from surae_exchange.muscles import DeGrooteMuscle, PolynomialPath
+from surae_exchange.text import row, text_of
 
 #: The format of OpenSim 4.5, which the tissue's force needs.
 _VERSION = "40500"

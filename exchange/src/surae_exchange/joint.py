@@ -5,16 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.exchange.muscles import (
+from surae.measures.leg import GROUPS, Leg, elongation
+from surae.model import joint as anatomy
+from surae.model.parameters import OPTIONAL_PARAMETERS
+from surae_exchange.muscles import (
     DeGrooteMuscle,
     HeldMuscle,
     MujocoMuscle,
     PolynomialPath,
     WrappedPath,
 )
-from surae.measures.leg import GROUPS, Leg, elongation
-from surae.model import joint as anatomy
-from surae.model.parameters import OPTIONAL_PARAMETERS
 
 #: Angles, and parts of the largest activity, at which muscles are compared.
 _ANGLES, _PARTS = 41, (0.25, 0.5, 0.75, 1.0)

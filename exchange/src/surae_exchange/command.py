@@ -4,7 +4,6 @@ from pathlib import Path
 
 import click
 
-from surae import api
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line
@@ -26,7 +25,9 @@ def command(fitted: str, to: str, output: str | None) -> None:
     path = output or str(Path(fitted).with_suffix(_ENDINGS[to]))
     check_outputs({"--output": path}, [fitted], spare_fits=True)
     with compilation_notice():
-        model = api.export(fitted, to=to)
+        from surae_exchange import export
+
+        model = export(fitted, to=to)
     model.save(path)
     show_line(model.agreement)
     show_files({"model": path})

@@ -3,13 +3,14 @@
 import math
 from dataclasses import dataclass, replace
 
+from surae.api import Fit, fit_of
 from surae.base.errors import InputError
 from surae.base.files import PathLike, write_atomic
-from surae.exchange.joint import GAINS, JointModel, joint_of
-from surae.exchange.mjcf import mjcf
-from surae.exchange.osim import osim
-from surae.inference import Assessment, FitResult
+from surae.inference import Assessment
 from surae.measures.leg import Leg, measured_range
+from surae_exchange.joint import GAINS, JointModel, joint_of
+from surae_exchange.mjcf import mjcf
+from surae_exchange.osim import osim
 
 #: Format by name: how it is called, how its files end, and whether tissue is springs there.
 FORMATS = {"osim": ("OpenSim", ".osim", False), "mjcf": ("MuJoCo", ".xml", True)}
@@ -53,11 +54,34 @@ class ExportedModel:
         write_atomic(path, self.text)
 
 
-def exported(result: FitResult, assessment: Assessment, to: str) -> ExportedModel:
-    """The leg of a fit as a model file; refused for a model that has no muscles to give away."""
+def export(fit: Fit | PathLike, *, to: str) -> ExportedModel:
+    """The leg of a fit as a model of OpenSim or MuJoCo, with how far its torque is from ours.
+
+    Parameters
+    ----------
+    fit : Fit or path
+        A fit, its file, or the folder of a session, whose joint fit is taken.
+    to : {"osim", "mjcf"}
+        Whose model file: OpenSim's (4.5 or later) or MuJoCo's.
+
+    Returns
+    -------
+    ExportedModel
+        The file's text, and the difference of both torques; `save` writes it.
+
+    Raises
+    ------
+    InputError
+        The format is not known, the fit cannot be read, or its model has no such muscles.
+
+    Examples
+    --------
+    >>> surae.export("fit.json", to="osim").save("leg.osim")
+    """
     if to not in FORMATS:
         raise InputError(f"to is {to!r}; use one of: {', '.join(FORMATS)}")
-    problem = result.problem
+    given = fit_of(fit)
+    result, problem = given.result, given.result.problem
     leg = Leg(problem.spec, problem.options, result.values, problem.inputs)
     if "l0_tri" not in leg.values:
         raise InputError(
@@ -66,8 +90,8 @@ def exported(result: FitResult, assessment: Assessment, to: str) -> ExportedMode
         )
     joint = joint_of(leg, measured_range(result), springs=FORMATS[to][2])
     near = ExportedModel(to, "", joint.rms, joint.largest, joint.missing, joint.missing_rms)
-    text = _WRITERS[to](joint, [near.agreement, *_comments(joint, leg, to), *_values(assessment)])
-    return replace(near, text=text)
+    said = [near.agreement, *_comments(joint, leg, to), *_values(given.assessment)]
+    return replace(near, text=_WRITERS[to](joint, said))
 
 
 def _comments(joint: JointModel, leg: Leg, to: str) -> list[str]:
