@@ -65,6 +65,7 @@ def test_walking_does_not_predict_running(walk, run) -> None:
     assert surae.fit(walk, "muscle", starts=1).predict(run).vaf < 60
 
 
+@pytest.mark.slow
 def test_peaks_are_followed_more_closely_when_they_count_more(walk) -> None:
     plain = surae.fit(walk, "muscle", starts=2)
     peaks = surae.fit(walk, "muscle", starts=2, weights=surae.Weighting(peaks=9.0))

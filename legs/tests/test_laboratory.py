@@ -80,6 +80,7 @@ def test_tables_are_as_near_as_is_said_and_another_legs_is_not() -> None:
     assert np.abs(made.table.arm(angle) / true - 1).min() > 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wrong", laboratory.WRONG)
 def test_what_is_wrong_is_wrong_and_the_rest_is_not(wrong: str) -> None:
     steps = ("tare", "geometry", "alone", "slow")

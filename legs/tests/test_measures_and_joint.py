@@ -61,6 +61,7 @@ def test_a_zero_moves_what_is_read_at_an_angle_and_not_what_is_read_at_the_end()
     np.testing.assert_allclose(shown.plate - shown.ankle, np.radians(4))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", ["p", "v", "m", "l-21"])
 def test_a_long_hold_reads_the_relaxed_torque(family: str) -> None:
     one = leg(family, 4)
@@ -125,6 +126,7 @@ def test_a_pennate_muscle_pulls_less_in_line_and_a_straight_one_is_the_limit() -
     assert np.hypot(line, muscle.width) == pytest.approx(muscle.l0)
 
 
+@pytest.mark.slow
 def test_softening_ends_conditioned() -> None:
     one = leg("r", 2)
     run, plain = one.record(1, 60, "passive"), with_(one).record(1, 60, "passive")

@@ -141,6 +141,7 @@ def test_without_a_nerve_the_torque_is_its_tissue() -> None:
         )
 
 
+@pytest.mark.slow
 def test_onsets_over_velocity_meet_the_threshold_at_rest() -> None:
     leg = stretched.leg("sa", 4)
     leg = replace(leg, answer=replace(leg.answer, spread=0.0), emg="envelope", files=1)
@@ -166,7 +167,13 @@ def test_emg_comes_before_its_torque_and_only_with_a_reflex() -> None:
     assert fast["neural_Nm"] > 1
 
 
-@pytest.mark.parametrize("family", stretched.families())
+FAMILIES = list(stretched.families())
+
+
+@pytest.mark.parametrize(
+    "family",
+    [*FAMILIES[:3], *(pytest.param(f, marks=pytest.mark.slow) for f in FAMILIES[3:])],
+)
 def test_a_stretched_leg_goes_where_its_truth_says(family: str) -> None:
     recordings, truth = stretched.record(family, 3)
     assert {one["recording"] for one in truth["stretches"]} == {f"{r.name}.csv" for r in recordings}
@@ -180,6 +187,7 @@ def test_a_stretched_leg_goes_where_its_truth_says(family: str) -> None:
                 assert end == pytest.approx(one["to_deg"], abs=0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("family", "files"), [("qa", 2), ("sd", 1)])
 def test_make_writes_recordings_and_truth(family: str, files: int, tmp_path: Path) -> None:
     assert main(["make", family, "3", "--output", str(tmp_path)]) == 0

@@ -38,6 +38,7 @@ def test_a_leg_is_the_same_for_the_same_seed_alone() -> None:
     assert np.std(first["torque_Nm"] - other["torque_Nm"]) > 1
 
 
+@pytest.mark.slow
 def test_true_measures_are_what_the_robot_reads_when_all_has_relaxed() -> None:
     """A ladder of long holds of the plain leg, less weight and zero."""
     one = leg("p", 4)
@@ -78,6 +79,7 @@ def test_what_a_family_changes_the_meaning_of_has_no_truth_but_a_reason() -> Non
     assert truth["parameters"]["l0_tri"] > 0
 
 
+@pytest.mark.slow
 def test_trials_say_whether_the_leg_or_its_mounting_is_another() -> None:
     first, moved, mounted, treated = (truth_of("a", 2, trial) for trial in (1, 2, 4, 7))
     assert first["parameters"] == moved["parameters"]
@@ -145,6 +147,7 @@ def answers(path: Path, rows: list[tuple[object, ...]]) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_pairs_are_counted_by_what_changed_in_truth(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -42,6 +42,7 @@ def late() -> ModelInputs:
     return holds(EMD)
 
 
+@pytest.mark.slow
 def test_a_delay_is_found_from_all_starts(late) -> None:
     result = fit_problem(make_problem([holds(EMD, noise=0.0)], free=["emd"]))
     assert len(result.starts) == 8

@@ -46,6 +46,7 @@ def _said_of_films(fit: surae.Fit) -> list[str]:
     return [reason for reason in fit.adequacy.reasons if "film" in reason]
 
 
+@pytest.mark.slow
 def test_a_rigid_tendon_does_not_follow_the_film(measured) -> None:
     fit = surae.fit(measured("PL_0_01"), "muscle", starts=1, quality=())
     (said,) = _said_of_films(fit)
@@ -54,6 +55,7 @@ def test_a_rigid_tendon_does_not_follow_the_film(measured) -> None:
     assert fit.measures()["optimal_fascicle_tib"].value is None
 
 
+@pytest.mark.slow
 def test_nothing_is_said_of_a_film_that_is_not_there(measured) -> None:
     fit = surae.fit(measured("PL_0_01", film=False), "muscle", starts=1, quality=())
     assert not _said_of_films(fit)

@@ -97,6 +97,7 @@ def legs_of(fit):
         yield leg_of(fit.result).with_values(dict(zip(known.names, drawn.tolist(), strict=True)))
 
 
+@pytest.mark.slow
 def test_a_named_model_that_the_data_contradict_is_as_unsure_in_its_measures() -> None:
     """An interval that reaches to where a better model is does so of measures too."""
     inputs = richer_leg(1, rate_hz=64.0, duration=20.0).inputs

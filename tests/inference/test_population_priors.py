@@ -99,6 +99,7 @@ def test_a_population_unknown(noisy):
         make_problem([noisy], population="athletes")
 
 
+@pytest.mark.slow
 def test_priors_help_where_the_data_are_weak():
     """Three seconds say little of a relaxation that takes seconds."""
     motion = generate(

@@ -52,6 +52,7 @@ def test_one_parameter_has_the_posterior_of_a_quadrature(one, prior):
     assert (marginal.prior_part > 0.7) == marginal.of_prior == (prior is not None)
 
 
+@pytest.mark.slow
 def test_inflated_noise_widens_posterior_and_covariance_alike(one):
     plain, wide = sample(one, **FEW), sample(one, variance_inflation=9.0, **FEW)
     for way in (lambda m: m.ci95, lambda m: m.from_covariance):
@@ -60,6 +61,7 @@ def test_inflated_noise_widens_posterior_and_covariance_alike(one):
     assert wide.covariance.matrix == pytest.approx(9.0 * plain.covariance.matrix)
 
 
+@pytest.mark.slow
 def test_a_whole_fit_is_the_same_on_any_number_of_cores(fitted, tmp_path):
     first = sample(fitted, cores=1, **FEW)
     again = sample(fitted, cores=2, **FEW)

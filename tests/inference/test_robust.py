@@ -79,6 +79,7 @@ def test_the_closed_form_is_the_spread_of_the_estimates(clean, jacobian):
     np.testing.assert_allclose(errors.std(axis=0), exact(jacobian, RHO), rtol=0.08)
 
 
+@pytest.mark.slow
 def test_noise_that_is_nearly_all_absorbed(clean, fixed, jacobian):
     # Noise that changes over half a minute: the fit takes half of it, and it must be given back.
     rho = 0.995

@@ -8,6 +8,7 @@ import pytest
 
 import surae
 from ankle_legs.make import make
+from marks import slow
 from richer_legs import richer_leg
 from surae.base.frozen import read_only
 from surae.inference import Verdict, assess, make_problem, solve
@@ -51,8 +52,10 @@ def test_a_search_that_lost_its_way_says_so_and_claims_nothing(monkeypatch) -> N
     assert not any(p.verdict is Verdict.IDENTIFIED for p in worth.parameters.values())
 
 
-@pytest.mark.parametrize("part", [0.0, 0.02])
-@pytest.mark.parametrize("held", [True, False])
+@pytest.mark.parametrize(
+    ("part", "held"),
+    [(0.02, True), slow(0.0, True), slow(0.0, False), slow(0.02, False)],
+)
 def test_what_carries_no_signal_brings_nothing_in(part: float, held: bool) -> None:
     """A dead electrode, its weight fixed at 0 as `check` advises or not, is as good as none."""
     one = richer_leg(0, rate_hz=64.0, duration=12.0).inputs

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from marks import slow
 from surae.protocol import DEVICES, Protocol, generate
 from surae.studies import realistic_imperfections, virtual_recording, virtual_subject
 from surae_workbench.live.alarms import EVERY, Watch
@@ -67,7 +68,7 @@ QUIET = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("leg", "profile", "task"), QUIET)
+@pytest.mark.parametrize(("leg", "profile", "task"), [*QUIET[:3], *(slow(*q) for q in QUIET[3:])])
 def test_a_good_trial_has_no_alarm(leg, profile, task) -> None:
     asked, signals = made(leg, profile, task)
     told = watched(asked, signals)
@@ -110,8 +111,8 @@ def spoilt(signals, what, at, column):
 
 
 @pytest.mark.parametrize("what", ["electrode-off", "silent", "cable", "offset"])
-@pytest.mark.parametrize("at", [0.5, 8.0])
-@pytest.mark.parametrize("column", [2, 4])
+@pytest.mark.parametrize("at", [0.5, slow(8.0)])
+@pytest.mark.parametrize("column", [slow(2), 4])
 def test_an_electrode_that_fails_is_named_within_two_seconds(trial, what, at, column) -> None:
     asked, signals = trial
     # Before a muscle has worked, nothing tells mains alone from mains beside it.
@@ -122,7 +123,7 @@ def test_an_electrode_that_fails_is_named_within_two_seconds(trial, what, at, co
     assert ":" in alarm.text  # what to do
 
 
-@pytest.mark.parametrize("leg", [1, 2, 3])
+@pytest.mark.parametrize("leg", [1, slow(2), slow(3)])
 def test_hum_is_named_within_two_seconds_of_rest(leg) -> None:
     asked, signals = made(leg, "sine", "passive")
     told, alarm = first(asked, spoilt(signals, "hum", 5.0, 3), "hum", "emg_gl")

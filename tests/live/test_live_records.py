@@ -200,6 +200,7 @@ def test_a_relaxed_first_trial_spoils_none_after_it(tmp_path) -> None:
     api.session([str(tmp_path / "trial-01.h5"), str(tmp_path / "trial-02.h5")], efforts=efforts)
 
 
+@pytest.mark.slow
 def test_restarts_leave_every_record_as_it_is(lsl, tmp_path) -> None:
     rehearsed(tmp_path, "--seconds", "7")
     row = tmp_path / "trial-01.json"

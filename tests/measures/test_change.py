@@ -44,6 +44,7 @@ def test_another_trial_of_a_leg_shows_no_change(pair) -> None:
     assert told.measures["passive_torque@45deg"].verdict is NOT  # it was not measured there
 
 
+@pytest.mark.slow
 def test_stiffness_is_compared_over_the_range_that_both_moved_through(pair) -> None:
     told = surae.change(*pair).measures["end_stiffness"]
     ends = [fit.measures()["end_stiffness"].to_deg for fit in pair]
@@ -108,6 +109,7 @@ def test_what_models_leave_unsure_does_not_cancel(sides) -> None:
     assert other.ci95[1] - other.ci95[0] > 3.0 * (sure.ci95[1] - sure.ci95[0])
 
 
+@pytest.mark.slow
 def test_timing_is_not_compared_where_a_muscle_had_no_electrode(pair, sides) -> None:
     fit, _ = pair
     problem = fit.result.problem

@@ -296,6 +296,7 @@ def test_every_measure_says_what_it_is() -> None:
         assert definition.formula, definition.name
 
 
+@pytest.mark.slow
 def test_python_without_docstrings_says_it_too() -> None:
     told = "from surae.measures import DEFINITIONS as D; print([d.meaning + d.formula for d in D])"
     run = subprocess.run([sys.executable, "-OO", "-c", told], capture_output=True, check=True)

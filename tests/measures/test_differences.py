@@ -31,6 +31,7 @@ def many(rng=None, count: int = 40) -> dict[str, float]:
     return dict(zip(names, (10.0 + noise).tolist(), strict=True))
 
 
+@pytest.mark.slow
 def test_where_nothing_changed_few_comparisons_claim_something() -> None:
     rng = np.random.default_rng(1)
     claims = [bool(compare_sessions(side(many(rng)), side(many(rng))).changed) for _ in range(300)]
@@ -46,6 +47,7 @@ def test_torque_at_rest_has_most_of_the_level_to_itself() -> None:
     assert told.measures[LEADING].smallest < 0.75 * told.measures["m3"].smallest
 
 
+@pytest.mark.slow
 def test_the_smallest_change_is_found_in_four_of_five() -> None:
     rng = np.random.default_rng(2)
     smallest = compare_sessions(side(many()), side(many())).measures[LEADING].smallest

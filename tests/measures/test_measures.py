@@ -77,6 +77,7 @@ def half(m) -> float:
     return (m.ci95[1] - m.ci95[0]) / 2.0
 
 
+@pytest.mark.slow
 def test_the_zero_of_the_angle_is_in_what_is_told_at_an_angle_and_in_nothing_else(fitted) -> None:
     fit, _ = fitted(1)
     told = {sd: zero_known(fit, sd).measures() for sd in (0.0, 1.25, 5.0)} | {2.5: fit.measures()}
@@ -152,6 +153,7 @@ def test_a_measure_of_fixed_parameters_has_no_interval() -> None:
     assert bandwidth.ci95 is None
 
 
+@pytest.mark.slow
 def test_a_measure_that_bends_has_the_interval_of_legs_that_the_data_allow(noisy) -> None:
     fit = surae.fit(noisy, "muscle", starts=1, quality=(), angle_zero_sd=0.0)
     name = "passive_stiffness_tib@10deg"

@@ -104,6 +104,7 @@ def test_derivatives_are_those_of_small_steps(low, knee, tmp_path):
         np.testing.assert_allclose(small("speed"), 2.0 * here.bend + here.swept, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_the_knee_is_read_fitted_and_kept(tmp_path):
     """A leg whose knee turns is got back with the knee, and not without."""
     path = over_a_knee(tmp_path)

@@ -51,6 +51,7 @@ def test_a_stiffness_below_zero_claims_nothing(ankle) -> None:
     assert "below zero" in found.measures["intrinsic_stiffness"].note
 
 
+@pytest.mark.slow
 def test_half_a_recording_says_the_same(ankle) -> None:
     moved = ankle(seconds=60.0).moved()
     half = {name: values[: len(values) // 2] for name, values in moved.items()}
@@ -160,6 +161,7 @@ def test_the_empty_device_leaves_the_foot(ankle) -> None:
     assert found.measures["inertia"].value == pytest.approx(0.010, rel=0.05)
 
 
+@pytest.mark.slow
 def test_several_recordings_stand_in_one_table(ankle, tmp_path) -> None:
     each = [ankle(stiffness=k).recording(k) for k in (50, 70)]
     found = surae.impedance(each)

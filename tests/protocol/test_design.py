@@ -141,6 +141,7 @@ def test_nothing_is_written_without_limits_or_a_reason(tmp_path) -> None:
     read_protocol(tmp_path / "p.csv")
 
 
+@pytest.mark.slow
 def test_what_a_device_cannot_do_is_said_with_what_to_give_up() -> None:
     weak = Device("weak", max_velocity=1.0, max_torque=8.0)
     with pytest.raises(InputError, match=r"weak has 8 Nm.*even relaxed; give up.*--range"):
@@ -155,6 +156,7 @@ def test_what_a_device_cannot_do_is_said_with_what_to_give_up() -> None:
     assert any("% of the range is used" in note for note in made.notes)
 
 
+@pytest.mark.slow
 def test_a_search_goes_on_from_a_ready_protocol() -> None:
     made = surae.design(35.0, evaluations=45, rate_hz=64.0)
     fresh = surae.design(31.0, evaluations=1, rate_hz=64.0)  # no ready one is so short
@@ -171,6 +173,7 @@ def test_effort_is_lowered_to_the_torque_of_the_device() -> None:
     assert any("Efforts are lowered" in note for note in made.notes)
 
 
+@pytest.mark.slow
 def test_a_design_without_effort_asks_for_none() -> None:
     made = surae.design(
         12.0, effort="none", aim="passive_stiffness@10deg", evaluations=1, rate_hz=20.0

@@ -21,6 +21,7 @@ ACHILLES = DEVICES["achilles"]
 EVERY = pytest.mark.parametrize("name", PROFILES)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(
     name=st.sampled_from(sorted(PROFILES)),

@@ -143,6 +143,7 @@ def test_who_cannot_be_measured_so_long_is_told(weak) -> None:
         surae.measure_next(weak, wanted=["nothing"])
 
 
+@pytest.mark.slow
 def test_ready_protocols_keep_the_limits_of_other_devices() -> None:
     from surae.api.designing import ready_trajectory
     from surae.protocol import Device

@@ -111,6 +111,7 @@ def test_nothing_is_said_of_right_recordings_with_crosstalk_delay_and_noise(plan
     assert told(signals.recording) == {}
 
 
+@pytest.mark.slow
 def test_a_passive_trial_does_not_tell_which_sign_is_turned() -> None:
     subject = virtual_subject(6)
     passive = generate(Protocol(profile="multiple-holds", task="passive", rate_hz=128.0))
@@ -120,6 +121,7 @@ def test_a_passive_trial_does_not_tell_which_sign_is_turned() -> None:
     assert told(recording) == {}
 
 
+@pytest.mark.slow
 def test_the_lag_on_periodic_gait_is_not_claimed(shared) -> None:
     findings = surae.check(shared / "gait" / "walk36.toml").findings
     assert "electrode-lag" not in {finding.code for finding in findings}

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import surae
+from marks import slow
 from surae.base.frozen import read_only
 from surae.protocol import Protocol, generate
 from surae.quality import recording_of
@@ -81,13 +82,13 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_the_best_explanation_is_named_with_lines_that_work(legs, recording, name) -> None:
+@pytest.mark.parametrize("leg", [None, slow(0), slow(3)])
+def test_the_best_explanation_is_named_with_lines_that_work(legs, recording, name, leg) -> None:
     plant, code, option, line = FAULTS[name]
-    for right in (recording, legs[0], legs[3]):
-        told = claims(plant(right))
-        assert set(told) == {code}
-        assert option in told[code].advice
-        assert line in told[code].advice
+    told = claims(plant(recording if leg is None else legs[leg]))
+    assert set(told) == {code}
+    assert option in told[code].advice
+    assert line in told[code].advice
 
 
 def test_right_recordings_are_not_claimed_to_be_anything_else(legs, recording) -> None:
@@ -116,6 +117,7 @@ def test_a_joint_moment_per_kilogram_is_asked_about(shared) -> None:
     assert "per kilogram" in finding.message
 
 
+@pytest.mark.slow
 def test_only_what_is_used_is_judged(recording) -> None:
     """Faults after the end of the other channels, and in windows that are left out."""
 

@@ -49,6 +49,7 @@ def test_an_extreme_is_refused_in_a_line_that_asks_for_the_unit(
     assert "a.csv" in str(error.value)
 
 
+@pytest.mark.slow
 def test_no_warning_of_a_library_reaches_the_screen(tmp_path) -> None:
     for number, (column, factor, _) in enumerate(EXTREMES[:6:2]):
         file = written(tmp_path / f"{number}.csv", column, factor)

@@ -136,6 +136,7 @@ def test_images_and_tables_can_be_read_without_seeing(joint):
     )
 
 
+@pytest.mark.slow
 def test_the_same_fit_gives_the_same_file(plain, tmp_path):
     arguments = {"versions": {"surae": "1.2.3"}, "created": datetime(2026, 1, 5, 14, 3)}
     path = tmp_path / "report.html"

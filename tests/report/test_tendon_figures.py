@@ -98,6 +98,7 @@ def test_rigid_tendons_have_no_section(plain):
     assert traces_of(plain.result)[0].tendon is None
 
 
+@pytest.mark.slow
 def test_samples_without_a_solution_are_named_and_drawn_up_to_there(elastic):
     result = elastic.result
     (inputs,) = result.problem.inputs

@@ -215,6 +215,7 @@ def test_the_command(leg, tmp_path, run):
     assert run("session", leg, "--output", tmp_path / "o", "--mvc", "x.csv").code == 2
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("words_alone")
 def test_names_in_the_report_are_escaped(leg, tmp_path):
     trial = tmp_path / "<b>x.csv"
@@ -255,6 +256,7 @@ def test_measured_trials_by_the_plain_model(shared, tmp_path, run):
     assert np.isfinite(result.joint_predictions["Pas_20"].bias)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("figures_made")
 def test_trials_that_contradict_each_other_are_told(done, leg, other_leg, tmp_path):
     """A trial of another leg beside the joint fit."""
@@ -277,6 +279,7 @@ def test_trials_that_contradict_each_other_are_told(done, leg, other_leg, tmp_pa
     assert alike.count("contradict each other") == 0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("figures_made")
 def test_what_is_wrong_in_every_trial_is_the_mappings(shared, tmp_path):
     """The measured trials as `inspect` proposes them, both signs unset."""

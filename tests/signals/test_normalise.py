@@ -87,6 +87,7 @@ def test_a_joint_fit_of_trials_normalised_each_by_itself_is_refused(session):
         surae.fit(apart, "muscle", starts=1)
 
 
+@pytest.mark.slow
 def test_the_fit_is_the_same_but_for_the_unit_of_the_weights(noisy, tmp_path):
     half = replace(noisy, name="half", emg=noisy.emg, files=())
     volts = surae.fit([noisy, half], "muscle", starts=2)

@@ -39,6 +39,7 @@ def test_an_outcome_is_that_of_the_same_fit_by_hand() -> None:
     assert outcome.seconds > 0
 
 
+@pytest.mark.slow
 def test_the_noise_is_another_in_every_cell_and_repeat_and_the_same_for_all_models(monkeypatch):
     seeds = {}
     trial = virtual.virtual_trial

@@ -176,6 +176,7 @@ def test_all_fields_at_once_are_one_request(trial, monkeypatch) -> None:
     assert FitSettings.from_dict(json.loads(json.dumps(wanted.as_dict()))) == wanted
 
 
+@pytest.mark.slow
 def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> None:
     """A small fit, the last of Python with the settings that the command line saved."""
     keywords, options, change = together({"fixed", "priors", "weights", "seed"})

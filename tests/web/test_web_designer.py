@@ -58,6 +58,7 @@ def test_a_preview_says_what_an_expectation_says(browser) -> None:
     assert {name: shown[name] for name in told} == told
 
 
+@pytest.mark.slow
 def test_a_film_narrows_what_a_plan_would_tell(browser) -> None:
     start = browser.get("/api/protocols/choices").json()["start"]
     plain, filmed = (

@@ -55,6 +55,7 @@ def wait(browser, id_: str, state: str) -> dict:
     raise AssertionError(job)
 
 
+@pytest.mark.slow
 def test_jobs_wait_in_a_line_and_end_alone(server, recorded) -> None:
     """Of two that run one is killed, and the other is stopped and keeps the best so far."""
     browser = server.browser()

@@ -51,6 +51,7 @@ def test_trials_are_sorted_and_an_effort_can_be_told(browser, imported) -> None:
     assert told["hold"]["stated"]
 
 
+@pytest.mark.slow
 def test_a_session_is_that_of_surae(browser, imported, files) -> None:
     browser.change(recordings=[], prepared=True, starts=1)
     asked = {"recordings": list(imported.values()), "name": "leg"}

@@ -33,6 +33,7 @@ def started(folder: Path) -> tuple[subprocess.Popen, str]:
     return process, line.split()[2].rstrip("/")
 
 
+@pytest.mark.slow
 def test_a_server_killed_in_mid_fit_leaves_the_project_intact(tmp_path, trial) -> None:
     folder = tmp_path / "project"
     process, address = started(folder)
