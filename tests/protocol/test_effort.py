@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from surae.base.errors import InputError
-from surae.protocol.effort import TASKS, effort, named_task
+from surae.protocol.effort import TASKS, effort, named_task, task_bursts
 
 T = np.arange(0.0, 35.0, 1 / 256)
 TASK = pytest.mark.parametrize("name", ["part-passive", "active"])
@@ -68,6 +68,22 @@ def test_envelopes_are_smooth(name):
     speed = np.diff(target, axis=0) / 1e-3
     assert np.abs(speed).max() < 5.0
     assert np.abs(np.diff(speed, axis=0) / 1e-3).max() < 40.0
+
+
+def test_steps_hold_many_levels_in_either_direction():
+    target = effort(np.arange(0.0, 120.0, 0.01), TASKS["steps"])
+    for column in (0, 2):
+        flat = (np.abs(np.gradient(target[:, column])) < 1e-9) & (target[:, column] > 0.1)
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], flat.astype(int), [0]])))
+        assert min(edges[1::2] - edges[::2]) > 190
+        assert np.ptp(target[edges[::2] + 1, column]) > 0.3
+    assert not np.any((target[:, 0] > 0.1) & (target[:, 2] > 0.1))
+
+
+def test_a_prbs_is_on_and_off_for_every_number_of_clocks_up_to_its_register():
+    runs = [round((b.length - b.rise) / 0.5) for b in task_bursts(TASKS["prbs"], 64.0)]
+    assert sum(runs[:32]) == pytest.approx(64, abs=3)  # of 127
+    assert set(runs[:32]) >= {1, 2, 3, 4, 5}
 
 
 def test_unknown_task_is_named_with_what_there_is():

@@ -6,6 +6,7 @@ import pytest
 from surae.base.errors import InputError
 from surae.protocol.profiles import (
     BLEND,
+    ISOMETRIC,
     MULTI_SINE_START,
     MULTIPLE_HOLDS,
     PROFILES,
@@ -81,7 +82,7 @@ def test_multi_sine_holds_is_slow_first_and_holds_at_many_positions():
     assert np.min(np.diff(np.sort(turns))) > 1e-3
 
 
-@pytest.mark.parametrize("ramps", [RAMP_AND_HOLD, MULTIPLE_HOLDS, MULTI_SINE_START])
+@pytest.mark.parametrize("ramps", [RAMP_AND_HOLD, MULTIPLE_HOLDS, MULTI_SINE_START, ISOMETRIC])
 def test_every_ramp_comes_to_rest_before_the_next_starts(ramps):
     origin, starts = 0.0, [ramp.start for ramp in ramps[1:]] + [np.inf]
     for ramp, following in zip(ramps, starts, strict=True):
@@ -99,6 +100,15 @@ def test_ramp_has_its_speed_and_stops_at_its_target():
     assert ramp.end(1.0) == pytest.approx(3.2)
     np.testing.assert_allclose(position[t <= 1.0], 1.0, atol=1e-14)
     np.testing.assert_allclose(position[t >= 3.2], 0.2, atol=1e-12)
+
+
+def test_isometric_holds_eight_angles():
+    t, position = fine("isometric")
+    still = np.abs(np.gradient(position, t)) < 1e-6
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(int), [0]])))
+    long = (edges[1::2] - edges[::2]) > 11e3
+    held = position[edges[::2][long]]
+    np.testing.assert_allclose(np.sort(held), np.arange(8) / 7, atol=1e-9)
 
 
 def test_unknown_profile_is_named_with_what_there_is():

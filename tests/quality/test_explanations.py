@@ -144,7 +144,8 @@ def test_only_what_is_used_is_judged(recording) -> None:
     assert "angle-units" in {f.code for f in surae.check(faulty).findings}
     assert "angle-units" not in {f.code for f in surae.check(faulty, exclude=[window]).findings}
     settings = surae.api.FitSettings.of("muscle", weights=Weighting((window,)))
-    found = {f.code for f in surae.api.check_for(settings, faulty).findings}
+    (checked,) = surae.api.checks_for(settings, [faulty])
+    found = {f.code for f in checked.findings}
     assert not {"angle-units", "position-steps"} & found
 
 

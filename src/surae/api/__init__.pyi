@@ -28,7 +28,7 @@ from surae.api.nerve import write_impedance_page as write_impedance_page
 from surae.api.nerve import write_stretches_page as write_stretches_page
 from surae.api.recordings import AnyRecording as AnyRecording
 from surae.api.recordings import check as check
-from surae.api.recordings import check_for as check_for
+from surae.api.recordings import check_together as check_together
 from surae.api.recordings import checks_for as checks_for
 from surae.api.recordings import example as example
 from surae.api.session_result import SessionResult as SessionResult

@@ -1,6 +1,7 @@
 """Recordings as they are given: read, prepared or as files, one or several; checks; an example."""
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +22,7 @@ from surae.quality import (
     recording_or_findings,
     used,
 )
+from surae.quality.registry import ordered
 from surae.recording import Recording, csv_columns, read, write_csv
 from surae.recording.dataframe import DataFrame, of_frame
 from surae.settings import FitSettings
@@ -167,49 +169,84 @@ def check(
     --------
     >>> surae.check("trial.csv").summary
     """
-    protocol = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
+    return next(_checked([recording], commanded, prepared, joint, exclude))[0]
+
+
+def check_together(
+    recordings: Iterable[AnyRecording],
+    *,
+    commanded: Commanded | PathLike | None = None,
+    prepared: bool = False,
+    joint: Joint | PathLike | None = None,
+    exclude: Sequence[Sequence[float]] = (),
+) -> list[Quality]:
+    """Findings of recordings of one leg, as of `check`: holds at several angles are one set."""
+    every, angles = [], []
+    for quality, angle in _checked(recordings, commanded, prepared, joint, exclude):
+        every.append(quality)
+        angles += [angle] if "angle-still" in {f.code for f in quality.findings} else []
+    whole = len(angles) == len(every) and tell_together(angles)
+    return in_set(every) if whole else every
+
+
+def _checked(
+    recordings: Iterable[AnyRecording], commanded: Commanded | PathLike | None, prepared: bool,
+    joint: Joint | PathLike | None, exclude: Sequence[Sequence[float]],
+) -> Iterator[tuple[Quality, float]]:  # fmt: skip
+    """Findings of each, and its median angle [rad]."""
+    given = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
     own = joint if isinstance(joint, Joint | None) else read_joint(joint)
-    measured: Recording | Quality
-    if isinstance(recording, Recording | ModelInputs | DataFrame):
-        given = read_in(recording)
-        measured = recording_of(given) if isinstance(given, ModelInputs) else given
-    else:
-        measured, stated = recording_or_findings(recording)
-        protocol = protocol or stated
-    if isinstance(measured, Quality):
-        quality = measured
-    elif own in (None, ANKLE):
-        quality = examined(measured, protocol, exclude)
-    else:
-        quality = of_joint(check_recording(used(measured, exclude)[0], protocol), own)
-    if not prepared:
-        return quality
-    right = tuple(f for f in quality.findings if (f.code, f.severity) != ("emg-kind", "warning"))
-    return replace(quality, findings=right)
+    for recording in recordings:
+        protocol, angle = given, math.nan
+        measured: Recording | Quality
+        if isinstance(recording, Recording | ModelInputs | DataFrame):
+            read_ = read_in(recording)
+            measured = recording_of(read_) if isinstance(read_, ModelInputs) else read_
+        else:
+            measured, stated = recording_or_findings(recording)
+            protocol = protocol or stated
+        if isinstance(measured, Quality):
+            quality = measured
+        else:
+            if "angle" in measured.channels:
+                angle = float(np.median(measured.channels["angle"].values))
+            if own in (None, ANKLE):
+                quality = examined(measured, protocol, exclude)
+            else:
+                quality = of_joint(check_recording(used(measured, exclude)[0], protocol), own)
+        if prepared:
+            kept = (f for f in quality.findings if (f.code, f.severity) != ("emg-kind", "warning"))
+            quality = replace(quality, findings=tuple(kept))
+        yield quality, angle
 
 
-def check_for(settings: FitSettings, recording: AnyRecording) -> Quality:
-    """Findings of a recording that is fitted with these settings; see `check`."""
+def checks_for(settings: FitSettings, recordings: Sequence[AnyRecording]) -> list[Quality]:
+    """Findings of recordings that are fitted together with these settings."""
     counts = settings.weights if isinstance(settings.weights, Weighting) else Weighting()
-    return check(
-        recording, prepared=settings.prepared, joint=settings.options.anatomy,
+    return check_together(
+        recordings, prepared=settings.prepared, joint=settings.options.anatomy,
         exclude=[(start, end) for start, end, weight in counts.windows if weight == 0.0],
     )  # fmt: skip
 
 
-def checks_for(settings: FitSettings, recordings: Sequence[AnyRecording]) -> list[Quality]:
-    """Findings of recordings that are fitted together: holds at several angles are no fault."""
-    every = [check_for(settings, each) for each in recordings]
-    angles = [
-        float(np.median(each.channels["angle"].values))
-        for each, quality in zip(recordings, every, strict=True)
-        if isinstance(each, Recording) and "angle-still" in {f.code for f in quality.findings}
-    ]
-    whole = len(angles) == len(every) and tell_together(angles)
-    return [in_set(quality) for quality in every] if whole else every
+def in_set(qualities: Sequence[Quality]) -> list[Quality]:
+    """Findings of several holds, which together tell what one of them does not.
 
-
-def in_set(quality: Quality) -> Quality:
-    """Findings of one of several holds, which together tell what one of them does not."""
-    kept = tuple(f for f in quality.findings if f.code not in ("angle-still", "rom-not-covered"))
-    return replace(quality, findings=kept)
+    That one holds still is for information, and that it is short, or at rest, is no fault: holds
+    tell no relaxation, and others show the effort.
+    """
+    idle = all("active-not-active" in {f.code for f in q.findings} for q in qualities)
+    of_one = {("rom-not-covered", "warning"), ("trial-too-short", "warning")}
+    of_one |= set() if idle else {("active-not-active", "warning")}
+    made = []
+    for quality in qualities:
+        kept = []
+        for finding in quality.findings:
+            if finding.code == "angle-still":
+                text = f"{finding.message} It is one of {len(qualities)} holds at several angles."
+                advice = "Fit them together, as one isometric set."
+                kept.append(replace(finding, severity="info", message=text, advice=advice))
+            elif (finding.code, finding.severity) not in of_one:
+                kept.append(finding)
+        made.append(replace(quality, findings=ordered(kept)))
+    return made

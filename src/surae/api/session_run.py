@@ -16,7 +16,7 @@ import numpy as np
 from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import fit_inputs, load
-from surae.api.recordings import check_for, explained, in_set
+from surae.api.recordings import checks_for, explained, in_set
 from surae.api.session_result import SessionResult, finite, write_index, write_summary
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import PathLike
@@ -111,9 +111,11 @@ class _Run:
             except InputError as error:
                 self.failed[trial.name] = str(explained(error, [trial.recording]))
                 continue
-            quality = check_for(self.settings, trial.recording)
-            in_a_set = trial.effort == "isometric" and trial.use == "fit"
-            self.quality[trial.name] = in_set(quality) if in_a_set else quality
+            (self.quality[trial.name],) = checks_for(self.settings, [trial.recording])
+        held = [t.name for t in self.session.trials if t.effort == "isometric" and t.use == "fit"]
+        held = [name for name in held if name in self.quality]
+        together = in_set([self.quality[name] for name in held])
+        self.quality |= dict(zip(held, together, strict=True))
         for name in self.session.fitted:
             if name in self.inputs:
                 self._cost[name] = float(self.inputs[name].n)

@@ -61,7 +61,7 @@ CHOICES = {
     "integrator": Names("integrators", ("implicit", "explicit-euler")),
 }
 #: Tasks and devices of protocols, those that come with surae, and their profiles.
-TASKS = ("part-passive", "active", "passive")
+TASKS = ("part-passive", "active", "passive", "steps", "prbs")
 DEVICES = ("achilles",)
 PROFILES = (
     "ramp-and-hold",
@@ -70,6 +70,7 @@ PROFILES = (
     "multi-sine",
     "multi-sine-holds",
     "scaled-chirp",
+    "isometric",
 )
 DESIGNED = ("compliant-35", "everything-35", "passive-20", "relaxed-35", "tendon-60")
 #: What a subject can do, where a protocol is designed.

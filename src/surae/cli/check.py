@@ -1,7 +1,7 @@
 """`surae check`."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -39,16 +39,17 @@ def command(
     check_recordings(recordings)
 
     protocol = None if commanded is None else api.commanded_file(commanded)
-    qualities = []
     with work() as progress:
-        for path in recordings:
-            progress.describe(f"reading and checking {path}")
-            as_it_is = mapping is None and not corrections
-            recording = path if as_it_is else api.read(path, mapping=mapping, **corrections)
-            quality = api.check(
-                recording, commanded=protocol, prepared=prepared, joint=joint, exclude=exclude
-            )
-            qualities.append(quality)
+
+        def each() -> "Iterator[api.AnyRecording]":
+            for path in recordings:
+                progress.describe(f"reading and checking {path}")
+                as_it_is = mapping is None and not corrections
+                yield path if as_it_is else api.read(path, mapping=mapping, **corrections)
+
+        qualities = api.check_together(
+            each(), commanded=protocol, prepared=prepared, joint=joint, exclude=exclude
+        )
     if as_json:
         click.echo(json.dumps(_plain(recordings, qualities), ensure_ascii=False, indent=2))
     else:

@@ -34,6 +34,8 @@ TASKS: dict[str, Task] = {
         Task("part-passive", 11.0, "Relaxed to 11 s, then alternating bursts."),
         Task("active", 0.0, "Alternating bursts throughout."),
         Task("passive", np.inf, "Relaxed throughout."),
+        Task("steps", 0.0, "Steps of effort, held for 2 s, one direction after the other."),
+        Task("prbs", 0.0, "Efforts of one level, on and off at random (a PRBS)."),
     )
 }
 
@@ -62,10 +64,45 @@ class Burst(NamedTuple):
     length: float
     level: float  #: Part of the largest effort, 0…1.
     direction: int  #: Of `DIRECTIONS`: 0 plantarflexion, 1 dorsiflexion.
+    rise: float | None = None  #: Time in which it rises, and falls [s]; half its length by default.
+
+
+#: A step of effort is held for so long, after and before a change [s].
+_HELD, _STEP_RISE = 2.0, 0.3
+#: A PRBS may change every so many seconds, as fast as a person follows a display, within such a
+#: time, between rest and such a level.
+_CLOCK, _CLOCK_RISE, _ON = 0.5, 0.2, 0.5
+
+
+def _steps(end: float) -> Iterator[Burst]:
+    k, onset, length = 0, 0.5, _HELD + 2.0 * _STEP_RISE
+    while onset + length + GAP <= end:
+        yield Burst(onset, length, 0.2 + 0.6 * _sequence(k, 0), k % 2, _STEP_RISE)
+        onset += length + GAP
+        k += 1
+
+
+def _prbs(end: float) -> Iterator[Burst]:
+    """A maximum-length sequence of 127 (x⁷ + x⁶ + 1): each run of ones is an effort."""
+    k, onset, register = 0, 0.5, 0b1010011
+    while True:
+        run = 0
+        while run == 0 or register & 1:
+            run += register & 1
+            register = register >> 1 | ((register ^ register >> 1) & 1) << 6
+            onset += _CLOCK
+        if onset + _CLOCK_RISE + GAP > end:
+            return
+        start = onset - (run + 1) * _CLOCK
+        yield Burst(start, run * _CLOCK + _CLOCK_RISE, _ON, k % 2, _CLOCK_RISE)
+        k += 1
 
 
 def task_bursts(task: "Task", end: float) -> Iterator[Burst]:
     """Every burst of a task that is over by `end` [s]."""
+    if task.name in ("steps", "prbs"):
+        yield from (_steps if task.name == "steps" else _prbs)(end)
+        return
     k, onset = 0, task.passive_until
     while onset + (length := 0.9 + 0.3 * _sequence(k, 1)) + GAP <= end:
         # Hard and easy efforts mix in either direction: 0.4 to 1 of the largest.
@@ -94,8 +131,8 @@ def burst_effort(t: FloatArray, bursts: Iterable[Burst]) -> FloatArray:
             onset = burst.onset + GAP * late
             # Beyond its own span a burst is exactly 0.
             first, last = np.searchsorted(t, (onset, onset + burst.length))
-            u = (t[first:last] - onset) / burst.length
-            bump = smooth_step(np.minimum(2.0 * u, 2.0 - 2.0 * u))
+            since, rise = t[first:last] - onset, burst.rise or 0.5 * burst.length
+            bump = smooth_step(np.minimum(since, burst.length - since) / rise)
             target[first:last, MUSCLES.index(muscle)] += burst.level * share * bump
     return target
 

@@ -69,6 +69,13 @@ def ramps_and_holds(t: FloatArray, ramps: tuple[Ramp, ...], origin: float = 0.0)
     return position
 
 
+#: Eight angles, no two neighbours in turn, each held for some 12 s, the first from the start:
+#: efforts there show torque over angle.
+ISOMETRIC = tuple(
+    Ramp(15.0 * (k + 1), level / 7, 0.3) for k, level in enumerate((4, 7, 2, 5, 1, 6, 3))
+)
+
+
 PositionFunction = Callable[[FloatArray], FloatArray]
 
 
@@ -168,6 +175,10 @@ PROFILES: dict[str, Profile] = {
         Profile(
             "scaled-chirp", 40.0, partial(_spanning, _half_cosine_chirp, duration=40.0),
             "A chirp scaled by half a cosine.",
+        ),
+        Profile(
+            "isometric", 120.0, partial(ramps_and_holds, ramps=ISOMETRIC),
+            "Eight angles, each held: for efforts in steps or at random.",
         ),
     )
 }  # fmt: skip

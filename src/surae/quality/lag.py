@@ -5,14 +5,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from surae.quality.finding import Finding, Unjudged, make_finding
-from surae.quality.numeric import correlation, shifted, smooth
+from surae.quality.numeric import correlations, smooth
 from surae.quality.torque_model import LONGEST
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLE_NAMES
 
-#: Lag of all EMG for the torque [s]. The true activation may be 30 ms faster or slower than the
-#: one assumed; clean virtual trials stay within 60 ms.
-LAG = 0.1
+#: Lead and lag of all EMG for the torque [s]. True activation may be 30 ms faster or slower than
+#: the one assumed, and muscles and tendons take their time. `surae.inference.diagnosis` tells more.
+EARLY, LATE = 0.16, 0.1
 #: Lag of a head of the triceps for the others [s]. Heads do begin apart, by up to 0.15 s in a burst
 #: of the thesis's tasks and by 0.16 s on average in short trials of few bursts.
 ELECTRODE = 0.19
@@ -33,7 +33,7 @@ def torque_lag(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged("There is no torque or no EMG to compare.")
     if not model.known:
         raise Unjudged("The EMG explains too little of the torque to tell.")
-    if abs(model.lag) <= LAG or abs(model.lag) >= 0.95 * LONGEST or _one_side(trial) is not None:
+    if -EARLY <= model.lag <= LATE or abs(model.lag) >= 0.95 * LONGEST or _one_side(trial):
         return
     late = "late" if model.lag > 0.0 else "early"
     yield make_finding(
@@ -75,7 +75,7 @@ def _lag(trial: CheckedTrial, muscle: str) -> float | None:
     together = smooth(np.mean([o / max(float(o.max()), 1e-300) for o in others], axis=0), width)
     together, rate = together[::_STEP], trial.rate_hz / _STEP
     lags = np.arange(-round(0.6 * rate), round(0.6 * rate) + 1)
-    alike = [correlation(shifted(mine, -lag), together) for lag in lags.tolist()]
+    alike = correlations(mine, together, lags)
     best = int(np.argmax(alike))
     return float(lags[best]) / rate if alike[best] > _ALIKE else None
 
@@ -89,5 +89,5 @@ def _one_side(trial: CheckedTrial) -> tuple[str, float] | None:
     # The triceps makes most of the torque: its lag is the better known.
     # A lag at the end of those that are tried is no minimum.
     known = abs(ta) < 0.95 * LONGEST
-    apart = abs(ta - triceps) > ONE_SIDE and abs(triceps) <= LAG and model.group_gain["ta"] > GAIN
+    apart = abs(ta - triceps) > ONE_SIDE and abs(triceps) <= LATE and model.group_gain["ta"] > GAIN
     return ("ta", ta - triceps) if known and apart else None

@@ -57,8 +57,10 @@ def line(channel: Channel, mains: float) -> tuple[float, float]:
     # transform of awkward length.
     block = max(1, int(rate / (4.0 * _AROUND)))
     whole = n // block * block
-    carrier = np.hanning(n) * np.exp(-2j * np.pi * mains / rate * np.arange(n))
-    mixed = (values * carrier)[:whole].reshape(-1, block).sum(axis=1)
+    values *= np.hanning(n)
+    blocks, turn = values[:whole].reshape(-1, block), -2j * np.pi * mains / rate
+    within, begun = (np.exp(turn * np.arange(0, *upto)) for upto in ((block,), (whole, block)))
+    mixed = (blocks @ within.real + 1j * (blocks @ within.imag)) * begun
     power = np.abs(np.fft.fft(mixed)) ** 2
     frequency = np.fft.fftfreq(len(mixed), block / rate)
     near, around = np.abs(frequency) <= _NEAR, (np.abs(frequency) <= _AROUND)

@@ -17,10 +17,16 @@ def smooth(values: FloatArray, width: int) -> FloatArray:
     if half == 0:
         return values
     n = len(values)
-    total = np.cumsum(values)
-    total = np.concatenate([np.zeros(half + 1), total, np.full(half, total[-1])])
-    before = np.minimum(np.arange(n), half)
-    return np.asarray((total[2 * half + 1 :] - total[:n]) / (before + before[::-1] + 1))
+    total = np.zeros(n + 1)
+    np.cumsum(values, out=total[1:])
+    averaged = np.empty(n)
+    inner = slice(half, max(n - half, half))
+    np.subtract(total[2 * half + 1 :], total[: max(n - 2 * half, 0)], out=averaged[inner])
+    averaged[inner] /= 2 * half + 1
+    ends = np.r_[0 : min(half, n), max(n - half, min(half, n)) : n]
+    first, last = np.maximum(ends - half, 0), np.minimum(ends + half + 1, n)
+    averaged[ends] = (total[last] - total[first]) / (last - first)
+    return averaged
 
 
 def quantiles(values: FloatArray, *shares: float) -> tuple[float, ...]:
@@ -74,6 +80,15 @@ def equal_runs(values: FloatArray) -> tuple[IndexArray, IndexArray]:
     """First index and length of every run of equal values, runs of one included."""
     first = np.concatenate([[0], np.flatnonzero(np.diff(values) != 0.0) + 1])
     return first, np.diff(np.concatenate([first, [len(values)]]))
+
+
+def correlations(a: FloatArray, b: FloatArray, lags: IndexArray) -> FloatArray:
+    """Pearson's correlation of `a`, advanced by each lag, with `b`: nothing beyond their ends."""
+    a, b = a - a.mean(), b - b.mean()
+    size = 1 << (2 * len(a) - 1).bit_length()
+    products = np.fft.irfft(np.fft.rfft(a, size) * np.conj(np.fft.rfft(b, size)), size)
+    scale = float(np.sqrt((a @ a) * (b @ b)))
+    return np.asarray(products[lags] / scale if scale > 0.0 else np.zeros(len(lags)))
 
 
 def correlation(a: FloatArray, b: FloatArray) -> float:

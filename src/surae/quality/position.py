@@ -24,6 +24,9 @@ DEPARTURE = 0.015
 PERTURBED, PERTURBED_S, PERTURBED_HZ = (0.002, 0.175), 20.0, 5.0
 #: Overshoot of a movement as a part of it, where no profile is known, and the least [rad].
 OVERSHOOT, LEAST = 0.04, 0.012
+#: What goes further beyond (a damping of 0.15 makes so much), or stays there for longer [s] (half a
+#: period of 1.5 Hz, the slowest ringing that is meant), was sent there and back.
+RINGS, RINGS_S = 0.62, 0.33
 #: A jump of the angle [rad] that is no encoder's step...
 JUMP = 0.012
 #: ...and is so many times the movement of the samples around it.
@@ -176,7 +179,11 @@ def _ringing(
         if abs(moved) < 0.1:
             continue
         holds += 1
-        beyond = float((np.sign(moved) * (piece - rest)).max())
-        if beyond > max(OVERSHOOT * abs(moved), LEAST):
+        past = np.sign(moved) * (piece - rest)
+        beyond, peak = float(past.max()), int(past.argmax())
+        if not max(OVERSHOOT * abs(moved), LEAST) < beyond < RINGS * abs(moved):
+            continue
+        first, last = next(run for run in runs(past > 0.1 * beyond) if run[0] <= peak < run[1])
+        if last - first < RINGS_S * rate:
             shot.append((beyond, float(time[before][0]), float(time[begin])))
     return holds, shot

@@ -8,7 +8,7 @@ import numpy as np
 from surae.quality import activity, emg, film, lag, mains, position, reflex, timing, torque
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped, Unjudged
-from surae.quality.trial import CheckedTrial, trial_of
+from surae.quality.trial import CheckedTrial, Signals, trial_of
 from surae.recording import Recording
 
 #: Samples that signals need for anything but their time to be judged.
@@ -60,17 +60,20 @@ CHECKS: tuple[Check, ...] = (
 )
 
 
-def check_recording(recording: Recording, commanded: Commanded | None = None) -> Quality:
+def check_recording(
+    recording: Recording, commanded: Commanded | None = None, signals: Signals | None = None
+) -> Quality:
     """All findings of a recording, the most severe first, then by time.
 
     It is as it was measured: checks see faults that preparation would hide. `commanded` is the
-    motion that the device was to follow, and the requested effort.
+    motion that the device was to follow, and the requested effort; `signals` are the recording's
+    own, where they have been made already.
     """
     findings = [*timing.time_axes(recording), *timing.too_short(recording)]
     skipped: list[Skipped] = []
     reason = unfit(recording)
     if reason is None:
-        trial = trial_of(recording, commanded)
+        trial = trial_of(recording, commanded, signals)
         for check in CHECKS:
             try:
                 findings += check.run(trial)

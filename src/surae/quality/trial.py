@@ -96,13 +96,15 @@ class CheckedTrial(Signals):
         return np.asarray(np.mean([source[m] for m in muscles], axis=0))
 
 
-def trial_of(recording: Recording, commanded: Commanded | None = None) -> CheckedTrial:
+def trial_of(
+    recording: Recording, commanded: Commanded | None = None, signals: Signals | None = None
+) -> CheckedTrial:
     """Bring a recording's signals to what the checks compare.
 
     The channels share a span of time. A commanded profile that is not given is recognised from the
     angle where it can be.
     """
-    seen = signals_of(recording)
+    seen = signals or signals_of(recording)
     time, rate = seen.time, seen.rate_hz
     slow = {muscle: smooth(e, round(SLOW * rate)) for muscle, e in seen.fast.items()}
     velocity = np.gradient(seen.angle, 1.0 / rate) if len(time) > 2 else np.zeros_like(time)

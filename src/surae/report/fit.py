@@ -14,6 +14,7 @@ from surae.quality import Quality
 from surae.report import block
 from surae.report.budget import NEXT, BudgetTable, budget_of, budget_section
 from surae.report.figures import Figure
+from surae.report.figures.holds import HOLDS, are_holds, holds_figure
 from surae.report.figures.research import (
     budget_figure,
     correlation_figure,
@@ -62,6 +63,7 @@ def fit_report(
     details = (
         parameters_section(result, assessment, next_anchor=NEXT if budget.helps else ""),
         *([findings_section(found)] if found else []),
+        *([HOLDS] if are_holds(traces) else []),
         *recordings,
     )
     research = (
@@ -125,6 +127,8 @@ def _figures(
             yield f"tendon-{number}", tendon_figure(trial, trial.tendon)
         for place, film in enumerate(trial.films):
             yield f"film-{number}-{place}", film_figure(trial, film)
+    if are_holds(traces):
+        yield "holds", holds_figure(traces)
     if predictions:
         yield "predictions", predictions_figure(predictions)
     if budget.rows:

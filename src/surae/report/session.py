@@ -15,6 +15,7 @@ from surae.report.budget import budget_of, budget_section
 from surae.report.cards import AssessedFit, is_known, titled
 from surae.report.figures import Figure
 from surae.report.figures.cohort import trials_figure
+from surae.report.figures.holds import HOLDS, are_holds, holds_figure
 from surae.report.figures.research import budget_figure
 from surae.report.figures.tendon import film_figure
 from surae.report.figures.torque import fit_figure
@@ -139,11 +140,14 @@ def _details(
             "Measured torque (wide, pale) and the model’s (thin, dark), with its R².", "here",
         )  # fmt: skip
         details.append(block.Section("Torque", (picture,), "torques"))
+        if are_holds(traced := traces_of(shown[0])):
+            figures["holds"] = holds_figure(traced)
+            details.append(HOLDS)
         details.append(block.Section("The fit", (adequacy_words(shown[1].adequacy),), "fit"))
         if answers.measures is not None:
             details.append(_in_words(answers.measures, answers.at, _))
             research.append(_other_measures(answers.measures))
-        for number, trial in enumerate(traces_of(shown[0])):
+        for number, trial in enumerate(traced):
             for place, film in enumerate(trial.films):
                 drawn = f"film-{number}-{place}"
                 figures[drawn] = film_figure(trial, film)

@@ -30,6 +30,14 @@ from surae.recording import MUSCLES, Recording
 _GOOD = 0.995
 #: Part of what a fit leaves that shifting the EMG must take away before a lag is claimed.
 _SHIFT_GAIN = 0.03
+#: By how much muscles and tendons follow their EMG at most and at least, beyond the filter of
+#: activation [s]: 30 ± 30 ms of delay, what a tendon takes, and less behind a slow low-pass. Of 20
+#: virtual legs whose torque follows late by 40 ms, or not, a quick fit puts all at 17 to 85 ms.
+_FOLLOWS = (0.12, 0.0)
+#: Steps in which the EMG is shifted beyond that, and how far at most [s].
+_SHIFT, _FARTHEST = 0.06, 0.6
+#: What a fit with the EMG shifted must leave less, so many times, than with what muscles do.
+_OUT_OF_STEP = 1.1
 #: An angle that keeps within this [rad] for all but a hundredth of the time is held still.
 STILL = 0.03
 #: A zero that is worth a word [Nm], in a fit that explains so much and leaves so much less by it.
@@ -63,10 +71,10 @@ def examined(
         if (angle := wrong_angle(right)) is not None:
             findings.append(angle[0])
             right = angle[1]
-    quality = check_recording(right, commanded)
     if unfit(right) is not None:
-        return _together(quality, findings)
+        return _together(check_recording(right, commanded), findings)
     signals = signals_of(right)
+    quality = check_recording(right, commanded, signals)
     low, high = quantiles(signals.angle, 0.005, 0.995)
     if high - low < STILL:
         text = (
@@ -84,8 +92,11 @@ def examined(
             quality = check_recording(with_signs, commanded)
         return _together(quality, [*findings, *wrong], but=("torque-sign",))
     findings += _slow(signals, fit)
-    lags = [f for f in quality.findings if f.code in ("electrode-lag", "emg-torque-lag")]
-    false = [lag for lag in lags if not _explains(lag, right, signals, fit)]
+    electrodes = [f for f in quality.findings if f.code == "electrode-lag"]
+    false = [lag for lag in electrodes if not _explains(lag, right, signals, fit)]
+    false += [f for f in quality.findings if f.code == "emg-torque-lag"]
+    if not electrodes and fit.r2 >= _GOOD_ENOUGH:
+        findings += _out_of_step(right, signals, fit)
     if fit.r2 >= EXPLAINS:  # and no other signs explain clearly more
         false += [f for f in quality.findings if f.code == "torque-sign"]
     constant = next((f for f in quality.findings if f.code == "torque-offset"), None)
@@ -168,6 +179,32 @@ def _slow(signals: Signals, fit: QuickFit) -> Iterator[Finding]:
             f"At its end the trial has about {100 * after:.0f} % of the EMG of {whose} that it had "
             f"at first for the same torque: it explains {100 * share:.0f} % of what is left.",
         )  # fmt: skip
+
+
+def _out_of_step(recording: Recording, signals: Signals, fit: QuickFit) -> Iterator[Finding]:
+    """EMG that is late for the torque, or earlier than muscles make it."""
+
+    def shifted(lag: float) -> QuickFit:
+        later = dict.fromkeys(MUSCLES, lag)
+        return quick_fit(recording, signals, later=later) or fit
+
+    early, late = _FOLLOWS
+    for way, edge in ((1.0, -late), (-1.0, -early)):
+        beside = shifted(edge) if edge else fit
+        lag, best = edge, beside
+        while abs(lag) < _FARTHEST and (next_ := shifted(lag + way * _SHIFT)).left < best.left:
+            lag, best = lag + way * _SHIFT, next_
+        if best.left * _OUT_OF_STEP < beside.left:
+            text = f"The EMG is about {1e3 * abs(lag):.0f} ms late for the torque"
+            if way < 0.0:
+                text = f"The torque follows its EMG by about {1e3 * abs(lag):.0f} ms, more than "
+                text += "muscles take"
+            yield make_finding(
+                "emg-torque-lag", None, span_of(signals.time), lag,
+                f"{text}: with that taken away R² rises from {percent(fit.r2)} to "
+                f"{percent(best.r2)}.",
+            )  # fmt: skip
+            return
 
 
 def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Iterator[Finding]:

@@ -62,7 +62,7 @@ def _compiling() -> AbstractContextManager[None]:
 def fit(task: Task) -> dict[str, Any]:
     """Fit, as `surae fit` does, and write FIT.json."""
     settings, recordings, inputs = _request_of(task)
-    quality = [api.check_for(settings, recording) for recording in recordings]
+    quality = api.checks_for(settings, recordings)
     news = FitProgress(settings.starts)
     with _compiling():
         fitted = api.fit_inputs(inputs, settings, quality, progress=news.start, follow=news.point)
