@@ -164,6 +164,23 @@ def test_emg_whose_gain_falls_is_found_where_nothing_else_is_left(recording) -> 
     assert found["emg-gain"].value == pytest.approx(0.65, abs=0.08)
 
 
+def shifted(recording: Recording, seconds: float) -> Recording:
+    """With all EMG late by some time."""
+    for role in (r for r in recording.channels if r.startswith("emg_")):
+        samples = round(seconds * recording.channels[role].rate_hz)
+        recording = changed(recording, role, lambda v, samples=samples: np.roll(v, samples))
+    return recording
+
+
+def test_emg_is_out_of_step_where_no_muscle_follows_it_so(legs) -> None:
+    """These torques follow their EMG late by 40 ms, and by what tendons take."""
+    for leg, lag in zip(legs, (None, 0.2, -0.2, None), strict=True):
+        found = {f.code: f for f in surae.check(shifted(leg, lag or 0.0)).findings}
+        assert ("emg-torque-lag" in found) is (lag is not None)
+        if lag is not None:
+            assert found["emg-torque-lag"].value == pytest.approx(lag - 0.06, abs=0.07)
+
+
 def test_right_recordings_do_not_drift_or_fade(legs, recording, shared) -> None:
     measured = [surae.read(shared / "dynamometer" / "PL_50_01.toml")]
     for right in (recording, *legs, *measured):

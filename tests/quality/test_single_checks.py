@@ -261,6 +261,15 @@ def test_an_overshoot_is_seen_without_a_known_profile() -> None:
     assert "overshoot" not in codes(check_recording(Recording.from_arrays(time, smooth)))
 
 
+def test_a_movement_there_and_back_before_a_hold_is_no_overshoot() -> None:
+    time = np.arange(0.0, 24.0, 1 / 256)
+    angle = np.full(time.size, -0.3)
+    for start, size in ((2.0, 0.6), (3.0, -0.35), (9.0, -0.3), (10.0, 0.2)):
+        since = np.clip((time - start) / 0.9, 0.0, 1.0)
+        angle += size * since**3 * (10 - 15 * since + 6 * since**2)
+    assert "overshoot" not in codes(check_recording(Recording.from_arrays(time, angle)))
+
+
 def test_findings_are_plain_data_there_and_back(planted) -> None:
     signals = planted.signals(70001, motions=(("sine", 0.0, False),))
     signals.torque *= -1.0

@@ -190,5 +190,9 @@ def test_holds_with_effort_at_several_angles_are_one_isometric_set():
     trials = surae.session([*(held(k, 0.15 * k) for k in range(4)), rest]).trials
     assert [(t.effort, t.use) for t in trials[:4]] == [("isometric", "fit")] * 4
     assert trials[4].use == "hold"
+    checked = surae.api.check_together([held(k, 0.15 * k) for k in range(4)])
+    assert {f.severity for q in checked for f in q.findings if f.code == "angle-still"} == {"info"}
+    alone = surae.api.check_together([held(k, 0.01 * k) for k in range(4)])
+    assert {"angle-still"} <= {f.code for f in alone[0].findings if f.severity == "error"}
     alike = surae.session([*(held(k, 0.01 * k) for k in range(4)), rest]).trials
     assert {t.effort for t in alike[:4]} == {"active"}  # at one angle they tell no more than one
