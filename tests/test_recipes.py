@@ -167,9 +167,9 @@ def open_table(source):
 
     return Table(source.shown, "bars", tuple(names), time, load)
 '''),
-        ("recording/formats.py", "    c3d,\n", "    bars,\n"),
-        ("recording/formats.py", "    hdf5, matlab, poly5", "    bars,\n"),
-        ("recording/formats.py", '    ".h5"', '    ".bars",\n'),
+        ("recording/formats.py", "delimited, hdf5", "bars, "),
+        ("recording/formats.py", "hdf5, matlab, opensim)", "bars, "),
+        ("recording/formats.py", '".h5"', '".bars", '),
     ],
     "a protocol": [
         ("protocol/profiles.py", "#: Slow, with long holds", '''\

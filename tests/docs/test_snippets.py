@@ -122,7 +122,8 @@ def _check_other(words: list[str]) -> None:
         assert rest[0] in TARGETS
     elif program == "pip":
         assert rest[0] == "install"
-        match = re.fullmatch(r"(surae(?:-exchange|-thesis|-workbench)?)(?:\[([a-z,]+)\])?", rest[1])
+        own = "(surae(?:-exchange|-formats|-thesis|-workbench)?)"
+        match = re.fullmatch(rf"{own}(?:\[([a-z,]+)\])?", rest[1])
         assert match, rest
         extras = EXTRAS if match[1] == "surae" else extras_of(f"{match[1].removeprefix('surae-')}/")
         assert set(filter(None, (match[2] or "").split(","))) <= set(extras)

@@ -18,7 +18,10 @@ def held(project: Path, folder: Path) -> set[str]:
         return set(wheel.namelist())
 
 
-@pytest.fixture(scope="module", params=["surae", "exchange", "thesis", "workbench", "legs"])
+DISTRIBUTIONS = ("surae", "exchange", "formats", "thesis", "workbench", "legs")
+
+
+@pytest.fixture(scope="module", params=DISTRIBUTIONS)
 def wheel(request, tmp_path_factory) -> tuple[Path, set[str]]:
     """The folder of a distribution's source, and what its wheel holds."""
     project = ROOT if request.param == "surae" else ROOT / request.param
@@ -36,6 +39,7 @@ def test_it_holds_every_file_of_its_packages(wheel):
     needed = {
         ROOT / "src": ("surae/py.typed", "surae/report/templates/page.html.j2"),
         ROOT / "exchange" / "src": ("surae_exchange/joint.py",),
+        ROOT / "formats" / "src": ("surae_formats/c3d.py",),
         ROOT / "thesis" / "src": ("surae_thesis/claims/tendons.toml",),
         ROOT / "workbench" / "src": ("surae_workbench/web/static/icon.svg",),
         ROOT / "legs" / "src": ("ankle_legs/main.py",),

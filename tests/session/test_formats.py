@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from surae.base.errors import InputError
-from surae.recording import Channel, excel, inspect, read
+from surae.recording import Channel, inspect, read
 from surae.signals.timebase import timing
+from surae_formats import excel
 
 openpyxl = pytest.importorskip("openpyxl")
 

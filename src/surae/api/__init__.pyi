@@ -135,7 +135,6 @@ from surae.recording.source import open_source as open_source
 from surae.recording.table import load_each as load_each
 from surae.recording.table import some as some
 from surae.recording.writing import shared_time as shared_time
-from surae.recording.xdf import xdf_end as xdf_end
 from surae.report import check_report as check_report
 from surae.report import has_typst as has_typst
 from surae.report import part_of as part_of

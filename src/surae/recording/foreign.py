@@ -57,14 +57,14 @@ def packed(columns: Sequence[Parsed]) -> dict[str, Any]:
 
 
 def in_child(source: Source, format_name: str, module: str) -> Any:
-    """What ``surae.recording.<module>:parse`` makes of a file, in a child process.
+    """What ``<module>:parse`` makes of a file, in a child process.
 
     A reader that crashes, or takes too long or too much memory, is an InputError too.
     """
     size = len(source.data)
     try:
         return guarded(
-            f"surae.recording.{module}:parse",
+            f"{module}:parse",
             {"data": source.data, "shown": source.shown},
             seconds=_SECONDS + _SECONDS_PER_BYTE * size,
             memory=_MEMORY + _MEMORY_PER_BYTE * size,
@@ -77,7 +77,7 @@ def in_child(source: Source, format_name: str, module: str) -> Any:
 
 
 def foreign_table(source: Source, format_name: str, module: str) -> Table:
-    """The table that ``surae.recording.<module>:parse`` makes of a file's packed columns."""
+    """The table that ``<module>:parse`` makes of a file's packed columns."""
     plain = in_child(source, format_name, module)
     times = [as_read_only(time) for time in plain["times"]]
     columns = [Parsed(**fields) for fields in plain["columns"]]

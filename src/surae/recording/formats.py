@@ -1,4 +1,4 @@
-"""The formats of data files. A new one is a module like these and one line here, or a plugin."""
+"""The formats of data files: surae's own and MATLAB's. Others are plugins, as `surae-formats`."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -10,24 +10,7 @@ from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.plugins import plugins
-from surae.recording import (
-    acqknowledge,
-    c3d,
-    delimited,
-    edf,
-    excel,
-    filelb,
-    hdf5,
-    labview,
-    matlab,
-    opensim,
-    parquet,
-    poly5,
-    trigno,
-    unread,
-    vicon,
-    xdf,
-)
+from surae.recording import delimited, hdf5, matlab, opensim, unread
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, some
 
@@ -46,18 +29,11 @@ class FormatModule(Protocol):
 
 
 #: In the order in which they are asked, plugins behind them; CSV takes what no other claims.
-FORMATS: tuple[FormatModule, ...] = (
-    hdf5, matlab, poly5, edf, xdf, c3d, excel, opensim, trigno, vicon, labview, parquet, filelb,
-    acqknowledge,
-)  # fmt: skip
+FORMATS: tuple[FormatModule, ...] = (hdf5, matlab, opensim)
 #: Columns of a file.
 _MOST = 10_000
 #: How the names of files end that can hold signals.
-ENDINGS = (
-    ".h5", ".hdf5", ".csv", ".tsv", ".txt", ".mat", ".c3d", ".edf", ".bdf", ".xdf", ".poly5",
-    ".sto", ".mot", ".xlsx", ".xls", ".ods", ".lvm", ".tdms", ".acq", ".parquet", ".feather",
-    ".flb",
-)  # fmt: skip
+ENDINGS = (".h5", ".hdf5", ".csv", ".tsv", ".txt", ".mat", ".sto", ".mot")
 
 
 def data_files(folder: PathLike) -> list[Path]:

@@ -77,7 +77,7 @@ def recognises(source: Source) -> bool:
 
 def open_table(source: Source) -> Table:
     """The signals; a file without vectors that have times or a rate is refused."""
-    return foreign_table(source, "MATLAB", "matlab")
+    return foreign_table(source, "MATLAB", __name__)
 
 
 def parse(data: bytes, shown: str) -> dict[str, Any]:

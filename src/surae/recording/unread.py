@@ -1,5 +1,6 @@
 """Formats that are not read: each by its name, and how its program exports what is."""
 
+from importlib.util import find_spec
 from pathlib import Path
 
 from surae.recording.source import Source
@@ -25,6 +26,12 @@ _MAGIC: tuple[tuple[int, bytes, str, str], ...] = (
     (0, b"<?xml", "XML", "export CSV, C3D or MATLAB instead"),
     (0, b"<mvnx", "Xsens MVN", "export C3D, or Excel"),
 )  # fmt: skip
+#: What surae-formats reads, by how the names of these files end.
+_INSTALLED = {
+    ".xlsx": "Excel", ".xls": "Excel", ".ods": "OpenDocument", ".c3d": "C3D", ".edf": "EDF",
+    ".bdf": "BDF", ".xdf": "XDF", ".poly5": "Poly5", ".acq": "AcqKnowledge", ".flb": "FILELB",
+    ".lvm": "LabVIEW", ".tdms": "LabVIEW", ".parquet": "Parquet", ".feather": "Feather",
+}  # fmt: skip
 #: Programs by how the names of their binary files end.
 _ENDINGS = {
     ".adicht": ("LabChart", "File, Export, MATLAB"),
@@ -44,11 +51,17 @@ _ENDINGS = {
 
 def named(source: Source) -> str:
     """What a file is that no reader takes, and how to export it; empty where it is not known."""
+    ending = Path(source.path).suffix.lower()
+    if ending in _INSTALLED and find_spec("surae_formats") is None:
+        return (
+            f"{source.shown}: {_INSTALLED[ending]} is read by the package surae-formats; install "
+            'it with: pip install "surae[formats]"'
+        )
     for at, magic, what, export in _MAGIC:
         if source.data.startswith(magic, at):
             return _said(source, what, export)
     if b"\0" in source.data[:65536]:
-        known = _ENDINGS.get(Path(source.path).suffix.lower())
+        known = _ENDINGS.get(ending)
         if known is not None:
             return _said(source, f"of {known[0]}", known[1])
     return ""

@@ -34,7 +34,7 @@ def recognises(source: Source) -> bool:
 
 def open_table(source: Source) -> Table:
     """The signals; a file that is cut short, or a signal without calibration, is refused."""
-    return foreign_table(source, "BDF" if source.data.startswith(_BDF) else "EDF", "edf")
+    return foreign_table(source, "BDF" if source.data.startswith(_BDF) else "EDF", __name__)
 
 
 def parse(data: bytes, shown: str) -> dict[str, Any]:

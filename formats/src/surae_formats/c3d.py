@@ -51,7 +51,7 @@ def recognises(source: Source) -> bool:
 
 def open_table(source: Source) -> Table:
     """The channels and points; a file that contradicts itself beyond telling is refused."""
-    return foreign_table(source, "C3D", "c3d")
+    return foreign_table(source, "C3D", __name__)
 
 
 def parse(data: bytes, shown: str) -> dict[str, Any]:

@@ -27,7 +27,7 @@ def recognises(source: Source) -> bool:
 
 def open_table(source: Source) -> Table:
     """The channels."""
-    return foreign_table(source, "AcqKnowledge", "acqknowledge")
+    return foreign_table(source, "AcqKnowledge", __name__)
 
 
 def parse(data: bytes, shown: str) -> dict[str, Any]:

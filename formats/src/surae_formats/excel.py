@@ -34,7 +34,7 @@ def open_table(source: Source) -> Table:
     """Read the sheets that have a column of times, or where none has, all that name columns."""
     tables: dict[str, Table] = {}
     errors = []
-    for title, text in in_child(source, "Excel", "excel")["sheets"].items():
+    for title, text in in_child(source, "Excel", __name__)["sheets"].items():
         try:
             tables[title] = delimited.open_table(replace(source, data=text.encode()))
         except InputError as error:

@@ -21,7 +21,7 @@ def recognises(source: Source) -> bool:
 
 def open_table(source: Source) -> Table:
     """The channels of all groups."""
-    return foreign_table(source, "LabVIEW", "labview")
+    return foreign_table(source, "LabVIEW", __name__)
 
 
 def parse(data: bytes, shown: str) -> dict[str, Any]:

@@ -44,7 +44,7 @@ def recognises(source: Source) -> bool:
 
 def open_table(source: Source) -> Table:
     """The file's streams; one that is damaged or has none of numbers is refused."""
-    return foreign_table(source, "XDF", "xdf")
+    return foreign_table(source, "XDF", __name__)
 
 
 def parse(data: bytes, shown: str) -> dict[str, Any]:

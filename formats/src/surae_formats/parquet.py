@@ -23,7 +23,7 @@ def recognises(source: Source) -> bool:
 
 def open_table(source: Source) -> Table:
     """The columns of numbers."""
-    return foreign_table(source, "Parquet", "parquet")
+    return foreign_table(source, "Parquet", __name__)
 
 
 def parse(data: bytes, shown: str) -> dict[str, Any]:

@@ -1,0 +1,46 @@
+"""Files of other programs and devices, for surae, which finds them here as a reader."""
+
+from surae.base.errors import InputError
+from surae.recording.formats import FormatModule
+from surae.recording.source import Source
+from surae.recording.table import Table
+from surae_formats import (
+    acqknowledge,
+    c3d,
+    edf,
+    excel,
+    filelb,
+    labview,
+    parquet,
+    poly5,
+    trigno,
+    vicon,
+    xdf,
+)
+
+#: In the order in which they are asked.
+READERS: tuple[FormatModule, ...] = (
+    poly5, edf, xdf, c3d, excel, trigno, vicon, labview, parquet, filelb, acqknowledge,
+)  # fmt: skip
+#: How the names of their files end, beside those that are text.
+ENDINGS = (
+    ".c3d", ".edf", ".bdf", ".xdf", ".poly5", ".xlsx", ".xls", ".ods", ".lvm", ".tdms", ".acq",
+    ".parquet", ".feather", ".flb",
+)  # fmt: skip
+
+
+def recognises(source: Source) -> bool:
+    """Whether its content is of one of the formats."""
+    return _reader(source) is not None
+
+
+def open_table(source: Source) -> Table:
+    """The columns of a file, by the first reader that recognises it."""
+    reader = _reader(source)
+    if reader is None:
+        raise InputError(f"{source.shown}: it is of none of the formats")
+    return reader.open_table(source)
+
+
+def _reader(source: Source) -> FormatModule | None:
+    return next((reader for reader in READERS if reader.recognises(source)), None)
