@@ -1,6 +1,6 @@
 """Formats that are not read: each by its name, and how its program exports what is."""
 
-from importlib.util import find_spec
+from importlib.metadata import entry_points
 from pathlib import Path
 
 from surae.recording.source import Source
@@ -52,7 +52,7 @@ _ENDINGS = {
 def named(source: Source) -> str:
     """What a file is that no reader takes, and how to export it; empty where it is not known."""
     ending = Path(source.path).suffix.lower()
-    if ending in _INSTALLED and find_spec("surae_formats") is None:
+    if ending in _INSTALLED and not entry_points(group="surae.readers", name="formats"):
         return (
             f"{source.shown}: {_INSTALLED[ending]} is read by the package surae-formats; install "
             'it with: pip install "surae[formats]"'
