@@ -261,7 +261,13 @@ def test_nothing_of_surae_needs_what_is_built_on_it() -> None:
     users = {
         (path.relative_to(PACKAGE).as_posix(), name)
         for path in PACKAGE.rglob("*.py")
-        for name in ("surae_exchange", "surae_formats", "surae_thesis", "surae_workbench")
+        for name in (
+            "surae_cohort",
+            "surae_exchange",
+            "surae_formats",
+            "surae_thesis",
+            "surae_workbench",
+        )
         if name in path.read_text("utf-8")
     }
     assert users == set()

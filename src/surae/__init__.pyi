@@ -6,7 +6,6 @@ from surae.api import Session as Session
 from surae.api import SessionResult as SessionResult
 from surae.api import change as change
 from surae.api import check as check
-from surae.api import cohort as cohort
 from surae.api import design as design
 from surae.api import example as example
 from surae.api import expect as expect
@@ -34,7 +33,6 @@ from surae.inference.sampling.sample import Posterior as Posterior
 from surae.measures import Measure as Measure
 from surae.measures import Measures as Measures
 from surae.measures.change import Change as Change
-from surae.measures.cohort import Cohort as Cohort
 from surae.measures.package import measures as measures
 from surae.model import MODELS as MODELS
 from surae.model.options import ModelOptions as ModelOptions
@@ -61,4 +59,6 @@ from surae.signals import Weighting as Weighting
 from surae.signals import prepare as prepare
 from surae.studies import virtual_subject as virtual_subject
 from surae.studies import virtual_trial as virtual_trial
+from surae_cohort.cohort import cohort as cohort
+from surae_cohort.pooled import Cohort as Cohort
 from surae_exchange.exported import export as export

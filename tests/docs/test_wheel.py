@@ -18,7 +18,7 @@ def held(project: Path, folder: Path) -> set[str]:
         return set(wheel.namelist())
 
 
-DISTRIBUTIONS = ("surae", "exchange", "formats", "thesis", "workbench", "legs")
+DISTRIBUTIONS = ("surae", "cohort", "exchange", "formats", "thesis", "workbench", "legs")
 
 
 @pytest.fixture(scope="module", params=DISTRIBUTIONS)
@@ -38,6 +38,7 @@ def test_it_holds_every_file_of_its_packages(wheel):
     assert {name for name in names if not name.split("/")[0].endswith(".dist-info")} == files
     needed = {
         ROOT / "src": ("surae/py.typed", "surae/report/templates/page.html.j2"),
+        ROOT / "cohort" / "src": ("surae_cohort/page.py",),
         ROOT / "exchange" / "src": ("surae_exchange/joint.py",),
         ROOT / "formats" / "src": ("surae_formats/c3d.py",),
         ROOT / "thesis" / "src": ("surae_thesis/claims/tendons.toml",),

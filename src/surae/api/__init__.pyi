@@ -2,14 +2,12 @@
 
 from surae.api.answers import change as change
 from surae.api.answers import change_part as change_part
-from surae.api.answers import cohort as cohort
 from surae.api.answers import fit_of as fit_of
 from surae.api.answers import posterior as posterior
 from surae.api.answers import predictions_part as predictions_part
 from surae.api.answers import profile as profile
 from surae.api.answers import validate as validate
 from surae.api.answers import write_change_page as write_change_page
-from surae.api.answers import write_cohort_page as write_cohort_page
 from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design
 from surae.api.designing import expect as expect
@@ -60,7 +58,6 @@ from surae.measures import Measure as Measure
 from surae.measures import Measures as Measures
 from surae.measures import measures_of_values as measures_of_values
 from surae.measures.change import Change as Change
-from surae.measures.cohort import Cohort as Cohort
 from surae.measures.norms import placed as placed
 from surae.measures.norms import read_norms as read_norms
 from surae.model import MODELS as MODELS

@@ -1,4 +1,4 @@
-"""Answers of fits: profiles, posterior, predictions, changes and cohorts."""
+"""Answers of fits: profiles, posterior, predictions and changes."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -12,7 +12,7 @@ from surae.api.recordings import AnyRecording, as_in_fit, several
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.progress import NamedProgress, Progress
-from surae.base.requests import ChangeSettings, CohortSettings, PosteriorSettings, ProfileSettings
+from surae.base.requests import ChangeSettings, PosteriorSettings, ProfileSettings
 from surae.base.setting import takes
 from surae.inference.assessment import variance_inflation
 from surae.inference.likelihood.profile import profiled
@@ -20,10 +20,7 @@ from surae.inference.likelihood.profiles import Profiles, profiles
 from surae.inference.sampling.sample import Posterior, sample
 from surae.inference.validation import Prediction, predict_others
 from surae.measures.change import Change, compare_sessions
-from surae.measures.cohort import Cohort, borrowed, pool
-from surae.measures.members import measured, read_table, refitted
 from surae.measures.quantity import common_end, quantities
-from surae.runner import Engine
 from surae.signals import Weighting, weighted
 from surae.trials.folder import fit_in
 
@@ -76,59 +73,6 @@ def change(
     end = common_end(fit.result for fit in fits)
     sides = [quantities(fit.result, fit.assessment, angles, end) for fit in fits]
     return compare_sessions(sides[0], sides[1], sides[2:], legs=settings.legs)
-
-
-@takes(CohortSettings)
-def cohort(
-    table: PathLike,
-    *,
-    engine: Engine | None = None,
-    progress: Progress | None = None,
-    **keywords: Any,
-) -> Cohort:
-    """Groups of legs, their differences and changes, and each leg among them.
-
-    Parameters
-    ----------
-    table : path
-        A CSV with the columns ``fit`` (a FIT.json or the folder of a session, from where the table
-        is), ``subject``, and as far as there are ``side``, ``group``, ``session``; every other
-        column is a clinical scale.
-    engine : Engine, optional
-        Where the work is done; by default in one process.
-    progress : callable, optional
-        Called with legs done and all legs.
-    {settings}
-
-    Returns
-    -------
-    Cohort
-        A fit that cannot be read leaves its leg out, and its reason is kept.
-
-    Raises
-    ------
-    InputError
-        The table is damaged, or has no fit that can be read.
-
-    Examples
-    --------
-    >>> surae.cohort("legs.csv").save("cohort.json")
-    """
-    settings, where = CohortSettings(**keywords), engine or Engine("threads", 1)
-    rows = read_table(table)
-    members = measured(rows, settings.angles, where, progress=progress)
-    pooled = pool(members)
-    if not settings.refit:
-        return pooled
-    again, rounds = refitted(rows, members, settings.angles, where, progress)
-    return borrowed(pooled, again, rounds)
-
-
-def write_cohort_page(path: PathLike, cohort: Cohort) -> None:
-    """Write the page of a cohort, HTML or by its ending PDF: groups, changes, and every leg."""
-    from surae.report.cohort import cohort_report  # matplotlib
-
-    cohort_report(cohort, created=datetime.now().astimezone()).write(path)
 
 
 def write_change_page(

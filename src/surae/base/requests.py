@@ -208,17 +208,3 @@ class ChangeSettings(Request):
         "alike cancels; of two legs it does not.",
         help="BEFORE and AFTER are two legs of one person.",
     )  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CohortSettings(Request):
-    """What is done with many legs; see `surae.cohort`."""
-
-    refit: bool = setting(
-        False, "Learn the population from the fits and fit every leg again with it, until both "
-        "rest.", help="Learn the population and fit every leg again with it.",
-    )  # fmt: skip
-    angles: tuple[float, ...] = setting(
-        (10.0,), "Where torque and stiffness are given [deg].", option="angle", metavar="DEG",
-        help="Where torque and stiffness are given; may be repeated.  [default: 10]",
-    )  # fmt: skip

@@ -40,7 +40,7 @@ COMMANDS = {
     "stretches": ("surae.cli.stretches", "Take slow and fast stretches apart: tissue and nerve."),
     "export": ("surae-exchange", "Write the leg as a model of OpenSim or MuJoCo."),
     "change": ("surae.cli.change", "Compare a leg between two sessions."),
-    "cohort": ("surae.cli.cohort", "Compare groups of legs, and every leg with its group."),
+    "cohort": ("surae-cohort", "Compare groups of legs, and every leg with its group."),
     "profile": ("surae.cli.profile", "Compute profile likelihoods and their intervals."),
     "posterior": ("surae.cli.posterior", "Sample the posterior of the parameters."),
     "simulate": ("surae.cli.simulate", "Compute the torque that a model gives for a recording."),

@@ -1,4 +1,4 @@
-"""What a clinician asks of a fit: measures in Nm and degrees, changes, norms, cohorts.
+"""What a clinician asks of a fit: measures in Nm and degrees, changes, norms.
 
 The package itself may be called: ``surae.measures(fit)`` is ``fit.measures()``.
 """

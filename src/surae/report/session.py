@@ -14,11 +14,11 @@ from surae.report import block, trials
 from surae.report.budget import budget_of, budget_section
 from surae.report.cards import AssessedFit, is_known, titled
 from surae.report.figures import Figure
-from surae.report.figures.cohort import trials_figure
 from surae.report.figures.holds import HOLDS, are_holds, holds_figure
 from surae.report.figures.research import budget_figure
 from surae.report.figures.tendon import film_figure
 from surae.report.figures.torque import fit_figure
+from surae.report.figures.trials import trials_figure
 from surae.report.joint import given_in, relabelled, reworded
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import LegAnswers, leg_answers

@@ -4,11 +4,11 @@ from datetime import datetime
 
 from surae.base.files import natural_order
 from surae.base.formatting import of_interval
-from surae.measures.cohort import Cohort, CohortMember, sessions_of
 from surae.measures.table import LEADING
 from surae.report import block
-from surae.report.figures.cohort import forest_figure, sessions_figure
 from surae.report.output import Report
+from surae_cohort.figures import forest_figure, sessions_figure
+from surae_cohort.pooled import Cohort, CohortMember, sessions_of
 
 #: Measures that are drawn, where the cohort has them.
 _DRAWN = (*LEADING, "passive_torque", "passive_stiffness", "slow_stiffness", "optimal_angle_tri")

@@ -1,16 +1,17 @@
 """`surae cohort`."""
 
+from datetime import datetime
 from functools import partial
 from typing import Any
 
 import click
 
 from surae import api
-from surae.base.requests import CohortSettings
 from surae.cli.options import DASK, engine_of, settings_options, workers_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_answer, show_files
+from surae_cohort.settings import CohortSettings
 
 
 @click.command("cohort")
@@ -35,7 +36,9 @@ def command(
 
     api.check_report(report)
     with work() as progress, compilation_notice():
-        cohort = api.cohort(
+        from surae_cohort.cohort import cohort as cohort_of
+
+        cohort = cohort_of(
             table, **options, engine=engine, progress=partial(progress.parts, "legs"),
         )  # fmt: skip
 
@@ -43,5 +46,7 @@ def command(
         cohort.save(output)
     show_answer(cohort.as_table())
     if report is not None:
-        api.write_cohort_page(report, cohort)
+        from surae_cohort.page import cohort_report  # matplotlib
+
+        cohort_report(cohort, created=datetime.now().astimezone()).write(report)
     show_files({"cohort": output, "report": report})

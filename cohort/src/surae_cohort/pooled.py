@@ -1,6 +1,6 @@
 """Many legs together: groups, differences between them, change over time, and each leg among them.
 
-Every measure and parameter is a random effect over legs (`surae.measures.cohort`), each leg as
+Every measure and parameter is a random effect over legs (`surae_cohort.pooled`), each leg as
 uncertain as its interval says. A value at its bound says only that it lies between the bounds, and
 enters so; a leg without a value, or of an inadequate fit, is left out and counted, with the reason.
 Of a leg with several sessions the first counts for its group, and last minus first is its change.

@@ -1,0 +1,57 @@
+"""Many legs together: groups, their differences and changes, and each leg among them."""
+
+from typing import Any
+
+from surae.base.files import PathLike
+from surae.base.progress import Progress
+from surae.base.setting import takes
+from surae.runner import Engine
+from surae_cohort.members import measured, read_table, refitted
+from surae_cohort.pooled import Cohort, borrowed, pool
+from surae_cohort.settings import CohortSettings
+
+
+@takes(CohortSettings)
+def cohort(
+    table: PathLike,
+    *,
+    engine: Engine | None = None,
+    progress: Progress | None = None,
+    **keywords: Any,
+) -> Cohort:
+    """Groups of legs, their differences and changes, and each leg among them.
+
+    Parameters
+    ----------
+    table : path
+        A CSV with the columns ``fit`` (a FIT.json or the folder of a session, from where the table
+        is), ``subject``, and as far as there are ``side``, ``group``, ``session``; every other
+        column is a clinical scale.
+    engine : Engine, optional
+        Where the work is done; by default in one process.
+    progress : callable, optional
+        Called with legs done and all legs.
+    {settings}
+
+    Returns
+    -------
+    Cohort
+        A fit that cannot be read leaves its leg out, and its reason is kept.
+
+    Raises
+    ------
+    InputError
+        The table is damaged, or has no fit that can be read.
+
+    Examples
+    --------
+    >>> surae.cohort("legs.csv").save("cohort.json")
+    """
+    settings, where = CohortSettings(**keywords), engine or Engine("threads", 1)
+    rows = read_table(table)
+    members = measured(rows, settings.angles, where, progress=progress)
+    pooled = pool(members)
+    if not settings.refit:
+        return pooled
+    again, rounds = refitted(rows, members, settings.angles, where, progress)
+    return borrowed(pooled, again, rounds)
