@@ -257,17 +257,17 @@ def test_the_workbench_is_built_on_the_api() -> None:
     assert inner == set()
 
 
+#: Distributions of their own.
+BUILT_ON_IT = (
+    "surae_cohort", "surae_exchange", "surae_formats", "surae_thesis", "surae_workbench",
+)  # fmt: skip
+
+
 def test_nothing_of_surae_needs_what_is_built_on_it() -> None:
     users = {
         (path.relative_to(PACKAGE).as_posix(), name)
         for path in PACKAGE.rglob("*.py")
-        for name in (
-            "surae_cohort",
-            "surae_exchange",
-            "surae_formats",
-            "surae_thesis",
-            "surae_workbench",
-        )
+        for name in BUILT_ON_IT
         if name in path.read_text("utf-8")
     }
     assert users == set()
