@@ -70,9 +70,7 @@ def main() -> None:
                 begin = time.process_time()
                 with tempfile.TemporaryDirectory() as temporary:
                     folder = laboratory.write(made, Path(temporary))
-                    result = surae.session(folder).run(Path(temporary) / "out")
-                # One trial has no joint fit: it is the fit.
-                fit = result.joint or next(t.fit for t in result.trials if t.fit is not None)
+                    fit = surae.session(folder).fit()
                 free = {k: v for k, v in fit.parameters.items() if v.free and k in THESIS}
                 counts = [
                     count(free, made.truth["parameters"]),

@@ -1,5 +1,6 @@
 """All settings of a fit as one frozen value: made once, stored, taken whole."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from surae.base.filed import filed
 from surae.base.formatting import listed, nearest
 from surae.base.frozen import FrozenDict
 from surae.base.setting import checked, documented, kind_of, setting, settings_of
+from surae.model.knowledge import Knowledge
 from surae.model.options import ModelOptions, with_files
 
 if TYPE_CHECKING:  # what computes comes when it is needed: help reads the fields alone
@@ -148,6 +150,13 @@ class FitSettings:
         label="Zero of the angle ± [°]",
     )  # fmt: skip
 
+    knowledge: Knowledge | None = setting(
+        None, "What is known of leg and device beforehand, which becomes priors, the zero's "
+        "standard deviation and a geometry where these are not given: a ``session.toml``.",
+        type="path or Knowledge, or None", file=True, needs=f"model={names.AUTO}",
+        help="What is known of leg and device: a session.toml, with what its files show.",
+    )  # fmt: skip
+
     def __post_init__(self) -> None:
         """Freeze what was given, and refuse what no model could mean."""
         from surae.model.laboratory import laboratory
@@ -173,9 +182,13 @@ class FitSettings:
                 # What else is to choose is refused by what reads it.
                 rule = f"use one of: {', '.join(record.choices)}"
                 raise InputError(f"{name} is {value!r}; {rule}")
-        laboratory(self.nuisances)
+        laboratory(self.beliefs)
         if self.geometry_of != names.GEOMETRY_OF[0] and isinstance(self.options.geometry, str):
             raise InputError("geometry_of has no effect without a geometry's file; give one")
+        zero = None if self.knowledge is None else self.knowledge.angle_zero_deg
+        if zero is not None and zero.value:
+            at = {"angle_zero": math.radians(zero.value)}
+            object.__setattr__(self, "fixed", FrozenDict({**at, **self.fixed}))
         free: Any = self.free
         object.__setattr__(self, "free", (free,) if isinstance(free, str) else tuple(free))
         if isinstance(self.weights, Sequence):
@@ -213,6 +226,8 @@ class FitSettings:
         switches = with_files({n: given.pop(n) for n in _OPTIONS if n in given})
         if "priors" in given:
             given |= _priors_of(given["priors"])
+        if given.get("knowledge") is not None:
+            given = _with_geometry(base, given, switches)
         known = [f.name for f in fields(cls)]
         for name in given:
             if name not in known:
@@ -224,9 +239,28 @@ class FitSettings:
     @property
     def zero_sd(self) -> float:
         """How far the angle's zero may be off, one standard deviation [deg]."""
-        if self.angle_zero_sd is None:
-            return 0.0 if "angle_zero" in self.fixed else _ZERO
-        return self.angle_zero_sd
+        if self.angle_zero_sd is not None:
+            return self.angle_zero_sd
+        if self.knowledge is not None and self.knowledge.angle_zero_deg is not None:
+            return self.knowledge.angle_zero_deg.sd
+        return 0.0 if "angle_zero" in self.fixed else _ZERO
+
+    @property
+    def beliefs(self) -> str | Mapping[str, tuple[float, float]]:
+        """`nuisances` with the priors that knowledge gives to those which they do not name."""
+        if self.knowledge is None or self.nuisances == names.NUISANCES[1]:
+            return self.nuisances
+        given = {} if isinstance(self.nuisances, str) else self.nuisances
+        return {**self.knowledge.nuisances(), **given}
+
+    @property
+    def known(self) -> frozenset[str]:
+        """Groups of nuisances of which something is known: their own uncertainty is in every fit.
+
+        A prior that the data cannot see would else count as none at all.
+        """
+        groups = frozenset[str]() if self.knowledge is None else self.knowledge.groups
+        return groups | ({"arm", "length"} if self.geometry_of == names.GEOMETRY_OF[1] else set())
 
     @property
     def parameters(self) -> frozenset[str]:
@@ -287,12 +321,15 @@ class FitSettings:
         ModelInputs
             The signals on one time axis.
         """
+        from surae.model.tare import without
         from surae.signals import ModelInputs, Preparation, prepare
 
         if isinstance(recording, ModelInputs):
             return recording
         how = Preparation().updated(self.preparation)
-        return prepare(recording, how, prepared=self.prepared)
+        made = prepare(recording, how, prepared=self.prepared)
+        plate = None if self.knowledge is None else self.knowledge.plate
+        return made if plate is None else without(plate, made)
 
     def as_dict(self) -> dict[str, Any]:
         """The settings as plain data, as FIT.json holds them."""
@@ -324,6 +361,22 @@ class FitSettings:
         for name in data.keys() - {f.name for f in fields(cls)}:
             raise InputError(f"{name} is no setting that this surae knows")
         return from_plain(cls, data)
+
+
+def _with_geometry(
+    base: FitSettings, given: dict[str, Any], switches: dict[str, Any]
+) -> dict[str, Any]:
+    """Keywords with the knowledge that they name as a file.
+
+    A geometry in it is put among the model's `switches` where there is no other.
+    """
+    from surae.model.knowledge_file import knowledge_of
+
+    known = knowledge_of(given["knowledge"])
+    own = known.table is not None and base.options.geometry == ModelOptions().geometry
+    if own and switches.setdefault("geometry", known.table) is known.table:
+        given.setdefault("geometry_of", known.geometry_of)
+    return {**given, "knowledge": known}
 
 
 def _priors_of(given: Any) -> dict[str, Any]:

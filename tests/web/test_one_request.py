@@ -24,6 +24,7 @@ from surae_workbench.web.draft import changed, empty_draft, settings_of
 from surae_workbench.web.schemas import DraftChange, Geometry
 
 TABLE = Path(__file__).parents[1] / "data" / "geometry.csv"
+KNOWN = TABLE.with_name("session.toml")
 WEIGHTS = Weighting(((-math.inf, 1.0, 0.0), (3.0, 4.0, 2.0)), 4.0, "emg")
 #: How each field is reached: keywords of `surae.fit`, options of `surae fit`, keys of a draft.
 REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
@@ -77,6 +78,11 @@ REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
             },
             "geometry_of": "person",
         },
+    ),
+    "knowledge": (
+        {"knowledge": KNOWN},
+        f"--knowledge {KNOWN}",
+        {"knowledge": {"angle_zero_deg": {"value": 0.0, "sd": 1.0}}},
     ),
     "angle_zero_sd": ({"angle_zero_sd": 1.0}, "--angle-zero-sd 1", {"angle_zero_sd": 1.0}),
 }

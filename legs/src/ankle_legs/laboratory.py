@@ -36,6 +36,7 @@ KINDS = {
     "alone": "one muscle at a time", "maximal": "maximal", "slow": "passive", "fast": "passive",
     "active": "active", "isometric": "isometric",
 }  # fmt: skip
+HELD = ("alone", "maximal", "isometric")
 SECONDS = {"alone": 48.0, "maximal": 30.0, "slow": 45.0, "fast": 30.0, "isometric": 64.0}
 ACTIVE = 35.0
 ZERO_SD, AXIS_SD, GEOMETRY_SD = 1.0, 3.0, 3.0  # [deg], [mm], [%]
@@ -185,7 +186,9 @@ def measure(
         files[name] = subject_of.columns(run, move)
         kinds.append(kind)
         moves.append((move, SECONDS.get(kind, ACTIVE)))
-    truth = one.truth(*one.condition(1), 1, kinds, moves=moves)
+    moving = [each for each in zip(kinds, moves, strict=True) if each[0] not in HELD]
+    of, through = zip(*(moving or zip(kinds, moves, strict=True)), strict=True)
+    truth = one.truth(*one.condition(1), 1, of, moves=through)  # of what a fit is made of
     truth |= {
         "zero_deg": float(zero),
         "axis_mm": axis.tolist(),

@@ -6,6 +6,7 @@ from typing import Any, TypedDict
 
 from surae.model import GeometryTable, ModelOptions
 from surae.model.joint import Joint
+from surae.model.knowledge import Knowledge
 from surae.signals import Weighting
 
 _Pairs = Mapping[str, tuple[float, float]]
@@ -31,6 +32,7 @@ class FitKeywords(TypedDict, total=False):
     seed: int | None
     geometry_of: str | None
     angle_zero_sd: float | None
+    knowledge: str | PathLike[str] | Knowledge | None
     geometry: str | PathLike[str] | GeometryTable | None
     tendon_strain: str | None
     integrator: str | None

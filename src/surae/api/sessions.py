@@ -15,6 +15,12 @@ from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.progress import SearchProgress
 from surae.inference.starts import Follow
+from surae.model.knowledge_file import (
+    SESSION_TOML,
+    SessionFile,
+    known_from,
+    read_session_toml,
+)
 from surae.model.laboratory import AUTO
 from surae.recording import Recording
 from surae.recording.corrections import Corrections
@@ -62,7 +68,7 @@ class Session(TrialSet):
         InputError
             A trial is unknown or cannot be fitted, or a setting makes no sense.
         """
-        settings = FitSettings.of(model, **keywords)
+        settings = self.asked(FitSettings.of(model, **keywords))
         chosen = self.fitted if trials is None else [trials] if isinstance(trials, str) else trials
         if not chosen:
             raise InputError(f"{self.name}: no trial can be fitted: none of them moves")
@@ -104,7 +110,8 @@ class Session(TrialSet):
         SessionResult
             Ctrl-C keeps the fits that are complete; `SessionResult.interrupted` says so.
         """
-        return run(self, FitSettings.of(model, **keywords), output, progress, workers)
+        settings = self.asked(FitSettings.of(model, **keywords))
+        return run(self, settings, output, progress, workers)
 
 
 def session(
@@ -128,15 +135,16 @@ def session(
     Parameters
     ----------
     recordings : path, or sequence of paths and Recordings
-        A folder of files, or the files. One that cannot be read is reported in its trial.
+        A folder of files, or the files. One that cannot be read is reported in its trial. A
+        ``session.toml`` in a folder says what is known of leg and device, and what each file is.
     mapping : path, optional
         The TOML that describes all files, as `surae inspect` writes it; not needed for files whose
         columns have our names.
     name, side, date, condition, notes : str, optional
         Of the session, in place of what the mapping says.
     efforts : mapping of str to str, optional
-        Of trials: ``"passive"``, ``"active"``, ``"isometric"`` or ``"maximal"``, where the data say
-        otherwise.
+        Of trials: ``"passive"``, ``"active"``, ``"isometric"``, ``"maximal"``, ``"empty device"``
+        or ``"one muscle at a time"``, where the data say otherwise.
     sign, scale, offset, swap, wrap : optional
         What is to be put right in all trials, as of `surae.read`.
 
@@ -160,7 +168,8 @@ def session(
     right = Corrections(sign or {}, scale or {}, offset or {}, swap, wrap or {})
     in_memory = [reading_of(right(each)) for each in sources if isinstance(each, Recording)]
     paths = [each for each in sources if not isinstance(each, Recording)]
-    files = trial_files(paths, description) if paths else {}
+    said = _session_file(paths)
+    files = trial_files(paths, description, said.aside) if paths else {}
     read_in = (_reading(trial, path, description, right) for trial, path in files.items())
     readings = [*in_memory, *read_in]
     names = [reading.name for reading in readings]
@@ -182,8 +191,15 @@ def session(
     if side is None and len(sides) > 1:
         raise InputError("the trials are of both legs; a session is of one: give side")
     about = TrialDescription() if description is None else description.mapped()
+    kinds = said.kinds({reading.name: reading.path for reading in readings})
+    trials = sorted_trials(readings, {**kinds, **(efforts or {})})
+    there = {t.name: t.recording for t in trials if t.recording is not None and not t.problem}
+    known = known_from(
+        said, there, {trial.name: trial.effort for trial in trials},
+        read=lambda path: _recording(path.stem, path, description, right),
+    )  # fmt: skip
     return Session(
-        trials=sorted_trials(readings, efforts),
+        trials=trials,
         name=name or (description.name if description else None) or _folder_name(paths),
         side=side or about.side or next(iter(sides), None),
         date=date or about.date,
@@ -191,14 +207,30 @@ def session(
         notes=notes or about.notes,
         mapping=None if description is None else description.source.file,
         efforts=efforts or {},
+        knowledge=known if known.lines() or known.doubts else None,
     )
+
+
+def _session_file(paths: Sequence[Any]) -> SessionFile:
+    """What the session.toml of a folder says; nothing where there is none."""
+    files = [file for path in paths if (file := Path(path, SESSION_TOML)).is_file()]
+    if len(files) > 1:
+        raise InputError(f"{' and '.join(map(shown, files))} both say what is known; keep one")
+    return read_session_toml(files[0]) if files else SessionFile()
+
+
+def _recording(
+    name: str, path: Path, description: Description | None, right: Corrections
+) -> Recording:
+    """A file as it is read."""
+    return right(read(path) if description is None else description.read(path, name))
 
 
 def _reading(name: str, path: Path, description: Description | None, right: Corrections) -> Reading:
     """A trial's file as it was read, or why it could not be."""
     about = TrialDescription() if description is None else description.mapped(name)
     try:
-        recording = right(read(path) if description is None else description.read(path, name))
+        recording = _recording(name, path, description, right)
     except InputError as error:
         return Reading(name, str(path), None, str(error), about)
     return Reading(name, str(path), replace(recording, name=name), description=about)

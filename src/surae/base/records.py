@@ -36,6 +36,7 @@ from surae._version import __version__
 from surae.base.errors import InputError
 from surae.base.filed import FORMS, Form
 from surae.base.files import PathLike, read_bytes, shown, write_json
+from surae.base.formatting import nearest
 from surae.base.frozen import FrozenDict, read_only
 from surae.base.units import FloatArray
 
@@ -454,7 +455,8 @@ def _record_in(kind: Any) -> Any:
             raise ValueError(f"{brief(value)} is no table of names and values")
         known = [form.names.get(field.name, field.name) for field in fields(kind)]
         if form.strict and (other := next((key for key in value if key not in known), None)):
-            raise ValueError(f"key {brief(other)} is not known; use: {', '.join(known)}")
+            near = nearest(str(other), known)
+            raise ValueError(f"key {brief(other)} is not known{near}; use: {', '.join(known)}")
         return read()({**dict.fromkeys(form.without & absent), **value}, kind)
 
     return structure

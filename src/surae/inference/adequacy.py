@@ -19,6 +19,7 @@ from surae.inference.residual import centred_r2, counted
 from surae.inference.softening import softening
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.laboratory import group_of
+from surae.model.sources import NUISANCES, Gaussian
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, steady_emg
 
@@ -35,6 +36,9 @@ _OF_MOVEMENT = ("m", "tau_rel", "k_rel")
 _MOST_BOUND = 0.5
 #: Standard deviations of its prior from which on a nuisance is odd.
 _ODD = 2.9
+#: Probability of a right statement to be as far from what the torque says, below which the
+#: statement is taken for wrong and not only doubted.
+_WRONG = 1e-4
 #: A recording that is followed so much worse than all together [% of R²] contradicts the others.
 _CONTRADICTS = 5.0
 #: What a hold may leave of its torque, in what recordings of the fit usually leave: the worst of
@@ -79,6 +83,7 @@ def judge_adequacy(result: FitResult) -> Adequacy:
         *_structure(inputs, residuals, r2),
         *_bounds(result),
         *_laboratory(result),
+        *_stated(result),
         *_agreement(inputs, residuals, r2),
         *_films(result),
         *_softened(result),
@@ -166,16 +171,38 @@ def _laboratory(result: FitResult) -> Iterator[_Reason]:
         return
     own = result.family.each
     meanings = {p.name: p.meaning for p in result.problem.spec.parameters}
+    stated = result.problem.settings.known
     odd = [
         f"{meanings[name]} ({name})"
         for name, belief in result.family.beliefs.items()
-        if any(
-            abs(value - belief.mean) >= _ODD * belief.sd
-            for value in own.get(name, (result.values[name],))
-        )
+        if group_of(name) not in stated
+        and any(_is_odd(value, belief) for value in own.get(name, (result.values[name],)))
     ]
     if odd:
         yield False, f"{', '.join(odd)}: implausible; check electrodes and set-up"
+
+
+def _is_odd(value: float, belief: Gaussian) -> bool:
+    """Whether a value is farther from what was believed than beliefs are."""
+    return abs(value - belief.mean) >= _ODD * belief.sd
+
+
+def _stated(result: FitResult) -> Iterator[_Reason]:
+    """What was known beforehand, where the torque or its own steps say otherwise."""
+    known = result.problem.settings.knowledge
+    for doubt in () if known is None else known.doubts:
+        yield False, doubt
+    if result.family is None:
+        return
+    values, told = result.values, result.family.contradicted
+    odd = {group_of(n) for n, b in result.family.beliefs.items() if _is_odd(values[n], b)}
+    for group in sorted(result.problem.settings.known & {*odd, *told}):
+        label = NUISANCES[group].label
+        yield (
+            told.get(group, 1.0) < _WRONG,
+            f"what was stated of the {label} contradicts the torque: measure it again, or leave "
+            "it out",
+        )
 
 
 def _agreement(

@@ -149,7 +149,7 @@ class _Search:
         self._beliefs = {
             name: belief
             for name, belief in laboratory(
-                problem.settings.nuisances,
+                problem.settings.beliefs,
                 quiet_levels(problem.inputs),
                 measured=problem.settings.geometry_of == "person",
                 mounted=not problem.of_inverse_dynamics,
@@ -164,6 +164,7 @@ class _Search:
             self._options = replace(self._options, emg_ref=emg_levels(problem.inputs))
         self._weights = _weights(problem)
         self._perfect = problem.settings.nuisances == NONE
+        self._known = problem.settings.known  #: Groups that are in without being asked for.
         self._moved = 0.0  #: How far the last round of the search went, in standard deviations.
         self._thinned: dict[float, tuple[ModelInputs, ...]] = {}
         if problem.has_unheard:  # what such muscles do would pass for noise of the others' EMG
@@ -266,7 +267,7 @@ class _Search:
         beliefs = {
             name: belief
             for name, belief in self._beliefs.items()
-            if (group := group_of(name)) not in DEPARTURES or group in groups
+            if (group := group_of(name)) not in DEPARTURES or group in {*groups, *self._known}
         }
         spec = get_model(COMPLIANT)
         more = [n for n in (*beliefs, *original.spec.optional) if n not in spec.names]
@@ -379,7 +380,11 @@ class _Search:
         self, values: Mapping[str, float], noise: Sequence[NoiseModel]
     ) -> tuple[LogPosterior, Point, tuple[Subset, ...], tuple[str, ...]]:
         """The posterior with what the data ask for, its mode, all sets, what their modes are of."""
-        possible = tuple(g for g in DEPARTURES if any(group_of(n) == g for n in self._beliefs))
+        possible = tuple(
+            group
+            for group in DEPARTURES
+            if group not in self._known and any(group_of(n) == group for n in self._beliefs)
+        )
         sizes = _NEARLY_NONE if self._still else _BEGIN
         post = self._posterior(possible, _RATES[0], noise, sizes)
         point = post.descend(post.start(values), evaluations=20, tolerance=0.3)

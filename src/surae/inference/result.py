@@ -110,6 +110,9 @@ class Family(Comparable):
     recordings: tuple[OfRecording, ...] = ()
     films: tuple[NoiseModel, ...] = ()  #: Noise of the films, recording after recording.
     stages: tuple[Stage, ...] = ()  #: How the mode was found; empty in files of before.
+    #: Groups of nuisances of which what was stated contradicts the torque, with the probability of
+    #: a right statement to look so wrong.
+    contradicted: Mapping[str, float] = field(default_factory=FrozenDict)
 
 
 @filed("problem", "values", "residuals")

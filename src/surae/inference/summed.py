@@ -8,6 +8,7 @@ import numpy as np
 from surae.base.frozen import FrozenDict, read_only
 from surae.base.units import FloatArray
 from surae.base.versions import versions
+from surae.inference.conflict import contradicted
 from surae.inference.evidence import Subset
 from surae.inference.laplace import (
     UNSUPPORTED,
@@ -28,7 +29,7 @@ from surae.inference.result import (
     Start,
     at_bounds,
 )
-from surae.model.laboratory import COMPLIANT, group_of
+from surae.model.laboratory import COMPLIANT, group_of, laboratory
 from surae.signals import ModelInputs
 
 #: Ends of starts agree whose −2 ln p differ by less.
@@ -94,6 +95,12 @@ def summed(
             population=FrozenDict({n: post.priors[n] for n in post.names if not group_of(n)}),
             recordings=_each(post, point, change) if len(inputs) > 1 else (),
             stages=tuple(stages),
+            contradicted=FrozenDict(
+                contradicted(
+                    post.laplace(point), post.of, post.beliefs,
+                    laboratory(joint=original.options.anatomy), original.settings.known,
+                )
+            ),
         ),
     )  # fmt: skip
 

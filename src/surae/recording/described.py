@@ -20,7 +20,9 @@ from surae.recording.recording import MUSCLES, ROLES
 #: Longest gap that a straight line may fill [s]: what passes the filter of an envelope (2.7 Hz)
 #: unseen, and is no part of a movement.
 LONGEST_BRIDGE_S = 0.05
-EFFORTS = ("passive", "active", "isometric", "maximal")
+#: Kinds of trials that show the device alone, and how electrodes hear other muscles.
+EMPTY, ALONE = "empty device", "one muscle at a time"
+EFFORTS = ("passive", "active", "isometric", "maximal", EMPTY, ALONE)
 #: A setting that whoever uses it knows by its name.
 Setting = str | bool | int | float | tuple[str | bool | int | float, ...]
 
@@ -88,9 +90,10 @@ class TrialDescription:
     date: str | None = setting(None, "Of the session.")
     condition: str | None = setting(None, "What was done to the leg, or where, in a few words.")
     notes: str | None = setting(None, "Anything else.")
-    effort: Literal["passive", "active", "isometric", "maximal"] | None = setting(
-        None, "What the subject did, where the data are not to decide it."
-    )
+    effort: (
+        Literal["passive", "active", "isometric", "maximal", "empty device", "one muscle at a time"]
+        | None
+    ) = setting(None, "What the subject did, where the data are not to decide it.")
     use: bool = setting(True, "False leaves the trial out.")
 
 

@@ -24,7 +24,12 @@ from surae.report.figures.research import (
 from surae.report.figures.tendon import film_figure, tendon_figure
 from surae.report.figures.torque import predictions_figure, torque_figure
 from surae.report.joint import given_in, relabelled, reworded
-from surae.report.laboratory import family_section, laboratory_section, trials_section
+from surae.report.laboratory import (
+    family_section,
+    known_section,
+    laboratory_section,
+    trials_section,
+)
 from surae.report.output import Report
 from surae.report.parameters import parameters_section, shown_parameters
 from surae.report.provenance import provenance_section
@@ -68,6 +73,7 @@ def fit_report(
     )
     research = (
         budget_section(budget),
+        *known_section(result),
         *laboratory_section(result, assessment),
         *family_section(result, assessment),
         *trials_section(result, assessment),

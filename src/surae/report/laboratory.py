@@ -19,6 +19,24 @@ _DATA, _PARTLY = 0.5, 0.8
 _UNUSUAL = 2.0
 
 
+def known_section(result: FitResult) -> tuple[block.Section, ...]:
+    """What was known beforehand; nothing where nothing was stated."""
+    known = result.problem.settings.knowledge
+    if known is None or not known.lines():
+        return ()
+    heads = block.columns("What", "How well", "From", wide=(1,))
+    title = "What was known beforehand"
+    blocks = (
+        block.Text(
+            "Steps of the session and what the laboratory stated. None of it is taken for exact: "
+            "its own uncertainty is in every interval, and it is held against the torque."
+        ),
+        block.Grid(title, heads, block.rows(known.lines())),
+        *block.paragraphs(known.doubts, "warning"),
+    )
+    return (block.Section(title, blocks, "known", "page"),)
+
+
 def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[block.Section, ...]:
     """Errors of the laboratory; nothing for a named model, which takes it for perfect."""
     family, inputs = result.family, result.problem.inputs

@@ -20,6 +20,7 @@ from surae.report.figures.tendon import film_figure
 from surae.report.figures.torque import fit_figure
 from surae.report.figures.trials import trials_figure
 from surae.report.joint import given_in, relabelled, reworded
+from surae.report.laboratory import known_section
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import LegAnswers, leg_answers
 from surae.report.output import Report
@@ -144,6 +145,7 @@ def _details(
             figures["holds"] = holds_figure(traced)
             details.append(HOLDS)
         details.append(block.Section("The fit", (adequacy_words(shown[1].adequacy),), "fit"))
+        details += known_section(shown[0])
         if answers.measures is not None:
             details.append(_in_words(answers.measures, answers.at, _))
             research.append(_other_measures(answers.measures))

@@ -15,6 +15,8 @@ _USES = {
     "fit": "fitted",
     "hold": "torque at a held angle",
     "reference": "reference for EMG",
+    "device": "taken from the torque of the others",
+    "crosstalk": "what electrodes hear of other muscles",
     "none": "not used",
 }
 

@@ -8,12 +8,13 @@ import itertools
 import json
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from surae.base.errors import InputError
 from surae.base.files import PathLike, make_folder, natural_order, paths_of, read_bytes, shown
+from surae.model.knowledge_file import SESSION_TOML
 from surae.recording.formats import data_files
 from surae.recording.mapping import TRIAL, Description
 from surae.recording.reading import is_mapping
@@ -147,17 +148,18 @@ def _refuse_own(root: Path, trials: Iterable[Trial]) -> None:
 
 
 def trial_files(
-    source: PathLike | Sequence[PathLike], description: Description | None = None
-) -> dict[str, Path]:
+    source: PathLike | Sequence[PathLike], description: Description | None = None,
+    aside: Collection[Path] = (),
+) -> dict[str, Path]:  # fmt: skip
     """The file of every trial by the trial's name, in the order of names.
 
     `source` is a folder, or the files themselves; the ``{trial}`` of a description says which files
-    of a folder are meant.
+    of a folder are meant. Files `aside` are no trials.
     """
     paths = [Path(path) for path in paths_of(source)]
     files: list[Path] = []
     for path in paths:
-        files += _in_folder(path, description) if path.is_dir() else [path]
+        files += _in_folder(path, description, aside) if path.is_dir() else [path]
     if not files:
         raise InputError(f"{', '.join(map(shown, paths))}: no recording is there")
     called = [(path.stem, path) for path in files]
@@ -181,7 +183,9 @@ def trial_files(
     return {name: trials[name] for name in order}
 
 
-def _in_folder(folder: Path, description: Description | None) -> list[Path]:
+def _in_folder(
+    folder: Path, description: Description | None, aside: Collection[Path]
+) -> list[Path]:
     """The files of a folder that are trials."""
     if description is not None and description.patterns:
         return list(description.files(folder))
@@ -189,10 +193,10 @@ def _in_folder(folder: Path, description: Description | None) -> list[Path]:
     named: set[Path] = set()
     if description is None:
         for path in sorted(folder.glob("*.toml")):
-            if is_mapping(source := open_source(path)):
+            if path.name != SESSION_TOML and is_mapping(source := open_source(path)):
                 described.append(path)
                 named |= set(_named_files(source))
-    data = [path for path in data_files(folder) if path.resolve() not in named]
+    data = [p for p in data_files(folder) if p.resolve() not in {*named, *aside}]
     # What was recorded as a stream and converted since is one trial.
     converted = {p.stem for p in data if p.suffix.lower() in (".h5", ".hdf5")}
     data = [p for p in data if p.suffix.lower() != ".xdf" or p.stem not in converted]

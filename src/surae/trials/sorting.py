@@ -21,8 +21,9 @@ from surae.quality.numeric import quantile, smooth
 from surae.quality.registry import unfit
 from surae.quality.trial import Signals, signals_of
 from surae.recording import MUSCLE_NAMES, MUSCLES, Recording
-from surae.recording.described import EFFORTS, TrialDescription
+from surae.recording.described import ALONE, EFFORTS, EMPTY, TrialDescription
 from surae.recording.roles import words_of
+from surae.signals.alone import one_at_a_time
 
 __all__ = ["EFFORTS", "Hold", "Reading", "Trial", "sorted_trials"]
 
@@ -40,6 +41,8 @@ _ANGLES, _APART = 3, 2.0 * STILL
 #: The problem of a trial whose description says use = false.
 LEFT_OUT = "left out by the description"
 _MAXIMAL_WORDS = {"mvc", "mvic", "mvcs", "max", "maximal", "maximum"}
+_EMPTY_WORDS = {"empty", "tare", "unloaded"}
+_USES = {EMPTY: "device", ALONE: "crosstalk"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,12 +76,13 @@ class Trial:
     path: FileName | None  #: Its file.
     recording: Recording | None  #: None where it could not be read; `problem` then says why.
     problem: str  #: Why it is not used; empty where it is.
-    #: "passive", "active", "isometric", "maximal", "unknown": What the muscles did.
+    #: One of `EFFORTS`, or "unknown": what the muscles did.
     effort: str
     moves: bool  #: Whether the ankle moved.
     why: str  #: How effort and movement were decided.
-    #: "fit", "hold", "reference", "none": What it is used for: it is fitted; it gives torque at one
-    #: angle; its EMG is a reference.
+    #: "fit", "hold", "reference", "device", "crosstalk", "none": What it is used for: it is fitted;
+    #: it gives torque at one angle; its EMG is a reference; it shows what the device adds to the
+    #: torque, what electrodes hear of other muscles.
     use: str
     hold: Hold | None = None  #: Angle and torque of a trial that holds still.
     #: `condition`, `notes`: as described.
@@ -107,13 +111,19 @@ def sorted_trials(
         if effort not in EFFORTS:
             raise InputError(f"effort of {name} is {effort!r}; use one of: {', '.join(EFFORTS)}")
     levels: dict[str, dict[str, _Level]] = {}
-    trials = []
+    trials: list[Trial] = []
+    steps: dict[str, tuple[str, str]] = {}
     for reading in readings:
-        trial = _unsorted(reading)
+        trial, stated = _unsorted(reading), given.get(reading.name) or reading.description.effort
         if not trial.problem and reading.recording is not None:
             signals = signals_of(reading.recording)
             trial = _moved(trial, signals)
             levels[trial.name] = {}
+            if stated is None and (step := _step(trial, signals)):
+                steps[trial.name] = step
+            if (stated or steps.get(trial.name, ("",))[0]) == EMPTY:
+                trials.append(trial)
+                continue  # there is no muscle in it
             for muscle, envelope in signals.fast.items():
                 level = smooth(envelope, round(_AVERAGED * signals.rate_hz))
                 levels[trial.name][muscle] = _Level(quantile(level, 0.05), float(level.max()))
@@ -125,8 +135,11 @@ def sorted_trials(
             sorted_.append(trial)
             continue
         stated = given.get(trial.name) or reading.description.effort
-        effort, why = (stated, "as described") if stated else _effort(trial, levels, moving)
-        use = "fit" if trial.moves else "reference" if effort == "maximal" else "hold"
+        step = steps.get(trial.name) or _effort(trial, levels, moving)
+        effort, why = (stated, "as described") if stated else step
+        use = _USES.get(effort) or (
+            "fit" if trial.moves else "reference" if effort == "maximal" else "hold"
+        )
         why = f"{trial.why}; {why}"
         sorted_.append(replace(trial, effort=effort, use=use, why=why, stated=stated is not None))
     return tuple(_isometric(sorted_))
@@ -186,6 +199,15 @@ def _moved(trial: Trial, signals: Signals) -> Trial:
     )
     moves = f", it moves {degrees}" if high - low > np.radians(0.1) else ""
     return replace(trial, hold=hold, why=f"a static hold{moves}")
+
+
+def _step(trial: Trial, signals: Signals) -> tuple[str, str] | None:
+    """The step of a laboratory that a trial is, and why; None where it is of muscles together."""
+    if {word.rstrip(digits) for word in words_of(trial.name)} & _EMPTY_WORDS:
+        return EMPTY, "the empty device by its name"
+    if not trial.moves and one_at_a_time(signals.fast, signals.rate_hz):
+        return ALONE, "muscles contract one after the other"
+    return None
 
 
 def _effort(

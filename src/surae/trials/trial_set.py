@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from surae.base.errors import InputError
 from surae.base.filed import filed
 from surae.base.frozen import FrozenDict
+from surae.model.knowledge import Knowledge
 from surae.quality import Quality
 from surae.recording import Recording, SourceFile
 from surae.settings import FitSettings
@@ -29,6 +30,7 @@ class TrialSet:
     mapping: SourceFile | None = None  #: The TOML through which all files were read.
     #: Efforts that were given and not decided from the data.
     efforts: Mapping[str, str] = field(default_factory=FrozenDict)
+    knowledge: Knowledge | None = None  #: What was known beforehand.
 
     def __post_init__(self) -> None:
         """Make the mapping read-only."""
@@ -47,6 +49,11 @@ class TrialSet:
             described = trial.problem or f"{trial.effort}, {trial.why}"
             lines.append(f"  {trial.name}: {trial.use}: {described}")
         return "\n".join(lines)
+
+    def asked(self, settings: FitSettings) -> FitSettings:
+        """The settings of a fit with what is known of the leg, unless they say what is."""
+        known = self.knowledge if settings.knowledge is None else None
+        return settings if known is None else FitSettings.of(settings, knowledge=known)
 
     @property
     def fitted(self) -> tuple[str, ...]:

@@ -1,0 +1,177 @@
+"""What is known beforehand: what files may say, what steps show, what a fit makes of it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from surae.base.errors import InputError
+from surae.model.knowledge import Knowledge, Plate, StatedAxis, StatedNumber
+from surae.model.knowledge_file import known_from, read_knowledge, read_session_toml
+from surae.model.tare import tared, without
+from surae.settings import FitSettings
+from surae.signals import ModelInputs, inputs_as_given
+from surae.signals.alone import crosstalk, one_at_a_time
+
+TABLE = Path(__file__).parents[1] / "data" / "geometry.csv"
+RATE = 64.0
+
+
+def moved(torque_of=None, seconds: float = 30.0, emg=None) -> ModelInputs:
+    """A device that swings through 60° at growing speed; `torque_of` is of its motion."""
+    time = np.arange(0.0, seconds, 1.0 / RATE)
+    phase = 2.0 * np.pi * (0.1 * time + 0.02 * time**2)
+    rate = 2.0 * np.pi * (0.1 + 0.04 * time)
+    angle, velocity = 0.5 * np.sin(phase), 0.5 * rate * np.cos(phase)
+    acceleration = -0.5 * rate**2 * np.sin(phase) + 0.5 * 0.04 * 2.0 * np.pi * np.cos(phase)
+    torque = None if torque_of is None else torque_of(angle, velocity, acceleration)
+    emg = np.zeros((len(time), 4)) if emg is None else emg
+    motion = (angle, velocity, acceleration)
+    return inputs_as_given("empty", RATE, time, motion, emg, torque=torque)
+
+
+def device(angle, velocity, acceleration):
+    rubbed = 0.2 * np.tanh(velocity / 0.02)
+    return 0.03 * acceleration + 3.0 * np.cos(angle - 0.4) + 0.1 * velocity + rubbed - 4.0
+
+
+def test_an_empty_device_is_told_within_its_interval() -> None:
+    noise = np.random.default_rng(3).normal(0.0, 0.1, round(30 * RATE))
+    plate = tared(moved(lambda *motion: device(*motion) + noise))
+    true = (0.03, 3.0 * np.cos(0.4), 3.0 * np.sin(0.4), 0.1, 0.2, -4.0)
+    apart = (np.array(plate.values) - true) / plate.sds
+    assert np.all(np.abs(apart) < 3.0)
+    assert plate.sds[0] < 0.003
+    assert plate.sds[2] < 0.1
+
+
+def test_a_recording_without_the_device_is_that_of_the_leg() -> None:
+    plate = tared(moved(device))
+    leg = moved(lambda a, v, acc: device(a, v, acc) + 5.0 * np.exp(3.0 * a))
+    left = without(replace(plate, file="empty.csv"), leg)
+    assert left.torque == pytest.approx(5.0 * np.exp(3.0 * leg.angle), abs=0.05)
+    assert "empty.csv" in left.steps[-1]
+
+
+def test_a_leg_is_no_empty_device() -> None:
+    pulls = np.repeat(np.random.default_rng(1).uniform(0.0, 20.0, 30), round(RATE))
+    with pytest.raises(InputError, match="no empty device"):
+        tared(moved(lambda *motion: device(*motion) + pulls))
+
+
+def test_a_device_that_stands_still_tells_nothing() -> None:
+    still = replace(moved(device), angle=np.zeros(round(30 * RATE)))
+    with pytest.raises(InputError, match="move it"):
+        tared(still)
+
+
+def alone(heard: np.ndarray, seed: int, seconds: float = 48.0) -> ModelInputs:
+    """Three contractions of each muscle, the others helping by up to 20 %."""
+    rng, n = np.random.default_rng(seed), round(seconds * RATE)
+    own, each = np.zeros((4, n)), n // 12
+    for k in range(12):
+        burst = slice(k * each, k * each + round(0.7 * each))
+        own[:, burst] = rng.uniform(0.0, 0.2, 4)[:, None]
+        own[k // 3, burst] = rng.uniform(0.85, 1.0)
+    emg = heard @ (np.array([2e-4, 1e-4, 3e-4, 1.5e-4])[:, None] * own)
+    return moved(seconds=seconds, emg=(emg + 1e-6 * rng.random((4, n))).T)
+
+
+def test_crosstalk_holds_within_its_interval() -> None:
+    apart = []
+    for seed in range(12):
+        rng = np.random.default_rng(100 + seed)
+        heard = np.eye(4) + rng.uniform(0.0, 0.08, (4, 4)) * (1.0 - np.eye(4))
+        known = crosstalk(alone(heard, seed), (0.04, 0.03))
+        assert len(known) == 12
+        apart += [(value - heard[pair]) / sd for pair, (value, sd) in known.items()]
+    assert np.mean(np.abs(apart) < 1.96) > 0.92
+    assert np.sqrt(np.mean(np.square(apart))) < 1.2
+
+
+def test_muscles_that_work_together_are_not_one_at_a_time() -> None:
+    one = alone(np.eye(4), 1)
+    muscles = ("ta", "gl", "sol", "gm")
+    envelopes = {m: one.emg[:, i] for i, m in enumerate(muscles)}
+    assert one_at_a_time(envelopes, RATE)
+    together = dict.fromkeys(muscles, envelopes["ta"] + envelopes["sol"])
+    assert not one_at_a_time(together, RATE)
+    assert not one_at_a_time({}, RATE)
+
+
+def said(tmp_path: Path, text: str) -> Path:
+    path = tmp_path / "session.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("[knowlege]\nplate = 'tared'", "did you mean 'knowledge'"),
+        ("[knowledge]\nangle_zero = {value = 0, sd = 1}", "did you mean 'angle_zero_deg'"),
+        ("[knowledge]\naxis_mm = {value = 0, sdd = 1}", "sdd"),
+        ("[knowledge]\naxis_mm = {value = 0.0}", "sd"),
+        ("[knowledge]\nangle_zero_deg = {value = 0.0, sd = 0.0}", "more than 0"),
+        ("[knowledge]\nangle_zero_deg = {value = 90.0, sd = 1.0}", "at most 30"),
+        ("[knowledge]\naxis_mm = {value = 'near', sd = 1.0}", "axis_mm"),
+        ("[knowledge]\ngeometry_sd_percent = 3", "no effect without geometry"),
+        ("[knowledge]\ngeometry = 'g.csv'\ngeometry_of = 'persn'", "did you mean 'person'"),
+        ("[trials]\n'a.csv' = 'pasive'", "did you mean 'passive'"),
+        ("trials = 3", "table of files"),
+        ("[knowledge", "TOML"),
+    ],
+)
+def test_what_is_misspelt_is_refused_in_a_line(tmp_path, text, match) -> None:
+    with pytest.raises(InputError, match=match) as caught:
+        read_session_toml(said(tmp_path, text))
+    assert "session.toml" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_plate_that_is_no_file_is_refused(tmp_path) -> None:
+    with pytest.raises(InputError, match="did you mean 'tared'"):
+        known_from(read_session_toml(said(tmp_path, "[knowledge]\nplate = 'tarred'")))
+
+
+def test_knowledge_becomes_priors_with_their_own_uncertainty(tmp_path) -> None:
+    (tmp_path / "g.csv").write_bytes(TABLE.read_bytes())
+    path = said(
+        tmp_path,
+        "[knowledge]\nangle_zero_deg = {value = 2.0, sd = 1.0}\n"
+        "axis_mm = {value = [5.0, -2.0], sd = 3.0}\nplate = 'tared'\ngeometry = 'g.csv'\n"
+        "geometry_of = 'person'\n",
+    )
+    settings = FitSettings.of(knowledge=path)
+    assert settings.zero_sd == 1.0
+    assert settings.fixed["angle_zero"] == pytest.approx(np.radians(2.0))
+    beliefs = settings.beliefs
+    assert beliefs["axis_forward"] == pytest.approx((0.005, 0.003))
+    assert beliefs["axis_up"] == pytest.approx((-0.002, 0.003))
+    assert beliefs["arm_scale_tri"] == beliefs["path_scale_tib"] == (0.0, 0.03)
+    assert 0.0 < beliefs["plate_sin"][1] < 1.0
+    assert settings.options.geometry.name == "g.csv"
+    assert settings.geometry_of == "person"
+    assert settings.known >= {"axis", "plate", "arm", "length"}
+    assert FitSettings.from_dict(settings.as_dict()) == settings
+
+
+def test_what_is_asked_goes_before_what_is_known() -> None:
+    known = Knowledge(
+        angle_zero_deg=StatedNumber(2.0, 1.0), axis_mm=StatedAxis(5.0, 3.0), plate=Plate()
+    )
+    asked = {"axis": (0.0, 0.001)}
+    settings = FitSettings.of(
+        knowledge=known, angle_zero_sd=0.5, nuisances=asked, fixed={"angle_zero": 0.0}
+    )
+    assert settings.zero_sd == 0.5
+    assert settings.fixed["angle_zero"] == 0.0
+    assert settings.beliefs["axis"] == (0.0, 0.001)
+    assert FitSettings.of(knowledge=known, nuisances="none").beliefs == "none"
+
+
+def test_nothing_known_changes_nothing() -> None:
+    assert FitSettings().known == frozenset()
+    assert FitSettings().beliefs == "all"
+    assert read_knowledge(TABLE.with_name("session.toml")).nuisances() == {}
