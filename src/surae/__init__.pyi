@@ -14,6 +14,7 @@ from surae.api import impedance as impedance
 from surae.api import load as load
 from surae.api import load_session as load_session
 from surae.api import measure_next as measure_next
+from surae.api import plan_session as plan_session
 from surae.api import posterior as posterior
 from surae.api import profile as profile
 from surae.api import session as session
@@ -44,6 +45,7 @@ from surae.protocol import generate as generate
 from surae.protocol.planning.design import Design as Design
 from surae.protocol.planning.expectation import Expectation as Expectation
 from surae.protocol.planning.next import NextTrial as NextTrial
+from surae.protocol.planning.session import SessionPlan as SessionPlan
 from surae.quality import Finding as Finding
 from surae.quality import Quality as Quality
 from surae.recording import Inspection as Inspection

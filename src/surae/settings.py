@@ -151,10 +151,10 @@ class FitSettings:
     )  # fmt: skip
 
     knowledge: Knowledge | None = setting(
-        None, "What is known of leg and device beforehand, which becomes priors, the zero's "
+        None, "What was measured of leg and device beforehand, which becomes priors, the zero's "
         "standard deviation and a geometry where these are not given: a ``session.toml``.",
         type="path or Knowledge, or None", file=True, needs=f"model={names.AUTO}",
-        help="What is known of leg and device: a session.toml, with what its files show.",
+        help="Leg and device as measured beforehand: a session.toml, with what its files show.",
     )  # fmt: skip
 
     def __post_init__(self) -> None:

@@ -35,6 +35,8 @@ READ_ONLY = {
     "surae posterior": "takes a while; tests/cli/test_posterior.py runs it",
     "surae demo": "fits for seconds; tests/cli/test_demo.py runs it",
     "surae project": "needs a project; tests/web/test_web_upkeep.py runs it",
+    "--knowledge": "needs a laboratory's folder; tests/session runs one",
+    "surae session leg --output OUT": "the same",
     "--dask": "needs a cluster; tests/studies runs one",
 }
 #: What makes a command quick without changing what it does.
@@ -104,7 +106,7 @@ def _run_surae(words: list[str], surae, named: bool) -> None:
         with command.make_context("surae", list(rest)):
             return
     for called, more in QUICKER.items():
-        if " ".join(words).startswith(called):
+        if " ".join(words).startswith(called) and "--session" not in words:
             options = zip(more[::2], more[1::2], strict=True)
             words = [*words, *(part for pair in options if pair[0] not in words for part in pair)]
     surae(words)
@@ -189,6 +191,11 @@ def _read_toml(text: str) -> None:
         alone = "file =" in text  # else it is of many files
         mapped = read("printed.toml") if alone else read("leg/trial1.csv", mapping="printed.toml")
         assert len(mapped.channels) > 2
+    elif "[knowledge]" in text:
+        from surae.model.knowledge_file import read_session_toml
+
+        Path("printed.toml").write_text(text, encoding="utf-8")
+        assert read_session_toml("printed.toml").trials
     elif "[project.entry-points" in text:
         from surae.base.plugins import plugins
 

@@ -171,6 +171,13 @@ def test_what_is_asked_goes_before_what_is_known() -> None:
     assert FitSettings.of(knowledge=known, nuisances="none").beliefs == "none"
 
 
+def test_what_steps_show_fills_what_was_not_said() -> None:
+    said = Knowledge(axis_mm=StatedAxis(5.0, 3.0))
+    shown = Knowledge(axis_mm=StatedAxis(0.0, 9.0), plate=Plate(), geometry_of="person")
+    both = said.filled(shown)
+    assert both == Knowledge(axis_mm=StatedAxis(5.0, 3.0), plate=Plate(), geometry_of="person")
+
+
 def test_nothing_known_changes_nothing() -> None:
     assert FitSettings().known == frozenset()
     assert FitSettings().beliefs == "all"

@@ -12,6 +12,7 @@ from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design
 from surae.api.designing import expect as expect
 from surae.api.designing import measure_next as measure_next
+from surae.api.designing import plan_session as plan_session
 from surae.api.designing import protocol_trajectory as protocol_trajectory
 from surae.api.designing import ready_trajectory as ready_trajectory
 from surae.api.examples import example_leg as example_leg

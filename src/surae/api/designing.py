@@ -6,9 +6,10 @@ from typing import Any, TypeVar
 from surae.api.fitted import Fit
 from surae.base.errors import InputError
 from surae.base.files import PathLike
+from surae.base.names import EFFORTS
 from surae.base.progress import SearchProgress
 from surae.base.requests import DesignSettings, ExpectSettings, LegSettings
-from surae.base.setting import settings_of, takes
+from surae.base.setting import Setting, checked, settings_of, takes
 from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
 from surae.protocol import (
@@ -29,6 +30,7 @@ from surae.protocol.planning.information import filmed
 from surae.protocol.planning.legs import Legs, fit_legs, population_legs
 from surae.protocol.planning.next import NextTrial, measure_next_of, told_by
 from surae.protocol.planning.ready import ready_protocols, start_for
+from surae.protocol.planning.session import SessionPlan, best_session
 
 #: Legs that a design is searched for, of a rigid and of a compliant model, and those that it is
 #: judged by.
@@ -114,6 +116,69 @@ def design(
         start=start_for(duration, AUTO if chosen == AUTO else chosen, settings.aim, effort),
         progress=progress,
     )
+
+
+#: Trials of a session that are planned, and legs that it is planned by.
+_TRIALS, _PLANNED = {"active": "compliant-35", "passive": "relaxed-35"}, 8
+
+
+def plan_session(
+    minutes: float = 10.0,
+    *,
+    device: str | PathLike | Device | None = "achilles",
+    population: str | None = None,
+    range: tuple[float, float] | None = None,
+    effort: str = EFFORTS[0],
+    noise: float | None = None,
+) -> SessionPlan:
+    """Plan steps and trials that make most of a leg known in so many minutes.
+
+    Steps are those that a ``session.toml`` may state: the empty device, the axis, the leg's own
+    geometry, one muscle at a time; trials are designed ones that come with surae. What is expected
+    is the bound of Cramér and Rao, as `expect` has it, with the nuisances of ``model="auto"``.
+
+    Parameters
+    ----------
+    minutes : float
+        Of the leg's time.
+    device : str, path, Device or None
+        What is to move the leg.
+    population : {"healthy", "patient"}, optional
+        Whose legs; by default as many of each.
+    range : (float, float), optional
+        The subject's full plantarflexion and dorsiflexion [rad]; required for patients.
+    effort : {"levels", "none"}
+        What the subject can do.
+    noise : float, optional
+        Of the torque [Nm], sample by sample at 256 Hz; by default 0.5.
+
+    Returns
+    -------
+    SessionPlan
+        Steps in their order, what each adds, and what leaving it out costs.
+
+    Raises
+    ------
+    InputError
+        Something given is unusable, or no trial fits into the time.
+
+    Examples
+    --------
+    >>> surae.plan_session(6.0).steps[0].name
+    """
+    minutes = checked("minutes", minutes, Setting(meaning="", above=0.0, most=240.0), whole=False)
+    if effort not in EFFORTS:
+        raise InputError(f"effort is {effort!r}; use one of: {', '.join(EFFORTS)}")
+    asked = LegSettings(population=population, noise=noise)
+    legs, level = requested_legs(asked, None, _PLANNED, ModelOptions(), 256.0)
+    limits = as_device(device)
+    through = _range_of(limits, range, population, None)
+    trials = {
+        kind: ready_protocols()[name].trajectory(limits, through, 256.0, legs)
+        for kind, name in _TRIALS.items()
+        if effort == EFFORTS[0] or kind == "passive"
+    }
+    return best_session(trials, legs, level, minutes)
 
 
 def measure_next(

@@ -6,8 +6,9 @@ import click
 
 from surae import api
 from surae.base.errors import InputError
+from surae.base.files import write_json
 from surae.base.requests import DesignSettings
-from surae.cli.options import PICTURE, settings_options
+from surae.cli.options import NUMBER, PICTURE, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.protocol import device_of, device_options, file_kind
@@ -21,17 +22,37 @@ from surae.cli.screen import show_answer, show_files
               help="The same, and what it knows counts: what adds most.")  # fmt: skip
 @device_options
 @settings_options(DesignSettings, api.ModelOptions)
-@click.option("--output", required=True, metavar="P.csv|P.mat", help="Where the protocol goes.")
+@click.option(
+    "--session",
+    is_flag=True,
+    help="Plan a whole session instead: steps of the laboratory, and trials.",
+)
+@click.option(
+    "--minutes", type=NUMBER, metavar="N", help="Of the leg's time, with --session.  [default: 10]"
+)
+@click.option(
+    "--output",
+    required=True,
+    metavar="P.csv|P.mat",
+    help="Where the protocol goes; of a session's plan a .json.",
+)
 @click.option("--target", metavar="T.csv", help="Where the target for the subject's screen goes.")
 @click.option("--figure", type=PICTURE, metavar="P.svg|pdf|png", help="Draw it.")
 def command(
     fitted: str | None, after: str | None, device: str, without_limits: str | None, output: str,
-    target: str | None, figure: str | None, options: dict[str, Any],
+    target: str | None, figure: str | None, session: bool, minutes: float | None,
+    options: dict[str, Any],
 ) -> None:  # fmt: skip
     """Design the most informative protocol within a device's limits: movement and effort.
 
     The same options find the same protocol. Ctrl-C keeps the best so far.
     """
+    if session:
+        _plan(fitted or after or target or figure, device_of(device, without_limits), minutes,
+              output, options)  # fmt: skip
+        return
+    if minutes is not None:
+        raise InputError("--minutes has no effect without --session")
     file_kind("--output", output, ".csv", ".mat")
     check_outputs(
         {"--output": output, "--target": target, "--figure": figure},
@@ -60,3 +81,21 @@ def command(
     show_files({"protocol": output, "target": target, "figure": figure})
     if design.stopped:
         raise StoppedError("stopped by the user; the best so far is kept")
+
+
+def _plan(
+    other: str | None, device: str | None, minutes: float | None, output: str,
+    options: dict[str, Any],
+) -> None:  # fmt: skip
+    """Plan a session."""
+    file_kind("--output", output, ".json")
+    taken = {"population", "range", "effort", "noise"}
+    if other is not None or (unused := [name for name in options if name not in taken]):
+        name = "--fit, --after, --target and --figure" if other else f"--{unused[0]}"
+        raise InputError(f"{name.replace('_', '-')} has no effect with --session; leave it out")
+    with work() as progress, compilation_notice():
+        progress.describe("judging sets of steps")
+        plan = api.plan_session(10.0 if minutes is None else minutes, device=device, **options)
+    write_json(output, plan.to_json())
+    show_answer(plan.as_table())
+    show_files({"plan": output})

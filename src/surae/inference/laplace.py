@@ -22,7 +22,7 @@ from surae.model.sources import source_of
 #: and bandwidth; the same where force falls later than it rises, and where muscles have no
 #: electrode. Bandwidth is 1.4 % off (root mean square) on 30 virtual legs whose sensors, cables and
 #: muscles are as these, 8 to 22 % where they are not (5 % held), 13 % where muscles let go slowly.
-_DYNAMICS, _ORDER, _RELEASED, _UNHEARD = ("f0", "beta"), 0.05, 0.10, 0.10
+DYNAMICS, ORDER, _RELEASED, _UNHEARD = ("f0", "beta"), 0.05, 0.10, 0.10
 #: What the latents are called among the sources.
 _CALLED = {"gain": "emg_gain", "drift": "torque_drift", "misfit": "left_out", "film": "film_drift"}
 #: Weight below which a set of departures is not looked at.
@@ -83,12 +83,12 @@ def dynamics(
     No residual tells that from another filter; the other values follow along their valleys. f0 and
     β may both be moved and their bandwidth not, which has a shift of its own.
     """
-    size = _UNHEARD if unheard else _ORDER
+    size = _UNHEARD if unheard else ORDER
     if "release" in posterior.names and not posterior.problem.has_unheard:  # else the same twice
         size = _RELEASED
-    at = [posterior.names.index(name) for name in _DYNAMICS if name in posterior.names]
+    at = [posterior.names.index(name) for name in DYNAMICS if name in posterior.names]
     ways = list(np.eye(len(V))[at])
-    if len(at) == len(_DYNAMICS):
+    if len(at) == len(DYNAMICS):
         # ∂ ln bandwidth/∂ ln β of f0·√(b + √(b² + 1)), b = 1 − 2β²
         slope = -2.0 * beta**2 / np.hypot(1.0 - 2.0 * beta**2, 1.0)
         ways.append(ways[0] + slope * ways[1])

@@ -6,7 +6,7 @@ constant, so that it is in every interval by its own uncertainty.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 from surae.base.errors import InputError
@@ -27,7 +27,7 @@ _TARED = (0.003, 0.5)
 _LEAST, _PART = (5e-4, 0.1), 0.03
 
 
-def _number(meaning: str, **limits: float) -> Any:
+def _number(meaning: str, **limits: Any) -> Any:
     return field(metadata={"setting": Setting(meaning=meaning, **limits)})
 
 
@@ -60,6 +60,7 @@ class StatedAxis(Request):
         return self.value if isinstance(self.value, tuple) else (self.value, 0.0)
 
 
+@filed(sparse=("file", "values", "sds", "range", "residual"))
 @dataclass(frozen=True, slots=True)
 class Plate:
     """The empty device; without a file, one that was tared before."""
@@ -95,7 +96,10 @@ class Plate:
         )
 
 
-@filed("table")
+@filed(
+    "table", sparse=("geometry", "geometry_of", "geometry_sd_percent", "crosstalk", "crosstalk_of",
+                     "doubts"),
+)  # fmt: skip
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Knowledge(Request):
     """What is known beforehand, as a session's steps and its `session.toml` give it."""
@@ -129,6 +133,13 @@ class Knowledge(Request):
             near = nearest(self.geometry_of, GEOMETRY_OF)
             known = ", ".join(GEOMETRY_OF)
             raise InputError(f"geometry_of is {self.geometry_of!r}{near}; use one of: {known}")
+
+    def filled(self, other: "Knowledge") -> "Knowledge":
+        """The same, with what it does not say from another."""
+        unsaid = {f.name: getattr(other, f.name) for f in fields(self)
+                  if f.name != "geometry_of" and not getattr(self, f.name)}  # fmt: skip
+        whose = other.geometry_of if not self.geometry else self.geometry_of
+        return replace(self, **unsaid, geometry_of=whose)
 
     @property
     def groups(self) -> frozenset[str]:

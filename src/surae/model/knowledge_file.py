@@ -189,4 +189,4 @@ def knowledge_of(given: object) -> Knowledge:
         return from_plain(Knowledge, given)
     if not isinstance(given, str) and not hasattr(given, "__fspath__"):
         raise InputError(f"knowledge is {given!r}; give the path of a session.toml")
-    return read_knowledge(given)  # type: ignore[arg-type]
+    return read_knowledge(given)

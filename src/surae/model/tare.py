@@ -61,7 +61,7 @@ def tared(inputs: ModelInputs) -> Plate:
         values = covariance @ (X.T @ y) / variance
         left = y - X @ values
         # noise that is slower than the samples: 2 π f(0) of an autoregression of the first order
-        slow = float(np.clip(left[1:] @ left[:-1] / max(left @ left, 1e-300), 0.0, 0.999))
+        slow = float(np.clip(left[1:] @ left[:-1] / max(float(left @ left), 1e-300), 0.0, 0.999))
         variance = max(float(left @ left) / inputs.n, 1e-12) * (1.0 + slow) / (1.0 - slow)
     rest = float(np.std(left))
     r2 = 100.0 * (1.0 - np.var(left) / max(float(np.var(y)), 1e-300))

@@ -26,7 +26,7 @@ def known_section(result: FitResult) -> tuple[block.Section, ...]:
         return ()
     heads = block.columns("What", "How well", "From", wide=(1,))
     title = "What was known beforehand"
-    blocks = (
+    blocks: tuple[block.Block, ...] = (
         block.Text(
             "Steps of the session and what the laboratory stated. None of it is taken for exact: "
             "its own uncertainty is in every interval, and it is held against the torque."

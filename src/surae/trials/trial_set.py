@@ -51,9 +51,11 @@ class TrialSet:
         return "\n".join(lines)
 
     def asked(self, settings: FitSettings) -> FitSettings:
-        """The settings of a fit with what is known of the leg, unless they say what is."""
-        known = self.knowledge if settings.knowledge is None else None
-        return settings if known is None else FitSettings.of(settings, knowledge=known)
+        """The settings of a fit with what is known of the leg where they do not say it."""
+        known, said = self.knowledge, settings.knowledge
+        if known is None:
+            return settings
+        return FitSettings.of(settings, knowledge=said.filled(known) if said else known)
 
     @property
     def fitted(self) -> tuple[str, ...]:

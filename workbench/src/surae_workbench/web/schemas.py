@@ -47,6 +47,7 @@ if TYPE_CHECKING:  # known where it runs: plugins add to them
 else:
     Model, Fitted = Literal[names.MODELS.here()], Literal[names.FITTED.here()]
 Population = Literal[names.POPULATIONS]  # type: ignore[valid-type]
+Effort = Literal["passive", "active", "maximal", "empty device", "one muscle at a time"]
 Role = Literal[api.ROLES]  # type: ignore[valid-type]
 
 
@@ -291,7 +292,7 @@ class TrialsRequest(Strict):
     """Trials of one leg, and the efforts that their signals do not tell."""
 
     recordings: Annotated[list[Id], Field(min_length=1, max_length=64)]
-    efforts: Annotated[dict[Id, Literal["passive", "active", "maximal"]], Field(max_length=64)] = {}
+    efforts: Annotated[dict[Id, Effort], Field(max_length=64)] = {}
 
 
 class SessionRequest(TrialsRequest):

@@ -53,7 +53,7 @@ const sorted = (trials) =>
   ]), { caption: "What each trial is, and what it is used for" });
 
 function effort(one) {
-  const options = [["", one.stated ? "as its signals say" : `${one.effort}, by its signals`], ["passive", "passive"], ["active", "active"], ["maximal", "maximal"]];
+  const options = [["", one.stated ? "as its signals say" : `${one.effort}, by its signals`], ["passive", "passive"], ["active", "active"], ["maximal", "maximal"], ["empty device", "the empty device"], ["one muscle at a time", "one muscle at a time"]];
   const knob = select({ "aria-label": `Effort of ${one.name}`, "data-focus": `effort-${one.recording}` }, options, efforts[one.recording] ?? "");
   knob.addEventListener("change", () => {
     if (knob.value) efforts[one.recording] = knob.value;

@@ -7,7 +7,7 @@ export function settingsForm(main, more, models, draft, store, recordings) {
   const shown = models.settings.filter((one) => inPlace(one, draft));
   const fields = (first) => shown.filter((one) => one.first === first).map((one) => setting(one, draft, store));
   replace(main, fields(true), h("div", { class: "drives" }, models.drives.map((one) => drive(one, draft.parameters, store))));
-  replace(more, fields(false), draft.normalise === "mvc" && contractions(recordings, draft, store));
+  replace(more, fields(false), known(draft, store), draft.normalise === "mvc" && contractions(recordings, draft, store));
 }
 
 /** Whether a setting has an effect, beside those that are set. */
@@ -68,6 +68,33 @@ function setting(one, draft, store) {
     return keep(off && value === 0 ? false : value, `${one.label} ${knob.value || "default"}`);
   });
   return field(one.label, knob);
+}
+
+/** What the laboratory measured beforehand, each with how far it may be off. */
+function known(draft, store) {
+  const now = draft.knowledge ?? {};
+  const keep = (change, label) => {
+    const { axis_mm, plate, geometry_sd_percent } = { ...now, ...change };
+    const said = { axis_mm, plate, geometry_sd_percent };
+    const stated = Object.entries(said).filter(([, value]) => value !== null && value !== undefined);
+    return store({ knowledge: stated.length ? Object.fromEntries(stated) : null }, label);
+  };
+  const number = (id, label, value, most, change) => {
+    const knob = h("input", { type: "number", step: "any", id, min: 0.1, max: most, value: value ?? "", placeholder: "not known" });
+    knob.addEventListener("change", () => {
+      if (!knob.checkValidity()) return knob.reportValidity();
+      return keep(change(knob.value === "" ? null : Number(knob.value)), `${label} ${knob.value || "not known"}`);
+    });
+    return field(label, knob);
+  };
+  const tared = select({ id: "set-knowledge-plate" }, [["", "not known"], ["tared", "taken away before (tared)"]], now.plate ? "tared" : "");
+  tared.addEventListener("change", () => keep({ plate: tared.value ? {} : null }, `Empty device: ${tared.selectedOptions[0].textContent}`));
+  const axis = (sd) => ({ axis_mm: sd === null ? null : { value: now.axis_mm?.value ?? 0, sd } });
+  return [
+    field("Empty device", tared),
+    number("set-knowledge-axis", "Ankle’s axis from the device’s ± [mm]", now.axis_mm?.sd, 30, axis),
+    number("set-knowledge-geometry", "Own geometry, scale ± [%]", now.geometry_sd_percent, 50, (sd) => ({ geometry_sd_percent: sd })),
+  ];
 }
 
 /** Recordings of maximum contractions. */

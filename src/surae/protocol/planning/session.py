@@ -1,0 +1,216 @@
+"""Which steps of a laboratory, and how many trials, make most of a leg known in so many minutes.
+
+Each trial's information on each leg is computed once; a step of the laboratory narrows the priors
+of what it measures. So every set of steps and trials is judged, by how many of the leg's parameters
+it makes known, as `expect` judges a protocol, with the same nuisances.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from surae.base.errors import InputError
+from surae.base.frozen import Comparable, FrozenDict
+from surae.base.normal import NORMAL
+from surae.base.records import to_plain
+from surae.base.tables import Tabular, TextTable
+from surae.base.threads import one_blas_thread
+from surae.base.units import FloatArray
+from surae.inference.laplace import DYNAMICS, ORDER
+from surae.inference.parameter import IDENTIFIED
+from surae.model.knowledge import GEOMETRY_SD, Knowledge, Plate, StatedAxis
+from surae.model.laboratory import laboratory
+from surae.model.parameters import CROSSTALK
+from surae.model.registry import get_model
+from surae.protocol import Trajectory
+from surae.protocol.planning.information import information, shared
+from surae.protocol.planning.legs import Legs
+from surae.recording.described import ALONE, EMPTY
+
+#: Minutes between two trials, and what a step takes beside its trial; what crosstalk is known to
+#: from contractions of one muscle at a time.
+_BETWEEN, _CROSSTALK = 0.25, 0.02
+#: Trials of each kind at most.
+_MOST = 4
+
+
+@dataclass(frozen=True, slots=True)
+class SessionStep:
+    """A step of a session."""
+
+    name: str  #: As `session.toml` calls it.
+    what: str  #: What to do, a sentence.
+    minutes: float  #: How long it takes.
+    times: int = 1  #: How often.
+    #: Parameters of the fifteen that are expected to be known with it and all steps before it, a
+    #: mean over legs, and how many the whole session would lose without it.
+    known: float = 0.0
+    loses: float = 0.0
+
+
+_STEPS = (
+    SessionStep(EMPTY, "Move the empty device through the trials' movement.", 0.8),
+    SessionStep("axis", "Measure how far the malleoli lie from the device's axis (± 3 mm).", 0.5),
+    SessionStep(
+        "geometry", "Measure the leg, and scale a model to it (lengths and arms ± 3 %).", 2.0
+    ),
+    SessionStep(ALONE, "Contract one muscle after the other, three times each.", 1.05),
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class SessionPlan(Tabular, Comparable):
+    """The steps that make most known within so many minutes."""
+
+    legs: str  #: Whose legs.
+    minutes: float  #: Of the leg's time, in all.
+    steps: tuple[SessionStep, ...]  #: In the order in which each adds most in its time.
+    #: By parameter, the part of the legs in which it would be identified.
+    parameters: Mapping[str, float]
+
+    @property
+    def known(self) -> float:
+        """How many of the parameters are expected to be identified, a mean over legs."""
+        return sum(self.parameters.values())
+
+    def as_table(self) -> TextTable:
+        """The table, as texts.
+
+        Returns
+        -------
+        TextTable
+            A row for each step.
+        """
+        spent, rows = 0.0, list[tuple[str, ...]]()
+        for s in self.steps:
+            spent += s.minutes * s.times
+            times = f" ({s.times} times)" if s.times > 1 else ""
+            rows.append(
+                (s.name + times, s.what, f"{spent:.1f}", f"{s.known:.1f}", f"−{s.loses:.1f}")
+            )
+        sure = [n for n, share in self.parameters.items() if share > 0.5]
+        below = f"identified in most legs: {', '.join(sure) or 'none'}"
+        return TextTable(
+            ("step", "what to do", "minutes so far", "known so far", "without it"),
+            tuple(rows),
+            above=(f"{self.legs}; of {len(self.parameters)} parameters, each within 10 %",),
+            below=(below, "Skipping a step is allowed: the last column is its price."),
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Give all of it as plain data."""
+        return dict(to_plain(self))
+
+
+def best_session(
+    trials: Mapping[str, Trajectory], legs: Legs, noise: float, minutes: float
+) -> SessionPlan:
+    """The best session of these kinds of trials, by name, within `minutes`.
+
+    Raises
+    ------
+    InputError
+        Not even one trial fits into the time.
+    """
+    with one_blas_thread():
+        told = [shared(information(each, legs, noise), legs) for each in trials.values()]
+        kinds = [
+            SessionStep(name, _WHAT[name], float(each.time[-1]) / 60.0 + _BETWEEN)
+            for name, each in trials.items()
+        ]
+        judge = _Judge(legs, told[0].names, [each.matrices for each in told])
+        every = (*_STEPS, *kinds)
+        best: tuple[float, float, tuple[int, ...]] | None = None
+        for counts in _sets(len(_STEPS), len(kinds)):
+            spent = sum(n * step.minutes for n, step in zip(counts, every, strict=True))
+            if spent > minutes or not any(counts[len(_STEPS) :]):
+                continue
+            rank = (judge(counts).sum(), -spent, counts)
+            best = rank if best is None or rank > best else best
+        if best is None:
+            least = min(kind.minutes for kind in kinds)
+            raise InputError(f"minutes is {minutes:g}; one trial takes {least:.2g}")
+        chosen = best[2]
+        ordered = tuple(_ordered(judge, chosen, every))
+        shares = FrozenDict(zip(judge.own, judge(chosen).tolist(), strict=True))
+    return SessionPlan(legs.name, -best[1], ordered, shares)
+
+
+_WHAT = {
+    "active": "Follow the movement with bursts of effort of calf and tibialis by turns.",
+    "passive": "Relax while the device moves the ankle through the whole range.",
+}
+
+
+def _sets(steps: int, kinds: int) -> Iterator[tuple[int, ...]]:
+    """How often each step and kind of trial is done."""
+    yield from product(*[range(2)] * steps, *[range(_MOST)] * kinds)
+
+
+def _ordered(
+    judge: "_Judge", chosen: tuple[int, ...], every: Sequence[SessionStep]
+) -> Iterator[SessionStep]:
+    """The steps that are done, each time the one that adds most in its time; trials first."""
+    done, left = [0] * len(chosen), [j for j, n in enumerate(chosen) if n]
+    whole, before = float(judge(chosen).sum()), 0.0
+    while left:
+        able = left if any(done[len(_STEPS) :]) else [j for j in left if j >= len(_STEPS)]
+        found = []
+        for j in able:
+            tried = [*done]
+            tried[j] = chosen[j]
+            known = float(judge(tuple(tried)).sum())
+            found.append(((known - before) / (chosen[j] * every[j].minutes), known, j))
+        _, before, j = max(found)
+        done[j] = chosen[j]
+        left.remove(j)
+        skipped = tuple(0 if i == j else n for i, n in enumerate(chosen))
+        loses = whole - float(judge(skipped).sum())
+        step = every[j]
+        yield SessionStep(step.name, step.what, step.minutes, chosen[j], before, loses)
+
+
+class _Judge:
+    """In what part of the legs each of the fifteen is identified, by how often what is done."""
+
+    def __init__(self, legs: Legs, names: tuple[str, ...], matrices: Sequence[FloatArray]) -> None:
+        self.own = tuple(n for n in get_model("muscle").names if n in legs.own)
+        self._at = [names.index(name) for name in self.own]
+        self._matrices, self._names, self._legs = matrices, names, legs
+        columns = [legs.spec.names.index(name) for name in self.own]
+        self._values = np.abs(legs.values[:, columns])
+        # what no trial tells: the muscles' own filter is not quite the model's
+        self._stays = np.array([ORDER if name in DYNAMICS else 0.0 for name in self.own])
+        self._known: dict[tuple[int, ...], FloatArray] = {}
+
+    def __call__(self, counts: tuple[int, ...]) -> FloatArray:
+        """Parts of the legs, shape (15,)."""
+        if counts not in self._known:
+            self._known[counts] = self._judged(counts)
+        return self._known[counts]
+
+    def _judged(self, counts: tuple[int, ...]) -> FloatArray:
+        empty, axis, geometry, alone = counts[: len(_STEPS)]
+        trials = counts[len(_STEPS) :]
+        if not any(trials):
+            return np.zeros(len(self.own))
+        stated = Knowledge(
+            axis_mm=StatedAxis(0.0, 3.0) if axis else None, plate=Plate() if empty else None,
+            geometry_sd_percent=GEOMETRY_SD if geometry else None,
+        ).nuisances()  # fmt: skip
+        priors = laboratory(stated, measured=bool(geometry))
+        sds = {n: priors[n].sd if n in stated or geometry else b.sd
+               for n, b in self._legs.priors.items()}  # fmt: skip
+        if alone:
+            sds |= {name: _CROSSTALK for name in CROSSTALK.values() if name in sds}
+        known = np.diag([sds[n] ** -2.0 if n in sds else 0.0 for n in self._names])
+        total = sum(n * each for n, each in zip(trials, self._matrices, strict=True)) + known
+        scale = 1.0 / np.sqrt(np.maximum(np.diagonal(total, axis1=1, axis2=2), 1e-300))
+        scaled = total * scale[:, :, None] * scale[:, None, :]
+        inverse = np.linalg.pinv(scaled, rcond=1e-13, hermitian=True)
+        variance = np.diagonal(inverse, axis1=1, axis2=2) * scale**2
+        relative = np.sqrt(np.maximum(variance[:, self._at], 0.0)) / self._values
+        return np.asarray(np.mean(NORMAL * np.hypot(relative, self._stays) <= IDENTIFIED, axis=0))
