@@ -194,8 +194,8 @@ def _read_toml(text: str) -> None:
     elif "[knowledge]" in text:
         from surae.model.knowledge_file import read_session_toml
 
-        Path("printed.toml").write_text(text, encoding="utf-8")
-        assert read_session_toml("printed.toml").trials
+        Path("leg/session.toml").write_text(text, encoding="utf-8")
+        assert read_session_toml("leg/session.toml").trials
     elif "[project.entry-points" in text:
         from surae.base.plugins import plugins
 

@@ -142,6 +142,11 @@ class Knowledge(Request):
         return replace(self, **unsaid, geometry_of=whose)
 
     @property
+    def name(self) -> str:
+        """What it is among other settings."""
+        return "; ".join(f"{what} {how}" for what, how, _ in self.lines()) or "nothing"
+
+    @property
     def groups(self) -> frozenset[str]:
         """Groups of nuisances of which something is known: these are in every fit."""
         known = {"axis": self.axis_mm, "plate": self.plate, "crosstalk": self.crosstalk}
