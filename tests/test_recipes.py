@@ -168,7 +168,7 @@ def open_table(source):
     return Table(source.shown, "bars", tuple(names), time, load)
 '''),
         ("recording/formats.py", "delimited, hdf5", "bars, "),
-        ("recording/formats.py", "hdf5, matlab, opensim)", "bars, "),
+        ("recording/formats.py", "hdf5, opensim)", "bars, "),
         ("recording/formats.py", '".h5"', '".bars", '),
     ],
     "a protocol": [

@@ -20,10 +20,10 @@ from reader_seeds import (
 )
 
 from surae.base.errors import InputError
-from surae.recording import foreign, read
+from surae.recording import read
 from surae.recording.table import sampling_of
 from surae.signals import prepare
-from surae_formats import c3d, edf, xdf
+from surae_formats import c3d, edf, foreign, xdf
 
 
 def loaded(table):

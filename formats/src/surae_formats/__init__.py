@@ -11,6 +11,7 @@ from surae_formats import (
     excel,
     filelb,
     labview,
+    matlab,
     parquet,
     poly5,
     trigno,
@@ -20,12 +21,12 @@ from surae_formats import (
 
 #: In the order in which they are asked.
 READERS: tuple[FormatModule, ...] = (
-    poly5, edf, xdf, c3d, excel, trigno, vicon, labview, parquet, filelb, acqknowledge,
+    matlab, poly5, edf, xdf, c3d, excel, trigno, vicon, labview, parquet, filelb, acqknowledge,
 )  # fmt: skip
 #: How the names of their files end, beside those that are text.
 ENDINGS = (
-    ".c3d", ".edf", ".bdf", ".xdf", ".poly5", ".xlsx", ".xls", ".ods", ".lvm", ".tdms", ".acq",
-    ".parquet", ".feather", ".flb",
+    ".mat", ".c3d", ".edf", ".bdf", ".xdf", ".poly5", ".xlsx", ".xls", ".ods", ".lvm", ".tdms",
+    ".acq", ".parquet", ".feather", ".flb",
 )  # fmt: skip
 
 

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table
+from surae.recording.untrusted import untrusted
+from surae_formats.foreign import Parsed, foreign_table, optional, packed
 
 #: Versions that bioread knows of, and sizes of the header's first part.
 _VERSIONS, _SIZES = range(30, 200), range(100, 20_000)

@@ -24,9 +24,10 @@ import numpy as np
 from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
-from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table
+from surae.recording.untrusted import untrusted
+from surae_formats.foreign import Parsed, foreign_table, optional, packed
 
 _BLOCK = 512
 _INTEL, _DEC, _MIPS = 84, 85, 86

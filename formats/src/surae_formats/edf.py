@@ -12,9 +12,10 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
-from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table, instants
+from surae.recording.untrusted import untrusted
+from surae_formats.foreign import Parsed, foreign_table, optional, packed
 
 _EDF, _BDF = b"0       ", b"\xffBIOSEMI"
 _BLOCK = 256

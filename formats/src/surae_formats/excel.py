@@ -12,9 +12,10 @@ from typing import Any
 
 from surae.base.errors import InputError
 from surae.recording import delimited
-from surae.recording.foreign import in_child, optional, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Column, Table
+from surae.recording.untrusted import untrusted
+from surae_formats.foreign import in_child, optional
 
 _MAGIC, _INSIDE = b"PK\x03\x04", (b"xl/workbook.", b"opendocument.spreadsheet")
 #: Workbooks before 2007: an OLE file with a stream of this name.

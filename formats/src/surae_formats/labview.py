@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from surae.recording.delimited import is_time
-from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table
+from surae.recording.untrusted import untrusted
+from surae_formats.foreign import Parsed, foreign_table, optional, packed
 
 _TEXT, _BINARY = b"LabVIEW Measurement", b"TDSm"
 

@@ -8,9 +8,10 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.recording.delimited import time_column
-from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table
+from surae.recording.untrusted import untrusted
+from surae_formats.foreign import Parsed, foreign_table, optional, packed
 
 _PARQUET, _FEATHER = b"PAR1", b"ARROW1"
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}

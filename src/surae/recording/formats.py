@@ -1,4 +1,4 @@
-"""The formats of data files: surae's own and MATLAB's. Others are plugins, as `surae-formats`."""
+"""The formats of data files: surae's own and OpenSim's. Others are plugins, as `surae-formats`."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -10,7 +10,7 @@ from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.plugins import plugins
-from surae.recording import delimited, hdf5, matlab, opensim, unread
+from surae.recording import delimited, hdf5, opensim, unread
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, some
 
@@ -29,11 +29,11 @@ class FormatModule(Protocol):
 
 
 #: In the order in which they are asked, plugins behind them; CSV takes what no other claims.
-FORMATS: tuple[FormatModule, ...] = (hdf5, matlab, opensim)
+FORMATS: tuple[FormatModule, ...] = (hdf5, opensim)
 #: Columns of a file.
 _MOST = 10_000
 #: How the names of files end that can hold signals.
-ENDINGS = (".h5", ".hdf5", ".csv", ".tsv", ".txt", ".mat", ".sto", ".mot")
+ENDINGS = (".h5", ".hdf5", ".csv", ".tsv", ".txt", ".sto", ".mot")
 
 
 def data_files(folder: PathLike) -> list[Path]:

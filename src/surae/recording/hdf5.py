@@ -30,10 +30,10 @@ from surae.base.frozen import freeze
 from surae.base.records import from_plain
 from surae.base.units import SI, FloatArray, kind
 from surae.recording.described import Setting
-from surae.recording.foreign import brief, untrusted
 from surae.recording.recording import ROLES, Channel, Recording, SourceFile
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, check_samples, instants, sample
+from surae.recording.untrusted import brief, untrusted
 from surae.recording.writing import column_name
 
 #: Compressed, sparse or never written data may claim any size: what is unpacked is at most this

@@ -29,8 +29,9 @@ _MAGIC: tuple[tuple[int, bytes, str, str], ...] = (
 #: What surae-formats reads, by how the names of these files end.
 _INSTALLED = {
     ".xlsx": "Excel", ".xls": "Excel", ".ods": "OpenDocument", ".c3d": "C3D", ".edf": "EDF",
-    ".bdf": "BDF", ".xdf": "XDF", ".poly5": "Poly5", ".acq": "AcqKnowledge", ".flb": "FILELB",
-    ".lvm": "LabVIEW", ".tdms": "LabVIEW", ".parquet": "Parquet", ".feather": "Feather",
+    ".bdf": "BDF", ".xdf": "XDF", ".mat": "MATLAB", ".poly5": "Poly5", ".acq": "AcqKnowledge",
+    ".flb": "FILELB", ".lvm": "LabVIEW", ".tdms": "LabVIEW", ".parquet": "Parquet",
+    ".feather": "Feather",
 }  # fmt: skip
 #: Programs by how the names of their binary files end.
 _ENDINGS = {

@@ -5,16 +5,13 @@ that is called in the child and returns what `packed` makes of its columns.
 """
 
 import importlib
-import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from surae.base.cleaning import cleaned
 from surae.base.errors import ComputationError, InputError
 from surae.base.frozen import as_read_only
 from surae.base.units import FloatArray
@@ -106,26 +103,6 @@ def foreign_table(source: Source, format_name: str, module: str) -> Table:
         remarks={name: column.remark for name, column in by_name.items() if column.remark},
         descriptions={name: c.description for name, c in by_name.items() if c.description},
     )  # fmt: skip
-
-
-@contextmanager
-def untrusted(shown: str) -> Iterator[None]:
-    """Turn whatever a library raises on a file into one InputError, and silence its warnings."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    except InputError:
-        raise
-    except MemoryError:
-        raise InputError(f"{shown}: the file is damaged, or needs too much memory") from None
-    except Exception as error:
-        raise InputError(f"{shown}: the file is damaged ({brief(error)})") from None
-
-
-def brief(error: BaseException) -> str:
-    """What a library says of a damaged file, short and in one printable line."""
-    return cleaned(" ".join(str(error).split())[:120]) or type(error).__name__
 
 
 def optional(module: str, format_name: str, shown: str) -> Any:

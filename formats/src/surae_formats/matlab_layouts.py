@@ -13,8 +13,8 @@ import numpy as np
 from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
 from surae.base.units import FACTORS, FloatArray, spelled
-from surae.recording.foreign import Parsed
 from surae.recording.roles import heading_unit
+from surae_formats.foreign import Parsed
 
 #: Ends of the names of variables that name or measure the channels of a matrix, in small letters.
 _NAMES = ("names", "labels", "titles", "channels", "description", "muscles", "header", "columns")

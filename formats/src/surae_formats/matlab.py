@@ -8,7 +8,7 @@ Three ways in which a file says it, tried for every structure and for the file a
 - vectors beside a vector ``time``, ``times`` or ``t``, in seconds or with ``_ms`` in milliseconds;
 - vectors beside a number ``fs``, ``rate``, ``rate_hz``, ``sampling_rate`` or ``sample_rate`` [Hz].
 
-Before these, what programs write (`surae.recording.matlab_layouts`). A matrix gives its channels
+Before these, what programs write (`surae_formats.matlab_layouts`). A matrix gives its channels
 whichever way it lies, under the names stored beside it. Vectors as long as a signal that have no
 times are given without. Tables and other objects of MATLAB's classes are opened by mat-io, where it
 can; the others are named.
@@ -26,11 +26,12 @@ import numpy.typing as npt
 from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
 from surae.base.units import FACTORS, FloatArray
-from surae.recording.foreign import Parsed, foreign_table, packed, untrusted
 from surae.recording.hdf5 import fixed_text, is_plain, member
-from surae.recording.matlab_layouts import beside, by_channel, known
 from surae.recording.source import Source
 from surae.recording.table import Table, some
+from surae.recording.untrusted import untrusted
+from surae_formats.foreign import Parsed, foreign_table, packed
+from surae_formats.matlab_layouts import beside, by_channel, known
 
 _MATLAB5 = b"MATLAB 5.0 MAT-file"
 _HDF5 = b"\x89HDF\r\n\x1a\n"
