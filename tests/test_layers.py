@@ -259,7 +259,8 @@ def test_the_workbench_is_built_on_the_api() -> None:
 
 #: Distributions of their own.
 BUILT_ON_IT = (
-    "surae_cohort", "surae_exchange", "surae_formats", "surae_thesis", "surae_workbench",
+    "surae_cohort", "surae_exchange", "surae_formats", "surae_posterior",
+    "surae_thesis", "surae_workbench",
 )  # fmt: skip
 
 

@@ -15,7 +15,6 @@ from surae.api import load as load
 from surae.api import load_session as load_session
 from surae.api import measure_next as measure_next
 from surae.api import plan_session as plan_session
-from surae.api import posterior as posterior
 from surae.api import profile as profile
 from surae.api import session as session
 from surae.api import simulate as simulate
@@ -30,7 +29,6 @@ from surae.inference import Adequacy as Adequacy
 from surae.inference import ParameterEstimate as ParameterEstimate
 from surae.inference import Prediction as Prediction
 from surae.inference.likelihood.profiles import Profiles as Profiles
-from surae.inference.sampling.sample import Posterior as Posterior
 from surae.measures import Measure as Measure
 from surae.measures import Measures as Measures
 from surae.measures.change import Change as Change
@@ -64,3 +62,5 @@ from surae.studies import virtual_trial as virtual_trial
 from surae_cohort.cohort import cohort as cohort
 from surae_cohort.pooled import Cohort as Cohort
 from surae_exchange.exported import export as export
+from surae_posterior.posterior import posterior as posterior
+from surae_posterior.sample import Posterior as Posterior

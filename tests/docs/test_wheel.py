@@ -18,7 +18,7 @@ def held(project: Path, folder: Path) -> set[str]:
         return set(wheel.namelist())
 
 
-DISTRIBUTIONS = ("surae", "cohort", "exchange", "formats", "thesis", "workbench", "legs")
+DISTRIBUTIONS = ("surae", *sorted(path.parent.name for path in ROOT.glob("*/pyproject.toml")))
 
 
 @pytest.fixture(scope="module", params=DISTRIBUTIONS)
@@ -41,6 +41,7 @@ def test_it_holds_every_file_of_its_packages(wheel):
         ROOT / "cohort" / "src": ("surae_cohort/page.py",),
         ROOT / "exchange" / "src": ("surae_exchange/joint.py",),
         ROOT / "formats" / "src": ("surae_formats/c3d.py",),
+        ROOT / "posterior" / "src": ("surae_posterior/sample.py",),
         ROOT / "thesis" / "src": ("surae_thesis/claims/tendons.toml",),
         ROOT / "workbench" / "src": ("surae_workbench/web/static/icon.svg",),
         ROOT / "legs" / "src": ("ankle_legs/main.py",),

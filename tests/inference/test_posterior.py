@@ -11,9 +11,9 @@ from surae.base.errors import InputError
 from surae.inference import assess, fit_problem, make_problem
 from surae.inference.likelihood.profiles import profiles
 from surae.inference.residuals import Residuals
-from surae.inference.sampling.sample import sample
 from surae.signals import thinned
 from surae.studies import virtual_trial
+from surae_posterior.sample import sample
 
 FEW = {"draws": 250, "evaluations": 1200}
 MANY = {"draws": 2000, "evaluations": 3600}

@@ -3,7 +3,6 @@
 from surae.api.answers import change as change
 from surae.api.answers import change_part as change_part
 from surae.api.answers import fit_of as fit_of
-from surae.api.answers import posterior as posterior
 from surae.api.answers import predictions_part as predictions_part
 from surae.api.answers import profile as profile
 from surae.api.answers import validate as validate
@@ -53,7 +52,6 @@ from surae.inference.likelihood.profiles import Profiles as Profiles
 from surae.inference.parameter import ParameterEstimate as ParameterEstimate
 from surae.inference.population import population_priors as population_priors
 from surae.inference.residual import centred_r2 as centred_r2
-from surae.inference.sampling.sample import Posterior as Posterior
 from surae.inference.saved.parameters_json import read_parameters as read_parameters
 from surae.measures import Measure as Measure
 from surae.measures import Measures as Measures

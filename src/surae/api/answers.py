@@ -1,4 +1,4 @@
-"""Answers of fits: profiles, posterior, predictions and changes."""
+"""Answers of fits: profiles, predictions and changes."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -11,13 +11,12 @@ from surae.api.fitting import load
 from surae.api.recordings import AnyRecording, as_in_fit, several
 from surae.base.errors import InputError
 from surae.base.files import PathLike
-from surae.base.progress import NamedProgress, Progress
-from surae.base.requests import ChangeSettings, PosteriorSettings, ProfileSettings
+from surae.base.progress import NamedProgress
+from surae.base.requests import ChangeSettings, ProfileSettings
 from surae.base.setting import takes
 from surae.inference.assessment import variance_inflation
 from surae.inference.likelihood.profile import profiled
 from surae.inference.likelihood.profiles import Profiles, profiles
-from surae.inference.sampling.sample import Posterior, sample
 from surae.inference.validation import Prediction, predict_others
 from surae.measures.change import Change, compare_sessions
 from surae.measures.quantity import common_end, quantities
@@ -170,47 +169,6 @@ def profile(
     return profiles(
         fitted.result, wanted, **asdict(request), inflation_reason=reason, progress=progress
     )
-
-
-@takes(PosteriorSettings)
-def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any) -> Posterior:
-    """Draws from the posterior of a named model: what recordings and priors say together.
-
-    A fit of ``auto`` is a posterior already. Draws of the Laplace approximation are weighted by the
-    posterior itself. Where the weights show that this does not do, `status` is ``"not reliable"``
-    and there are no intervals: see `profile`.
-    The same seed gives the same draws on any number of cores.
-
-    Parameters
-    ----------
-    fitted : Fit
-        The fit.
-    progress : callable, optional
-        Called now and then with (evaluations done, all that are allowed).
-    {settings}
-
-    Returns
-    -------
-    Posterior
-        Ctrl-C keeps what is drawn; `message` says so.
-
-    Raises
-    ------
-    InputError
-        A setting or prior is impossible, or the fit is of ``auto`` or has no residual.
-
-    Examples
-    --------
-    >>> surae.posterior(surae.load("fit.json"), draws=100, seed=1)["f0"].ci95
-    """
-    request, reason = PosteriorSettings(**settings), "given"
-    if request.variance_inflation is None:
-        inflation = variance_inflation(fitted.assessment)
-        request = replace(request, variance_inflation=inflation.common)
-        reason = inflation.reason
-        if inflation.common != 1.0:
-            reason = f"{reason}; the median over the parameters"
-    return sample(fitted.result, **asdict(request), inflation_reason=reason, progress=progress)
 
 
 def validate(

@@ -39,36 +39,6 @@ class ProfileSettings(Request):
     workers: int | None = _workers("Profiles")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PosteriorSettings(Request):
-    """How a posterior is drawn from; see `surae.posterior`."""
-
-    draws: int = setting(
-        1000, "Draws that are kept, of equal weight.", least=10, most=_MOST_FITS,
-        help="Draws that are kept.",
-    )  # fmt: skip
-    evaluations: int = setting(
-        3600, "Evaluations of the posterior, in six rounds.", least=600, most=_MOST_FITS,
-        help="Evaluations of the posterior.",
-    )  # fmt: skip
-    seed: int = _seed("draws", 2**63)
-    priors: Mapping[str, tuple[float, float]] | None = setting(
-        None, "Priors in place of the fit's own, which stand in place of the wide defaults of "
-        "`surae.inference.population`.", type="mapping of str to (median, spread)", option="prior",
-        metavar="MEDIAN:SPREAD", example="tau_rel=3:0.3",
-        help="Known beforehand, instead of the defaults.",
-    )  # fmt: skip
-    variance_inflation: float | None = setting(
-        None, "Divides the weight of the data. By default what the assessment asks for: the median "
-        "over the parameters of (sem_robust/sem)² where intervals are robust, as for a residual "
-        "that is correlated over time, and 1 otherwise; see `surae.inference.assessment`. One "
-        "number, since the likelihood has one noise: parameters for which the correlation matters "
-        "more than for most get too narrow an interval, which their profile or `ci95` does not.",
-        above=0.0, metavar="F", help=_INFLATION,
-    )  # fmt: skip
-    cores: int | None = _workers("Evaluations")
-
-
 def _model(default: str, what: str) -> Any:
     text = f'{what} ``"auto"``: muscles on compliant tendons with all that the laboratory cannot '
     return setting(

@@ -42,7 +42,7 @@ COMMANDS = {
     "change": ("surae.cli.change", "Compare a leg between two sessions."),
     "cohort": ("surae-cohort", "Compare groups of legs, and every leg with its group."),
     "profile": ("surae.cli.profile", "Compute profile likelihoods and their intervals."),
-    "posterior": ("surae.cli.posterior", "Sample the posterior of the parameters."),
+    "posterior": ("surae-posterior", "Sample the posterior of the parameters."),
     "simulate": ("surae.cli.simulate", "Compute the torque that a model gives for a recording."),
     "protocol": ("surae.cli.protocol", "Make a measurement protocol for a device."),
     "expect": ("surae.cli.expect", "Predict how well a protocol determines each parameter."),

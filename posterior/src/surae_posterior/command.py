@@ -6,11 +6,11 @@ import click
 
 from surae import api
 from surae.base.errors import ComputationError
-from surae.base.requests import PosteriorSettings
 from surae.cli.options import settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_answer, show_files
+from surae_posterior.settings import PosteriorSettings
 
 
 @click.command("posterior")
@@ -27,12 +27,13 @@ def command(fitted: str, output: str | None, options: dict[str, Any]) -> None:
 
     fit = api.load(fitted)
     with work() as progress, compilation_notice():
+        from surae_posterior.posterior import posterior
 
         def tell(done: int, total: int) -> None:
             progress.describe(f"posterior: {100 * done / total:.0f} % drawn")
 
         tell(0, 1)
-        drawn = api.posterior(fit, progress=tell, **options)
+        drawn = posterior(fit, progress=tell, **options)
 
     if output is not None:
         drawn.save(output)

@@ -22,7 +22,7 @@ from scipy.special import gammaln, logsumexp
 from surae.base.progress import Progress
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
-from surae.inference.sampling.density import Density
+from surae_posterior.density import Density
 
 #: Degrees of freedom of the proposals, and the part of the draws from each: heavy tails show what a
 #: proposal is too narrow for, but in many dimensions few of their draws count.

@@ -24,12 +24,12 @@ from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.inference import FitResult
 from surae.inference.assessment import described
-from surae.inference.sampling.density import Target
-from surae.inference.sampling.importance import ENOUGH, Weighted, weighted_draws
 from surae.inference.uncertainty.covariance import Covariance, covariance, half_width
 from surae.model import adapted
 from surae.model.prior import Prior
 from surae.recording.frames import library
+from surae_posterior.density import Target
+from surae_posterior.importance import ENOUGH, Weighted, weighted_draws
 
 Status = Literal["reliable", "not reliable"]
 #: Width of a posterior, as a part of its prior's, from which the data are said to add little.
