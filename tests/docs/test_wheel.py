@@ -18,7 +18,7 @@ def held(project: Path, folder: Path) -> set[str]:
         return set(wheel.namelist())
 
 
-DISTRIBUTIONS = ("surae", *sorted(path.parent.name for path in ROOT.glob("*/pyproject.toml")))
+DISTRIBUTIONS = ("surae", *sorted(path.parent.name for path in ROOT.glob("[a-z]*/pyproject.toml")))
 
 
 @pytest.fixture(scope="module", params=DISTRIBUTIONS)
