@@ -165,3 +165,20 @@ def test_what_is_elsewhere_says_where(monkeypatch) -> None:
             muscle_tendon_simulator(None, ModelOptions(integrator="explicit-euler"))
     finally:
         plugins.plugins.cache_clear()
+
+
+def test_a_name_of_a_distribution_that_is_not_there_says_where(monkeypatch) -> None:
+    monkeypatch.setattr("surae._lazy.find_spec", lambda _: None)
+    assert "export" not in dir(surae)
+    assert "fit" in dir(surae)
+    with pytest.raises(AttributeError, match=r"surae.export .* run pip install surae-exchange$"):
+        _ = surae.export
+
+
+def test_a_file_of_a_reader_that_is_not_there_says_where(monkeypatch, tmp_path) -> None:
+    path = tmp_path / "trial.c3d"
+    path.write_bytes(b"\x02\x50" + bytes(2000))
+    monkeypatch.setattr("surae.recording.formats._plugins", tuple)
+    monkeypatch.setattr("surae.recording.unread.entry_points", lambda **_: ())
+    with pytest.raises(InputError, match=r"C3D is read by the package surae-formats; .*formats"):
+        surae.inspect(path)
