@@ -7,6 +7,8 @@ BIN    := $(VENV)/bin
 # through first takes from the others.
 SHARED := -n 3 --dist worksteal
 READY  := $(VENV)/.ready
+# Distributions beside surae's own.
+OTHERS := $(sort $(wildcard [a-z]*/pyproject.toml))
 # Compiled files are kept: else every worker, and every process that a test starts, compiles anew.
 unexport PYTHONDONTWRITEBYTECODE
 
@@ -56,10 +58,10 @@ browser:                ## what the workbench's tests drive; installed in CI, el
 clean:                  ## remove what the other targets made
 	rm -rf $(VENV) demo dist docs/_build docs/gallery docs/api/generated .pytest_cache .mypy_cache .ruff_cache .hypothesis .benchmarks
 
-$(READY): requirements.lock pyproject.toml cohort/pyproject.toml exchange/pyproject.toml formats/pyproject.toml posterior/pyproject.toml thesis/pyproject.toml workbench/pyproject.toml
+$(READY): requirements.lock pyproject.toml $(OTHERS)
 	@$(PYTHON) -c 'import sys; sys.exit("surae needs Python 3.11 or newer: make PYTHON=python3.11" if sys.version_info < (3, 11) else 0)'
 	@echo "Setting up $(VENV), once …"
 	@$(PYTHON) -m venv --clear $(VENV)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable . --editable cohort --editable exchange --editable formats --editable legs --editable posterior --editable thesis --editable workbench
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation $(addprefix --editable ,. $(dir $(OTHERS)))
 	@touch $@
