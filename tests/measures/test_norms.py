@@ -50,7 +50,7 @@ def test_what_is_unsure_of_the_leg_draws_it_to_the_middle() -> None:
 @pytest.mark.parametrize(
     "told",
     [
-        measures(replace(STIFF, verdict=Verdict.WEAK)),
+        measures(replace(STIFF, verdict=Verdict.UNDETERMINED)),
         measures(adequacy=Adequacy(Grade.INADEQUATE, ("it hardly moves",), 99.0)),
         measures(replace(STIFF, unit="Nm/kg")),
         measures(replace(STIFF, name="passive_torque@10deg")),
@@ -58,6 +58,15 @@ def test_what_is_unsure_of_the_leg_draws_it_to_the_middle() -> None:
 )
 def test_a_leg_that_is_not_known_or_not_measured_so_has_no_place(told) -> None:
     assert placed(told, read_norms()) == ()
+
+
+def test_a_leg_that_is_known_roughly_has_a_place_with_its_ends() -> None:
+    wide = replace(STIFF, ci95=(4.0, 15.7), verdict=Verdict.WEAK)
+    sure, unsure = (placed(measures(m), read_norms())[0] for m in (STIFF, wide))
+    assert sure.ends is None
+    low, high = unsure.between
+    assert low < 0.3 < unsure.below < 0.9 < high
+    assert unsure.ends == ("28 %", "99 %")
 
 
 def test_a_laboratory_has_its_own(tmp_path) -> None:

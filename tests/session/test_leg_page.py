@@ -36,7 +36,12 @@ MARKS = {"_": None, "N_": None, "self": None, "many": (1, 2)}
 @pytest.fixture(scope="module")
 def messages():
     """Every message that the source marks: singular, and plural where it has one."""
-    found = extract_from_dir(files("surae"), keywords=MARKS)
+    methods = [("**.py", "python"), ("**.html.j2", "jinja2")]
+    found = [
+        each
+        for package in ("surae", "surae_workbench")
+        for each in extract_from_dir(files(package), methods, keywords=MARKS)
+    ]
     every = [(m,) if isinstance(m, str) else tuple(m) for *_, m, _, _ in found]
     assert len(every) > 100
     return set(every)

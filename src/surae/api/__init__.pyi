@@ -1,11 +1,11 @@
 """Every public function and type, one line each, and where it is made."""
 
 from surae.api.answers import change as change
-from surae.api.answers import change_part as change_part
 from surae.api.answers import fit_of as fit_of
 from surae.api.answers import predictions_part as predictions_part
 from surae.api.answers import profile as profile
 from surae.api.answers import validate as validate
+from surae.api.answers import visits_blocks as visits_blocks
 from surae.api.answers import write_change_page as write_change_page
 from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design
@@ -140,6 +140,7 @@ from surae.report.figures import png as png
 from surae.report.figures import svg as svg
 from surae.report.figures import write_figure as write_figure
 from surae.report.figures.protocol import protocol_figure as protocol_figure
+from surae.report.language import words_in as words_in
 from surae.report.leg import first_answer as first_answer
 from surae.report.output import write_blocks as write_blocks
 from surae.report.recordings import film_lines as film_lines

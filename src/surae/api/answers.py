@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
-from datetime import datetime
+from datetime import date, datetime
 from pathlib import Path
 from typing import Any
 
@@ -92,16 +92,20 @@ def write_change_page(
     ).write(path)  # fmt: skip
 
 
-def change_part(before: Fit | PathLike, after: Fit | PathLike) -> str:
-    """What changed between two visits of a leg, as HTML for a part of its page."""
-    from surae.report import part_of
-    from surae.report.cards import change_card
-    from surae.report.language import words_in
-    from surae.report.leg import compared  # matplotlib
+def visits_blocks(
+    visits: Sequence[tuple[str, date, str, Fit | PathLike]], before: int, after: int,
+    language: str = "en",
+) -> dict[str, Any]:  # fmt: skip
+    """What changed between two of these visits, and stiffness over all of them, as plain data.
 
-    first, second = ((fit.result, fit.assessment) for fit in map(fit_of, (before, after)))
-    card = change_card(compared(first, second), words_in("en"))
-    return part_of(card, {})
+    A visit is its name, its day, its side and its fit; see `surae.report.visits.visits_report`.
+    """
+    from surae.report.visits import Visit, visits_report  # matplotlib
+
+    known = [(name, day, side, fit_of(fit)) for name, day, side, fit in visits]
+    made = [Visit(*visit[:3], (visit[3].result, visit[3].assessment)) for visit in known]
+    plain = visits_report(made, before, after, language=language).plain(lines=True)
+    return {key: plain[key] for key in ("blocks", "images")}
 
 
 def predictions_part(fit: Fit, predictions: Sequence[Prediction]) -> str:

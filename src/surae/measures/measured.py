@@ -132,13 +132,22 @@ _COUNT, _LOWEST, _HIGHEST = 15, -50.0, 35.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TorqueCurve(Comparable):
-    """Torque of the relaxed ankle over the measured range, the foot's weight in it, shape (n,)."""
+    """Torque of the relaxed ankle over the measured range, without weight; shape (n,)."""
 
     angle: FloatArray  #: [deg], dorsiflexion positive.
     torque: FloatArray  #: [Nm]
     #: `low`, `high`: ends of its 95 % interval [Nm]; NaN where the recordings do not show it.
     low: FloatArray
     high: FloatArray
+
+
+def weight_torque(result: FitResult, angle: FloatArray) -> FloatArray:
+    """Torque of the foot's and the plate's weight [Nm] at angles [deg], as a fit has it."""
+    options = result.problem.options
+    weight, _ = gravity_torque(
+        angle=np.radians(angle), theta_foot=options.theta_foot, distance=options.anatomy.distance
+    )
+    return np.asarray(result.values.get("m", 0.0) * weight)
 
 
 def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
@@ -150,11 +159,6 @@ def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
     (torque,) = (each for each in DEFINITIONS if each.name == "passive_torque")
     evaluated = evaluate(result, known, [MeasurePoint(torque, float(at)) for at in angle])
     values = np.array([np.nan if t.value is None else t.value for t in evaluated])
-    options = result.problem.options
-    weight, _ = gravity_torque(
-        angle=np.radians(angle), theta_foot=options.theta_foot, distance=options.anatomy.distance
-    )
-    values += result.values.get("m", 0.0) * weight
     lost = np.isin(known.names, known.lost)
     half = np.array(
         [

@@ -57,12 +57,27 @@ class Placed:
     norm: Norm
     value: float
     below: float
+    #: The same at both ends of the measure's interval, where the leg itself is known only roughly;
+    #: None where the measure is identified.
+    between: tuple[float, float] | None = None
 
     @property
     def text(self) -> str:
         """The part below in percent, never none or all of a group of which some were measured."""
-        percent = 100.0 * self.below
-        return "< 1 %" if percent < 1.0 else "> 99 %" if percent > 99.0 else f"{percent:.0f} %"
+        return _percent(self.below)
+
+    @property
+    def ends(self) -> tuple[str, str] | None:
+        """Both ends of `between` in the same way."""
+        if self.between is None:
+            return None
+        low, high = self.between
+        return _percent(low), _percent(high)
+
+
+def _percent(part: float) -> str:
+    percent = 100.0 * part
+    return "< 1 %" if percent < 1.0 else "> 99 %" if percent > 99.0 else f"{percent:.0f} %"
 
 
 def read_norms(path: PathLike | None = None, joint: Joint = ANKLE) -> tuple[Norm, ...]:
@@ -94,7 +109,8 @@ def placed(measures: Measures, norms: Sequence[Norm]) -> tuple[Placed, ...]:
     Returns
     -------
     tuple of Placed
-        In the order of the norms; what is not identified, or of an inadequate fit, is not there.
+        In the order of the norms; what is not even weakly known, or of an inadequate fit, is not
+        there.
     """
     if measures.adequacy.grade is Grade.INADEQUATE:
         return ()
@@ -103,11 +119,17 @@ def placed(measures: Measures, norms: Sequence[Norm]) -> tuple[Placed, ...]:
     among = []
     for norm in norms:
         m = measures.get(norm.measure)
-        usable = m is not None and m.verdict is Verdict.IDENTIFIED and m.unit == norm.unit
+        told = (Verdict.IDENTIFIED, Verdict.WEAK)
+        usable = m is not None and m.verdict in told and m.unit == norm.unit
         if m is None or not usable or m.value is None or m.ci95 is None:
             continue
         own = standard_error_of(m.ci95)
         scale = math.sqrt(norm.sd**2 * (1.0 + 1.0 / norm.n) + own**2)
         below = float(stdtr(norm.n - 1, (m.value - norm.mean) / scale))
-        among.append(Placed(norm, m.value, below))
+        between = None
+        if m.verdict is Verdict.WEAK:
+            alone = norm.sd * math.sqrt(1.0 + 1.0 / norm.n)
+            low, high = (float(stdtr(norm.n - 1, (end - norm.mean) / alone)) for end in m.ci95)
+            between = low, high
+        among.append(Placed(norm, m.value, below, between))
     return tuple(among)

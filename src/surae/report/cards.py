@@ -20,7 +20,7 @@ AssessedFit = tuple[FitResult, Assessment]
 #: What a part of the torque is called, its share and the share's interval [%].
 Part = tuple[str, float, tuple[float, float] | None]
 #: What is compared between visits, chosen before any is seen; the first leads.
-COMPARED = (*LEADING, "k_tri")
+COMPARED = LEADING
 #: A share that is known no better than this cannot be separated from the others [% of the torque].
 _UNSURE = 30.0
 #: Parameters that the stiffness of a relaxed ankle rests on.
@@ -45,20 +45,28 @@ def modelled_stiffness(
     where = _("{range}, relaxed · 95 %: {span}", range=over(m, _), span=span)
     lines = [block.Text(where, "say", f"{value} Nm/°")]
     for p in placed(of_fit, known):
-        lines.append(block.Text(_(
-            "{measure}: {below} of {group} lie below ({reference}).",
-            measure=_.measure(p.norm.measure), below=p.text, group=_(p.norm.group),
-            reference=p.norm.reference,
-        )))  # fmt: skip
+        own, _span = _.estimate(p.value, of_fit[p.norm.measure].ci95)
+        text = _(
+            "{measure}: {value} {unit}; {below} of {group} lie below ({reference}).",
+            measure=_.measure(p.norm.measure), value=own, unit=p.norm.unit.replace("deg", "°"),
+            below=p.text, group=_(p.norm.group), reference=p.norm.reference,
+        )  # fmt: skip
+        if p.ends is not None:
+            text += " " + _("This is uncertain: from {low} to {high} may lie below.",
+                            low=p.ends[0], high=p.ends[1])  # fmt: skip
+        lines.append(block.Text(text))
     if slope is not None:
         lines.append(block.Text(_("Measured slope: {slope}.", slope=slope_text(slope, _))))
     return tuple(lines)
 
 
 def measured_stiffness(
-    slope: MeasuredSlope | None, against: Measure | None, _: Words
+    slope: MeasuredSlope | None, against: Measure | None, _: Words, *, without_weight: bool = False
 ) -> tuple[block.Block, ...]:
-    """The measured slope where there is one; `against` is the model's, which it contradicts."""
+    """The measured slope where there is one; `against` is the model's, which it contradicts.
+
+    `without_weight`: whether the weight that the model found was taken out of what was measured.
+    """
     if slope is None:
         return (
             block.Text("", "say", _("Not measured")),
@@ -71,13 +79,15 @@ def measured_stiffness(
         why = _("The model’s stiffness {range}, {value} Nm/° ({span}), does not agree with the "
                 "held angles.", value=value, range=over(against, _), span=span)  # fmt: skip
     value, origin = _slope(slope, _)
-    return (
-        block.Text(origin, "say", value),
-        block.Text(_("This is the measured slope; it includes the foot’s weight.") + f" {why}"),
-    )
+    weight = _("This is the measured slope; it includes the foot’s weight.")
+    if without_weight:
+        weight = _("This is the measured slope, without the foot’s weight.")
+    return block.Text(origin, "say", value), block.Text(f"{weight} {why}")
 
 
-def stiffness_picture(holds: int, stretches: int, zero: float, _: Words) -> block.Picture:
+def stiffness_picture(
+    holds: int, stretches: int, zero: float, _: Words, *, without_weight: bool
+) -> block.Picture:
     """Torque over angle, and what was measured of it."""
     seen = []
     if holds:
@@ -87,6 +97,8 @@ def stiffness_picture(holds: int, stretches: int, zero: float, _: Words) -> bloc
     caption = _("No passive trial was recorded.")
     if seen:
         caption = _("Measured: {what}.", what=", ".join(seen))
+    if without_weight:
+        caption += " " + _("The foot’s weight is taken out.")
     if zero:
         number = _.number(significant(zero, 3))
         caption += " " + _("One torque offset, {zero} Nm, is subtracted from every trial.",
@@ -205,10 +217,10 @@ def change_card(change: Change | None, _: Words) -> tuple[block.Block, ...]:
         headline = _("Cannot compare")
     else:
         headline = _("Not shown")
-    rows = [differing(d, 2, _) for d in found]
+    rows = [differing(d, _) for d in found]
     heads = block.columns(_("Measure"), *sides(change, _), _("Difference (95 %)"), numbers=(1, 2),
                           wide=(0,))  # fmt: skip
-    table = block.Grid(_("Three measures, fixed beforehand"), heads, block.rows(rows), "small")
+    table = block.Grid(_("Measures fixed beforehand"), heads, block.rows(rows), "small")
     blocks: list[block.Block] = [block.Text(about, "say", headline), table]
     lead = change.measures.get(COMPARED[0])
     if lead is not None and lead.smallest is not None:
@@ -225,9 +237,9 @@ def sides(change: Change, _: Words) -> tuple[str, str]:
     return (_("First leg"), _("Second leg")) if change.legs else (_("Before"), _("After"))
 
 
-def differing(d: Difference, digits: int, _: Words) -> tuple[str | block.Cell, ...]:
+def differing(d: Difference, _: Words) -> tuple[str | block.Cell, ...]:
     """A row of a comparison: what is compared, both values, the difference."""
-    both = [NO_NUMBER if v is None else _.number(significant(v, digits))
+    both = [NO_NUMBER if v is None else _.number(significant(v, 3))
             for v in (d.before, d.after)]  # fmt: skip
     difference = block.Cell(NO_NUMBER)
     if d.difference is not None and d.ci95 is not None:

@@ -87,4 +87,4 @@ def _row(d: Difference, change: Change, _: Words) -> block.Row:
         verdict = _(JUDGEMENTS[d.verdict].plain)
         if change.legs and d.verdict is ChangeVerdict.CHANGED:
             verdict = _("different")
-    return (*differing(d, 3, _), verdict)
+    return (*differing(d, _), verdict)

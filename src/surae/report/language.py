@@ -30,7 +30,6 @@ MEASURES = {
     "optimal_angle_tri": N_("Best angle of the calf"),
     "activation_half_time": N_("Time to half of the force"),
     "delay": N_("Delay from EMG to force"),
-    "k_tri": N_("How steeply the calf stiffens"),
 }
 #: Parts of the torque: the measures of their shares.
 PARTS = {

@@ -17,6 +17,7 @@ from surae.measures.measured import (
     measured_slope,
     stretch,
     torque_curve,
+    weight_torque,
 )
 from surae.measures.norms import Norm, read_norms
 from surae.measures.quantity import Quantities, common_end, quantities
@@ -61,6 +62,8 @@ def leg_answers(
     m = None if of_fit is None else of_fit[LEADING[0]]
     believed = m is not None and cards.is_known(m) and not cards.PASSIVE & set(contradicted)
     model = torque_curve(*joint) if joint is not None and believed else None
+    if joint is not None and model is not None:  # what was measured, as the curve and norms are
+        holds, stretches = _weightless(joint, holds, stretches)
     zero = 0.0 if model is None else _zero(model, holds, stretches)
     holds = [replace(h, torque=h.torque - zero) for h in holds]
     stretches = [Stretch(s.name, s.angle, s.loading - zero, s.unloading - zero) for s in stretches]
@@ -69,7 +72,8 @@ def leg_answers(
     if m is not None and of_fit is not None and model is not None and follows:
         stiff = cards.modelled_stiffness(m, of_fit, known, slope, _)
     else:
-        stiff = cards.measured_stiffness(slope, None if follows else m, _)
+        stiff = cards.measured_stiffness(slope, None if follows else m, _,
+                                         without_weight=model is not None)  # fmt: skip
     parts = [] if of_fit is None else cards.parts_of(of_fit)
     made, change = cards.made_of(joint, of_fit, parts, _), None
     if joint is not None and before is not None:
@@ -79,10 +83,12 @@ def leg_answers(
         norms = [(n, _point(n)) for n in known if n.measure.startswith("slow_torque@")]
         # a group's torque lies beside the leg's only where its zero is known
         healthy = [each for each in norms if "healthy" in each[0].group and model is not None]
-        figures["stiffness"] = stiffness_figure(holds, stretches, model, healthy, _)
+        own = [(at, of_fit[norm.measure]) for norm, at in healthy if of_fit is not None]
+        figures["stiffness"] = stiffness_figure(holds, stretches, model, healthy, own, _)
     if any(each.kind == "picture" for each in made):
         figures["made"] = shares_bar([(_(name), value, ci) for name, value, ci in parts])
-    picture = cards.stiffness_picture(len(holds), len(stretches), zero, _)
+    picture = cards.stiffness_picture(len(holds), len(stretches), zero, _,
+                                      without_weight=model is not None)  # fmt: skip
     sections = (
         (_("How stiff is it?"), (*stiff, picture), "stiff"),
         (_("Tissue, muscle or tendon?"), made, "made"),
@@ -111,15 +117,15 @@ def compared(
     `baselines` are visits from before anything changed.
     """
     end = common_end(fit[0] for fit in (before, after, *baselines))
+    sides = [fixed_quantities(fit, end) for fit in (before, after, *baselines)]
+    return compare_sessions(sides[0], sides[1], sides[2:], legs=legs)
 
-    def chosen(fit: AssessedFit) -> Quantities:
-        """Fewer looks ask for smaller differences."""
-        every = quantities(*fit, ANGLES[:1], end)
-        few = ((n, every.by_name[n]) for n in cards.COMPARED if n in every.by_name)
-        return replace(every, by_name=type(every.by_name)(few))
 
-    return compare_sessions(chosen(before), chosen(after), [chosen(b) for b in baselines],
-                            legs=legs)  # fmt: skip
+def fixed_quantities(fit: AssessedFit, end: float) -> Quantities:
+    """What visits are compared in, over the range up to `end` [deg]: few looks find more."""
+    every = quantities(*fit, ANGLES[:1], end)
+    few = ((n, every.by_name[n]) for n in cards.COMPARED if n in every.by_name)
+    return replace(every, by_name=type(every.by_name)(few))
 
 
 def visit_angle(fit: AssessedFit | None) -> float:
@@ -156,6 +162,22 @@ def _angle(
         return AT
     near = max(ends) if max(ends) < AT else min(ends)
     return 5.0 * float(np.floor(near / 5.0) if near < AT else np.ceil(near / 5.0))
+
+
+def _weightless(
+    joint: AssessedFit, holds: Sequence[HeldPoint], stretches: Sequence[Stretch]
+) -> tuple[list[HeldPoint], list[Stretch]]:
+    """What was measured without the weight that the fit found."""
+    lighter = []
+    for each in stretches:
+        weight = weight_torque(joint[0], each.angle)
+        lighter.append(Stretch(each.name, each.angle, each.loading - weight,
+                               each.unloading - weight))  # fmt: skip
+    bare = [
+        replace(h, torque=h.torque - float(weight_torque(joint[0], np.array(h.angle))))
+        for h in holds
+    ]
+    return bare, lighter
 
 
 def _zero(model: TorqueCurve, holds: Sequence[HeldPoint], stretches: Sequence[Stretch]) -> float:

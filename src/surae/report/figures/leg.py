@@ -1,12 +1,14 @@
 """Figures of a leg's page: measured torque over angle, and what the torque is made of."""
 
 from collections.abc import Sequence
+from datetime import date
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.base.units import FloatArray
+from surae.measures.measure import Measure
 from surae.measures.measured import HeldPoint, Stretch, TorqueCurve
 from surae.measures.norms import Norm
 from surae.report.figures import BLUE, GREY, INK, MUTED, dress, new_figure
@@ -23,19 +25,28 @@ def stiffness_figure(
     stretches: Sequence[Stretch],
     model: TorqueCurve | None,
     norms: Sequence[tuple[Norm, float]],
+    own: Sequence[tuple[float, Measure]],
     _: Words,
 ) -> Figure:
-    """Measured torque [Nm] of a relaxed ankle over its angle, the model over it, norms behind."""
+    """Measured torque [Nm] of a relaxed ankle over its angle, the model over it, norms behind.
+
+    `own` is the leg's measure at the angle of each norm, the same quantity.
+    """
     figure = new_figure(2.9, width=_WIDTH)
     axes = figure.subplots()
     drawn: list[FloatArray] = []
     for number, (norm, at) in enumerate(norms):
         axes.errorbar(
             [at], [norm.mean], [norm.sd], fmt="s", color=GREY, ms=4, lw=5, alpha=0.6, zorder=1,
-            label="_" if number else _(norm.group),
+            label="_" if number else _("{group}, slow stretch", group=_(norm.group)),
         )  # fmt: skip
+    known = [(at, m.value, m.ci95) for at, m in own if m.value is not None and m.ci95 is not None]
+    for number, (at, value, (low, high)) in enumerate(known):
+        axes.errorbar([at + 1.5], [value], [[value - low], [high - value]], fmt="D", color=BLUE,
+                      ms=4, lw=1.2, capsize=2, zorder=3,
+                      label="_" if number else _("this leg, slow stretch"))  # fmt: skip
     if model is not None:
-        _curve(axes, model, BLUE, "-", _("model"))
+        _curve(axes, model, BLUE, "-", _("model, relaxed"))
         drawn.append(model.torque)
     for number, each in enumerate(stretches):
         for torque, dash, label in (
@@ -67,6 +78,39 @@ def visits_figure(visits: Sequence[tuple[str, TorqueCurve]], _: Words) -> Figure
     return figure
 
 
+def over_time_figure(
+    points: Sequence[tuple[date, str, float, float]], band: tuple[float, float] | None, title: str,
+    _: Words,
+) -> Figure:  # fmt: skip
+    """A value over the days of visits, by side, each with its half-width.
+
+    `band` is the middle and half-width of what could not be told from the visit compared with.
+    """
+    figure = new_figure(2.6, width=_WIDTH)
+    axes = figure.subplots()
+    days = sorted({day for day, *_rest in points})
+    apart = 0.012 * max((days[-1] - days[0]).days, 1)
+    if band is not None:
+        axes.axhspan(band[0] - band[1], band[0] + band[1], color=GREY, alpha=0.3, linewidth=0)
+    names = {"left": _("left leg"), "right": _("right leg")}
+    looks = {"left": ("o", INK, -apart), "right": ("s", BLUE, apart)}
+    for side in sorted({side for _day, side, *_rest in points}):
+        mark, colour, shift = looks.get(side, ("o", INK, 0.0))
+        own = sorted(point for point in points if point[1] == side)
+        at = [(day - days[0]).days + shift for day, *_rest in own]
+        values, halves = ([point[k] for point in own] for k in (2, 3))
+        axes.errorbar(at, values, halves, fmt=f"{mark}-", color=colour, ms=5, lw=1.2, capsize=3,
+                      label=names.get(side, "_"))  # fmt: skip
+    dress(axes, title, _("Day of the visit"))
+    axes.set_xticks([(day - days[0]).days for day in days], [f"{day:%Y-%m-%d}" for day in days],
+                    rotation=20 if len(days) > 2 else 0)  # fmt: skip
+    axes.margins(x=0.15)
+    axes.yaxis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
+    if set(names) & {side for _day, side, *_rest in points}:
+        axes.legend(frameon=False, fontsize=8, labelcolor=INK)
+    return figure
+
+
 def _curve(axes: Axes, curve: TorqueCurve, colour: str, dash: str, label: str) -> None:
     """A curve with its band."""
     if np.isfinite(curve.low).any():
@@ -88,7 +132,7 @@ def _dressed(axes: Axes, drawn: Sequence[FloatArray], _: Words) -> None:
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
     axes.axhline(0.0, color=MUTED, linewidth=0.6)
-    axes.legend(frameon=False, fontsize=8, labelcolor=INK, loc="upper left", ncols=2)
+    axes.legend(frameon=False, fontsize=7, labelcolor=INK, loc="upper left", ncols=2)
 
 
 def shares_bar(parts: Sequence[tuple[str, float, tuple[float, float] | None]]) -> Figure:

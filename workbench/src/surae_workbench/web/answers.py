@@ -32,6 +32,7 @@ class Trial(Answer):
     name: str
     subject: str | None
     side: str | None
+    visit: str | None = None
     trial: str
     condition: str
     duration_s: float
@@ -68,6 +69,9 @@ class Leg(Answer):
     name: str
     subject: str | None
     side: str | None
+    visit: str  #: Its day.
+    before: str | None = None  #: The visit it is compared with.
+    recordings: list[str]
     trials: int
     grade: str | None
     fit: str | None  #: The one that stands for it.

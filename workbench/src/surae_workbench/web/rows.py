@@ -65,6 +65,7 @@ class _Recording(_Row):
     side: str | None
     trial: str
     condition: str
+    visit: str | None = None
     duration_s: float
     emg: str | None
     fixed: dict[str, float]
@@ -97,9 +98,17 @@ class _Fit(_Row):
     recordings: Annotated[list[_Id], Field(min_length=1)]
     names: list[str]
     parameters: dict[str, _Estimate]
+    measures: dict[str, _Estimate] = {}
     settings: dict[str, Any]
     profiles: dict[str, dict[str, Any]] = {}
     versions: dict[str, int] = {}
+
+
+#: What is shown of every leg first, and its unit.
+MEASURES = {
+    "end_stiffness": "Nm/deg", "end_torque": "Nm", "torque_rise": "Nm",
+    "passive_stiffness@10deg": "Nm/deg", "passive_torque@10deg": "Nm", "neutral_angle": "deg",
+}  # fmt: skip
 
 
 class _Adequacy(_Row):
@@ -116,6 +125,7 @@ class _Session(_Row):
     fits: dict[str, _Id]
     content: _SessionContent
     settings: dict[str, Any]
+    before: _Id | None = None
 
 
 class _Study(_Row):

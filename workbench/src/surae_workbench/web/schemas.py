@@ -2,12 +2,21 @@
 
 from collections.abc import Mapping
 from dataclasses import is_dataclass
+from datetime import date
 from functools import reduce
 from operator import or_
 from types import GenericAlias, UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, create_model, field_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    create_model,
+    field_validator,
+)
 
 from surae import api
 from surae.base import names
@@ -40,6 +49,12 @@ BodyMass = Annotated[float, Field(ge=5, le=400)]
 Group = Literal["", "healthy", "patient"]
 Notes = Annotated[str, StringConstraints(max_length=4000, pattern=r"^[^\x00]*$")]
 Side = Literal["left", "right"]
+#: A day as ``YYYY-MM-DD``.
+Day = Annotated[
+    str,
+    StringConstraints(pattern=r"^\d{4}-\d{2}-\d{2}$"),
+    AfterValidator(lambda text: date.fromisoformat(text).isoformat()),
+]
 Choice = Annotated[str, StringConstraints(max_length=40)]
 if TYPE_CHECKING:  # known where it runs: plugins add to them
     Model = str
@@ -245,6 +260,7 @@ class ImportRequest(Strict):
     subject: Id | None = None
     trial: Line | None = None
     condition: Line | None = None
+    visit: Day | None = None
 
 
 class DescriptionRequest(Strict):
@@ -271,6 +287,7 @@ class RecordingPatch(Strict):
     side: Side | None = None
     trial: Line | None = None
     condition: Line | None = None
+    visit: Day | None = None
 
 
 class LiveRequest(Strict):
@@ -299,6 +316,16 @@ class SessionRequest(TrialsRequest):
     """A session to fit: each trial, and all together; as the session's draft asks."""
 
     name: Named | None = None
+
+
+class LegPatch(Strict):
+    """What changes of a leg and its visit, all its trials with it; and what it is compared with."""
+
+    name: Named | None = None
+    subject: Id | None = None
+    side: Side | None = None
+    visit: Day | None = None
+    before: Id | None = None
 
 
 class NameRequest(Strict):

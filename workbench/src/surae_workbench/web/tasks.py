@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
+from datetime import date
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from surae_workbench.web import imports, sliders
 from surae_workbench.web.draft import settings_of
 from surae_workbench.web.fit_progress import FitProgress
 from surae_workbench.web.places import FILES, file_of, recording_suffix
+from surae_workbench.web.rows import MEASURES
 
 Task = Mapping[str, Any]
 
@@ -103,14 +105,18 @@ def session(task: Task) -> dict[str, Any]:
         "message": f"{len(result.fits)} of {len(recordings)} trials fitted"
         + ("" if result.joint is None else f", {len(result.joined)} together"),
         "interrupted": result.interrupted,
-        "summaries": {name: summary(fitted) for name, fitted in fits.items()},
+        "summaries": {
+            name: summary(fitted, measured=name == "joint" or len(fits) == 1)
+            for name, fitted in fits.items()
+        },
         "joined": list(result.joined),
         "content": {"adequacy": graded},
     }
 
 
-def summary(fitted: "api.Fit") -> dict[str, Any]:
-    """What lists and tables show of a fit."""
+def summary(fitted: "api.Fit", *, measured: bool = True) -> dict[str, Any]:
+    """What lists and tables show of a fit, and where it stands for a leg of what was `measured`."""
+    known = fitted.measures((10.0,)) if measured else {}
     return {
         "model": fitted.result.problem.spec.name,
         "status": fitted.status,
@@ -119,17 +125,17 @@ def summary(fitted: "api.Fit") -> dict[str, Any]:
         "vaf": fitted.vaf if isfinite(fitted.vaf) else None,
         "ipde": fitted.ipde,
         "names": [recording.name for recording in fitted.assessment.recordings],
-        "parameters": {
-            p.name: {
-                "value": p.value,
-                "sem": p.trusted_sem,
-                "low": None if p.ci95 is None else p.ci95[0],
-                "high": None if p.ci95 is None else p.ci95[1],
-                "verdict": str(p.verdict),
-            }
-            for p in fitted.parameters.values()
-        },
+        "measures": {name: _estimate(known[name], None) for name in MEASURES if name in known},
+        "parameters": {p.name: _estimate(p, p.trusted_sem) for p in fitted.parameters.values()},
     }
+
+
+def _estimate(told: "api.Measure | api.ParameterEstimate", sem: float | None) -> dict[str, Any]:
+    """A measure or parameter as tables show it."""
+    low, high = told.ci95 or (None, None)
+    return {
+        "value": told.value, "sem": sem, "low": low, "high": high, "verdict": str(told.verdict),
+    }  # fmt: skip
 
 
 def profile(task: Task) -> dict[str, Any]:
@@ -206,14 +212,37 @@ def report(fit: str, output: str) -> None:
     api.load(fit).report(output)
 
 
-def leg_report(blocks: str, output: str, language: str) -> None:
-    """Write a leg's page as a file to keep."""
-    kept = json.loads(Path(blocks).read_text(encoding="utf-8"))
-    if language != "en":
-        if language not in kept.get("translated", {}):
-            raise InputError("an older version made this leg: analyse it again")
-        kept = kept["translated"][language]
+def leg_report(
+    blocks: str, output: str, language: str, comparison: str, name: str, side: str, day: str
+) -> None:
+    """Write a leg's page as a file to keep, with what it is compared with."""
+    kept = in_language(json.loads(Path(blocks).read_text(encoding="utf-8")), language)
+    if comparison:
+        made = _compared(comparison, language)
+        kept["images"] = {**kept["images"], **made["images"]}
+        page = next(each for each in kept["blocks"] if each.get("look") == "leg")
+        for card in page["blocks"]:
+            if card["anchor"] == "change":
+                card["blocks"] = made["blocks"]
+    kept |= {"heading": name, "title": name, "kicker": about_leg(side, day, language)}
     api.write_blocks(output, **kept)
+
+
+def about_leg(side: str, day: str, language: str) -> str:
+    """Which leg, and the day of the visit."""
+    _ = api.words_in(language)
+    sides = {"left": _("left leg"), "right": _("right leg")}
+    return ", ".join(filter(None, (sides.get(side), day)))
+
+
+def in_language(kept: dict[str, Any], language: str) -> dict[str, Any]:
+    """A leg's page, which is kept in every language, in one of them."""
+    translated = kept.pop("translated", {})
+    if language != "en":
+        if language not in translated:
+            raise InputError("an older version made this leg: analyse it again")
+        return dict(translated[language])
+    return kept
 
 
 def fit_part(fit: str) -> str:
@@ -228,9 +257,15 @@ def predictions(fit: str, recordings: Mapping[str, str]) -> str:
     return api.predictions_part(fitted, api.validate(fitted, others))
 
 
-def change(before: str, after: str) -> str:
-    """What changed between two visits, as the leg's page shows it."""
-    return api.change_part(before, after)
+def change(comparison: str, language: str) -> str:
+    """What changed between visits, as the leg's page shows it."""
+    return api.part_of(**_compared(comparison, language))
+
+
+def _compared(comparison: str, language: str) -> dict[str, Any]:
+    asked = json.loads(comparison)
+    visits = [(name, date.fromisoformat(day), *rest) for name, day, *rest in asked["visits"]]
+    return api.visits_blocks(visits, asked["before"], asked["after"], language)
 
 
 def warm() -> None:

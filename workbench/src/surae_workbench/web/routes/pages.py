@@ -12,6 +12,7 @@ from surae import api
 from surae._version import __version__
 from surae.base.errors import InputError
 from surae.base.files import template
+from surae.base.names import LANGUAGES
 from surae_workbench.web.routes.common import Bench, Browser, PathId
 from surae_workbench.web.sessions import BrowserSession
 
@@ -22,7 +23,10 @@ def page(
     request: Request, name: str, browser: BrowserSession | None, code: int = 200, **more: Any
 ) -> Response:
     """A page of a template."""
+    words = api.words_in(language_of(request))
     text = template(f"{name}.html.j2", "surae_workbench.web").render(
+        _=words,
+        language=words.language,
         csrf="" if browser is None else browser.csrf,
         version=__version__,
         page=name,
@@ -30,6 +34,12 @@ def page(
         **more,
     )
     return Response(text, status_code=code, media_type="text/html")
+
+
+def language_of(request: Request) -> str:
+    """The language that was chosen in this browser."""
+    chosen = request.cookies.get("surae-language", "en")
+    return chosen if chosen in LANGUAGES else "en"
 
 
 def _offer(path: str, name: str, kind: str) -> None:
@@ -67,7 +77,8 @@ def session_page(id: PathId, request: Request, bench: Bench, browser: Browser) -
     kept, shown = bench.project.file("session", id), ""
     with suppress(OSError, ValueError, KeyError, TypeError, UndefinedError):  # missing, or damaged
         blocks = json.loads(kept.read_text(encoding="utf-8"))
-        shown = api.part_of(**blocks)
+        translated = blocks.pop("translated", {})
+        shown = api.part_of(**translated.get(language_of(request), blocks))
     return page(request, "leg", browser, id=id, report=Markup(shown))
 
 

@@ -1,18 +1,18 @@
 """Sessions: the trials of one leg, sorted, fitted each and together, predicted by each other."""
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from datetime import date
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Response
 
 from surae import api
 from surae_workbench.web.answers import Job, Leg
 from surae_workbench.web.database import new_id
 from surae_workbench.web.fits import add_fit, check_draft, main_fit, versions_of
 from surae_workbench.web.http_errors import RefusedError
-from surae_workbench.web.project import dated, unique_name
+from surae_workbench.web.project import dated, unique_name, when
 from surae_workbench.web.routes.common import (
     ERRORS,
     REPORT,
@@ -23,10 +23,13 @@ from surae_workbench.web.routes.common import (
     report_file,
 )
 from surae_workbench.web.rows import Entry
-from surae_workbench.web.schemas import SessionRequest, TrialsRequest
+from surae_workbench.web.schemas import LegPatch, SessionRequest, TrialsRequest
 from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api/sessions", responses=ERRORS, tags=["sessions"])
+Language = Literal["en", "nl", "de", "fr"]
+#: A figure shows no more visits.
+_VISITS = 12
 
 
 @router.post("/trials")
@@ -79,35 +82,62 @@ def get_sessions(bench: Bench) -> dict[str, list[Leg]]:
 
 @router.get("/{id}")
 def get_session(id: PathId, bench: Bench) -> dict[str, Any]:
-    """The fit that stands for it, what other visits of the leg there are, and whether PDFs are."""
+    """The fit that stands for it, with which others it can be compared, and whether PDFs are."""
     own = session_summary(bench, bench.project.need("session", id))
-    visits = [session_summary(bench, each) for each in bench.database.all("session")]
+    others = [session_summary(bench, each) for each in bench.database.all("session")]
+    visits = [each for each in others if each.id != own.id and each.fit and own.fit]
+
+    def near(other: Leg) -> tuple[bool, bool, str]:
+        """Visits of this leg come first, then those of the other one."""
+        return other.subject == own.subject, other.side == own.side, other.visit
+
     return {
         "summary": own,
-        "visits": [
-            each
-            for each in visits
-            if each.id != own.id
-            and each.fit
-            and own.fit
-            and (each.subject, each.side) == (own.subject, own.side)
-        ],
+        "visits": sorted(visits, key=near, reverse=True),
         "paper": api.has_typst(),
     }
 
 
+@router.patch("/{id}")
+def patch_session(id: PathId, body: LegPatch, bench: Bench) -> Leg:
+    """Say whose leg it is, when the visit was, what it is called, and what it is compared with."""
+    changes, row = body.model_dump(exclude_unset=True), bench.project.need("session", id)
+    for key, kind in (("subject", "subject"), ("before", "session")):
+        if changes.get(key) is not None:
+            bench.project.need(kind, changes[key])
+    if changes.get("before") == id:
+        raise RefusedError(400, "a visit is not compared with itself; choose another")
+    of_trials, own = (
+        {key: changes[key] for key in keys if key in changes}
+        for keys in (("subject", "side", "visit"), ("name", "before"))
+    )
+    if own.get("name", "") is None:
+        del own["name"]
+    if "name" in own:
+        rows = (each for each in bench.database.all("session") if each["id"] != id)
+        own["name"] = unique_name(rows, own["name"], 120)
+    with bench.database.transaction():
+        for recording in row["recordings"] if of_trials else ():
+            bench.database.update("recording", recording, of_trials)
+        row = bench.project.change("session", id, **own)
+    for what in ("sessions", "recordings") if of_trials else ("sessions",):
+        bench.events.changed(what)
+    return session_summary(bench, row)
+
+
 @router.get("/{id}/change")
-def get_change(
-    id: PathId, before: Annotated[str, Query(max_length=16)], bench: Bench
-) -> dict[str, str]:
-    """What changed since another visit, as the report shows it."""
-    files = []
-    for each in (before, id):
-        fit = main_fit(bench, bench.project.need("session", each))
-        if fit is None:
-            raise RefusedError(404, "this visit has no fit of all trials to compare")
-        files.append(str(bench.project.file("fit", fit)))
-    return {"html": bench.workers.ask("tasks:change", before=files[0], after=files[1])}
+def get_change(id: PathId, bench: Bench, language: Language = "en") -> dict[str, str]:
+    """What changed since the visit it is compared with, as the report shows it."""
+    compared = comparison(bench, bench.project.need("session", id))
+    if not compared:
+        return {"html": ""}
+    key = (id, f"change {language} {compared}")
+
+    def make() -> bytes:
+        made = bench.workers.ask("tasks:change", comparison=compared, language=language)
+        return str(made).encode()
+
+    return {"html": bench.reports.get(key, make).decode()}
 
 
 offer_deletion(router, "/{id}", "session")
@@ -118,14 +148,45 @@ def get_report(
     id: PathId,
     kind: Literal["html", "pdf"],
     bench: Bench,
-    language: Literal["en", "nl", "de", "fr"] = "en",
+    language: Language = "en",
 ) -> Response:
     """Its report in the reader's language: one file to keep."""
     row = bench.project.need("session", id)
     blocks = bench.project.file("session", id)
     if not blocks.is_file():
         raise RefusedError(404, "the report of this leg is missing; analyse it again")
-    return report_file(bench, row, kind, "tasks:leg_report", blocks=str(blocks), language=language)
+    own = session_summary(bench, row)
+    called = " ".join(dict.fromkeys((*own.name.split(", "), own.visit, language)))
+    return report_file(
+        bench, {**row, "name": called}, kind, "tasks:leg_report",
+        blocks=str(blocks), language=language, comparison=comparison(bench, row), name=own.name,
+        side=own.side or "", day=own.visit,
+    )  # fmt: skip
+
+
+def comparison(bench: Workbench, row: Entry) -> str:
+    """What a leg is compared with, for `tasks:change`; empty where it is compared with nothing.
+
+    Its visits and those of the person's other leg are shown beside both that are compared.
+    """
+    own, before = session_summary(bench, row), str(row.get("before"))
+    known = {each["id"]: session_summary(bench, each) for each in bench.database.all("session")}
+    if own.fit is None or before not in known or known[before].fit is None:
+        return ""
+    alike = [
+        each for each in known.values()
+        if each.fit and own.subject is not None and each.subject == own.subject
+    ]  # fmt: skip
+    shown = {each.id: each for each in (known[before], own, *alike[-_VISITS:])}
+    visits = sorted(shown.values(), key=lambda each: (each.visit, each.name))
+    ids = [each.id for each in visits]
+    return json.dumps({
+        "visits": [
+            (each.name, each.visit, each.side or "", str(bench.project.file("fit", each.fit or "")))
+            for each in visits
+        ],
+        "before": ids.index(before), "after": ids.index(own.id),
+    })  # fmt: skip
 
 
 def sorted_as(
@@ -153,7 +214,12 @@ def sorted_as(
 def _usual_name(bench: Workbench, rows: Sequence[Entry]) -> str:
     subject = bench.database.get("subject", rows[0]["subject"]) if rows[0]["subject"] else None
     who = "Leg" if subject is None else subject["code"]
-    return ", ".join(filter(None, (who, rows[0]["side"], f"{date.today():%Y-%m-%d}")))
+    return ", ".join(filter(None, (who, rows[0]["side"], _day(rows[0]))))
+
+
+def _day(row: Entry) -> str:
+    """The day of a visit: as it was told, or that of the import."""
+    return str(row.get("visit") or (when(row["created"]) or "")[:10])
 
 
 def keep_session(bench: Workbench, job: Entry, end: Mapping[str, Any]) -> str:
@@ -181,6 +247,7 @@ def session_summary(bench: Workbench, session: Entry) -> Leg:
         **dated(session),
         subject=None if first is None else first["subject"],
         side=None if first is None else first["side"],
+        visit=_day(session if first is None else first),
         trials=len(session["recordings"]),
         grade=None if adequacy is None else adequacy["grade"],
         fit=main_fit(bench, session),

@@ -145,7 +145,7 @@ def post_import(body: ImportRequest, bench: Bench, browser: Browser) -> Recordin
     result = _imported(body, bench, browser, str(bench.project.file("recording", id_)))
     return _added(
         bench, id_, result, body.subject, body.trial or "", body.condition or "",
-        body.mapping.model_dump(mode="json"),
+        body.mapping.model_dump(mode="json"), body.visit,
     )  # fmt: skip
 
 
@@ -196,6 +196,7 @@ def _added(
     trial: str,
     condition: str,
     mapping: Mapping[str, Any] | None,
+    visit: str | None = None,
 ) -> Recording:
     """Add a recording, whose file is there, to the project."""
     data = {
@@ -204,6 +205,7 @@ def _added(
         "subject": subject,
         "trial": trial,
         "condition": condition,
+        "visit": visit,
         "mapping": mapping,
     }
     bench.project.add("recording", data, id_)

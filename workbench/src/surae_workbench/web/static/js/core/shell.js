@@ -55,6 +55,10 @@ research.addEventListener("change", () => {
     // Without storage it holds for this page.
   }
 });
+byId("language").addEventListener("change", (event) => {
+  document.cookie = `surae-language=${event.target.value}; path=/; max-age=31536000; samesite=strict`;
+  location.reload();
+});
 onDraft(showHistory);
 onChanged(["jobs"], () => showJobs().catch(() => null));
 listen();

@@ -10,22 +10,26 @@ import { editSubject } from "../ui/dialog.js";
 import { ranges } from "../ui/describe.js";
 import { findingsTable } from "../ui/findings.js";
 import { emptyMapping, mappingTable } from "../ui/mapping.js";
-import { forTrial, trialsAmong } from "../ui/trials.js";
+import { forTrial, legOf, trialsAmong } from "../ui/trials.js";
 
 const box = { upload: byId("upload-error"), inspect: byId("inspect-error"), mapping: byId("mapping-error") };
 const KEPT = "surae.import";
+/** Before the code of a subject that is made when its trials are imported. */
+const NEW = "new:";
 
 let uploads = [];
 let included = new Set();
 const inspected = new Map();
 let mapping = emptyMapping();
 let units = { roles: [], units: {} };
+/** Side, day and code of the leg, as the names of files say. */
+let guessed = {};
 /** Files of which each is a trial of its own; empty where all are parts of one recording. */
 let trials = [];
 
 // What was chosen survives a reload, in this tab only.
 const keep = () => {
-  const entered = ["subject", "trial", "condition"].map((id) => [id, byId(id).value]);
+  const entered = ["subject", "trial", "condition", "visit"].map((id) => [id, byId(id).value]);
   sessionStorage.setItem(KEPT, JSON.stringify({ included: [...included], mapping, entered }));
 };
 const kept = () => JSON.parse(sessionStorage.getItem(KEPT) ?? "null");
@@ -34,6 +38,7 @@ async function receive(files) {
   await ready; // else what was there before would come after these, and in their place
   calm(box.upload);
   byId("upload-progress").textContent = `Reading ${files.map((file) => `${file.name} (${bytes(file.size)})`).join(", ")} …`;
+  guessed = legOf(files.map((file) => file.webkitRelativePath || file.name));
   const sent = await Promise.all(files.map((file) => upload(`/api/uploads${query({ name: file.name })}`, file).catch((error) => complain(box.upload, error))));
   const arrived = sent.filter(Boolean);
   byId("upload-progress").textContent = arrived.length ? `${arrived.map((one) => one.name).join(", ")} received.` : "";
@@ -99,8 +104,19 @@ async function inspect(given = null) {
   byId("mapping-card").hidden = !together;
   if (!together) return keep();
   mapping = given ?? { ...emptyMapping(), ...together.mapping };
+  if (!given) guess();
   await showMapping();
   check();
+}
+
+/** What the names say of the leg is filled in once, where nothing was chosen. */
+function guess() {
+  mapping.side ??= guessed.side ?? null;
+  byId("visit").value ||= guessed.visit ?? "";
+  if (!guessed.code || byId("subject").value) return;
+  const known = [...byId("subject").options].find((one) => one.text === guessed.code);
+  if (!known) byId("subject").append(h("option", { value: NEW + guessed.code }, `${guessed.code} (new)`));
+  byId("subject").value = known?.value ?? NEW + guessed.code;
 }
 
 const isMapping = (id) => inspected.get(id)?.format === "TOML mapping";
@@ -136,21 +152,25 @@ function body() {
   const person = byId("subject").value;
   return {
     mapping,
-    subject: person && person !== "new" ? person : null,
+    subject: person && person !== "new" && !person.startsWith(NEW) ? person : null,
     trial: byId("trial").value.trim() || null,
     condition: byId("condition").value.trim() || null,
+    visit: byId("visit").value || null,
   };
 }
 
 /** What was found, in a line, with the one click that mends it. */
 function offer(findings) {
-  byId("offer-card").hidden = !trials.length;
+  byId("offer-card").hidden = false;
   const mend = findings.find((one) => /-sign$/.test(one.code) && one.mend)?.mend;
-  const muscles = EMG.filter((role) => mapping.channels[role]).map(roleText);
+  const muscles = EMG.filter((role) => mapping.channels[role]);
   const signs = mend && (mend.label === "Turn both" ? "both signs look turned" : `the sign of the ${Object.keys(mend.channels)[0]} looks turned`);
-  byId("offer").textContent = `${[`${trials.length} trials found`, muscles.length ? `${muscles.join(", ")}` : "no EMG", signs].filter(Boolean).join(", ")}.`;
+  byId("offer").textContent = `${[trials.length ? `${trials.length} trials found` : "One trial found", muscles.length ? `EMG of ${muscles.length} ${muscles.length > 1 ? "muscles" : "muscle"}` : "no EMG", signs].filter(Boolean).join(", ")}.`;
   byId("turn").hidden = !mend;
   byId("turn").textContent = mend?.label ?? "";
+  byId("turn").className = mend ? "primary" : "";
+  byId("analyse").className = mend ? "" : "primary";
+  byId("analyse").textContent = mend ? "Analyse as it is" : "Analyse";
   byId("turn").onclick = () => {
     for (const [role, change] of Object.entries(mend.channels)) Object.assign(mapping.channels[role], change);
     byId("turn").hidden = true;
@@ -206,8 +226,18 @@ byId("subject").addEventListener("change", async () => {
   return keep();
 });
 
+/** Whoever the names speak of is made a subject now; false where that was refused. */
+async function subjectMade() {
+  const person = byId("subject").value;
+  if (!person.startsWith(NEW)) return true;
+  const made = await attempt(byId("offer-error"), () => post("/api/subjects", { code: person.slice(NEW.length) }));
+  if (made) await listSubjects(made.id);
+  return Boolean(made);
+}
+
 /** Every trial by the one description; then they are analysed, or wait in the project. */
 async function importTrials(analyse = false) {
+  if (!(await subjectMade())) return;
   const request = body();
   const failed = [];
   calm(box.mapping);
@@ -239,19 +269,31 @@ async function importTrials(analyse = false) {
 byId("mapping-card").addEventListener("submit", async (event) => {
   event.preventDefault();
   if (trials.length) return importTrials();
+  if (!(await subjectMade())) return;
   const made = await attempt(box.mapping, () => post("/api/imports", body()), byId("import"));
   if (!made) return;
   sessionStorage.removeItem(KEPT);
   tell(`Imported ${made.name}`);
   location.href = `/recordings/${made.id}`;
 });
-byId("analyse").addEventListener("click", () => importTrials(true));
+
+/** One file has the same way to its answer as a folder. */
+async function analyseOne() {
+  if (!(await subjectMade())) return;
+  const made = await attempt(box.mapping, () => post("/api/imports", body()), byId("analyse"));
+  if (!made || !(await attempt(byId("offer-error"), () => post("/api/sessions", { recordings: [made.id] })))) return;
+  sessionStorage.removeItem(KEPT);
+  location.href = "/analyse";
+}
+byId("analyse").addEventListener("click", () => (trials.length ? importTrials(true) : analyseOne()));
 byId("check").addEventListener("click", () => preview());
-for (const id of ["name", "emg", "side", "trial", "condition"]) byId(id).addEventListener("change", () => check());
-byId("files").addEventListener("change", async (event) => {
-  await receive([...event.target.files]);
-  event.target.value = "";
-});
+for (const id of ["name", "emg", "side", "trial", "condition", "visit"]) byId(id).addEventListener("change", () => check());
+for (const id of ["files", "folder"]) {
+  byId(id).addEventListener("change", async (event) => {
+    await receive([...event.target.files].filter((file) => !file.name.startsWith(".")));
+    event.target.value = "";
+  });
+}
 
 const drop = byId("drop");
 for (const name of ["dragenter", "dragover"]) {

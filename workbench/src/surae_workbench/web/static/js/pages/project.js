@@ -54,9 +54,9 @@ const legsTable = sortable("Legs of the project", [
   { title: "Leg and visit", value: (s) => s.name, show: (s) => h("a", { href: `/sessions/${s.id}` }, s.name) },
   { title: "Subject", value: (s) => code(s.subject), show: (s) => code(s.subject) ?? "—" },
   { look: "minor", title: "Side", value: (s) => s.side, show: (s) => s.side ?? "—" },
+  { title: "Visit", value: (s) => s.visit, show: (s) => s.visit },
   { look: "minor", title: "Trials", numeric: true, value: (s) => s.trials, show: (s) => String(s.trials) },
   { title: "Fit", value: (s) => s.grade, show: (s) => (s.grade ? mark(s.grade) : "none") },
-  { look: "minor", title: "Analysed", value: (s) => s.created, show: (s) => when(s.created) },
   { title: "", show: (s) => drop("sessions", s, s.name, ", and none of its fits") },
 ]);
 

@@ -3,7 +3,7 @@
 import { button, field, h, select } from "../core/dom.js";
 
 /** A dialog with inputs; resolves to true when confirmed. */
-export function ask(title, content, { confirm = "OK", danger = false } = {}) {
+export function ask(title, content, { confirm = "OK", cancel = "Cancel", danger = false } = {}) {
   return new Promise((resolve) => {
     const form = h(
       "form",
@@ -14,7 +14,7 @@ export function ask(title, content, { confirm = "OK", danger = false } = {}) {
         "div",
         { class: "button-row" },
         h("button", { type: "submit", value: "yes", class: danger ? "danger" : "primary" }, confirm),
-        button("Cancel", () => box.close("no")),
+        button(cancel, () => box.close("no")),
       ),
     );
     const box = h("dialog", { "aria-labelledby": "dialog-title" }, form);

@@ -25,3 +25,21 @@ export function forTrial(one, mapping) {
   });
   return { ...mapping, name: one.name.replace(/\.[^.]*$/, ""), channels: Object.fromEntries(channels) };
 }
+
+const SIDES = [["left", /(^|[^a-z])(left|links|linkes|gauche)([^a-z]|$)/i], ["right", /(^|[^a-z])(right|rechts|rechtes|droite?)([^a-z]|$)/i]];
+const DAY = /(?<!\d)(20\d\d)[-_.]?(0[1-9]|1[0-2])[-_.]?(0[1-9]|[12]\d|3[01])(?!\d)/;
+const CODE = /(?<![A-Za-z0-9])(?:S|P|sub-?|pat)-?\d{1,4}(?![A-Za-z0-9])/i;
+
+/** Side, day of the visit and code of the subject, as the names of a leg's files, with their folder, say alike. */
+export function legOf(names) {
+  const alike = (told) => {
+    const found = new Set(names.map(told).filter(Boolean));
+    return found.size === 1 ? [...found][0] : undefined;
+  };
+  const sides = (name) => SIDES.filter(([, words]) => words.test(name.replace(/_/g, " "))).map(([side]) => side);
+  return {
+    side: alike((name) => (sides(name).length === 1 ? sides(name)[0] : null)),
+    visit: alike((name) => DAY.exec(name)?.slice(1, 4).join("-")),
+    code: alike((name) => CODE.exec(name.replace(/_/g, " "))?.[0]),
+  };
+}
