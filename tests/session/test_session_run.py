@@ -298,10 +298,10 @@ def test_what_is_wrong_in_every_trial_is_the_mappings(shared, tmp_path):
     turned, right = results
     assert turned.joined == ()
     assert turned.common[0].startswith(
-        "angle-sign in 2 of 2 trials, so the mapping is the place to mend it"
+        "The angle is reversed in 2 of 2 trials; correct it once for all of them"
     )
     assert "Write sign = -1 for the angle, sign = -1 for the torque" in turned.common[0]
     turned.report(tmp_path / "report.html")
-    assert "so the mapping is the place to mend it" in (tmp_path / "report.html").read_text()
+    assert "correct it once for all of them" in (tmp_path / "report.html").read_text()
     assert right.common == ()
     assert right.joined == ("PL_0_01", "PL_100_01")

@@ -65,8 +65,9 @@ def test_a_session_is_that_of_surae(browser, imported, files) -> None:
     shown = browser.get(f"/sessions/{job['result']}").text
     with blank_figures():  # the words are compared
         ours = part_of(**result.blocks())
-    assert text_of(ours) == text_of(shown[shown.index('<article class="report">') :])
-    assert "<h2" in shown[shown.index('<article class="report">') :]  # blocks, and no text of them
+    article = shown[shown.index('<article class="report"') :]
+    assert text_of(ours) == text_of(article.partition(">")[2])
+    assert "<h2" in article  # blocks, and no text of them
     assert ".report {" in browser.get("/report.css").text
     names = {fit["name"] for fit in browser.get("/api/fits").json()["fits"]}
     assert names >= {"leg · walk one", "leg · walk two", "leg · all together"}
@@ -75,14 +76,38 @@ def test_a_session_is_that_of_surae(browser, imported, files) -> None:
     page = browser.get(f"/api/sessions/{job['result']}/report.html?language=de")
     assert "Wie steif ist es?" in page.text
     assert told["visits"] == []
-    again = browser.get(f"/api/sessions/{job['result']}/change?before={job['result']}").json()
-    assert "fixed beforehand" in again["html"]
+    compared_with_another_visit(browser, imported, job["result"])
     (listed,) = browser.get("/api/sessions").json()["sessions"]
     assert (listed["name"], listed["trials"]) == ("leg", 3)
     assert listed["fit"] == told["summary"]["fit"]
     assert browser.delete(f"/api/sessions/{job['result']}").status_code == 204
     assert browser.get("/api/sessions").json()["sessions"] == []
     assert browser.get(f"/api/fits/{told['summary']['fit']}").status_code == 200
+
+
+def compared_with_another_visit(browser, imported, id_):
+    """A visit is named, dated and compared; the comparison is kept, and is in files of a report."""
+    place = f"/api/sessions/{id_}"
+    assert browser.patch(place, json={"visit": "2026-13-01"}).status_code == 422
+    assert browser.patch(place, json={"before": id_}).status_code == 400
+    code = browser.post("/api/subjects", json={"code": "V1"}).json()["id"]
+    told = {"name": "ankle", "side": "left", "visit": "2026-03-02", "subject": code}
+    patched = browser.patch(place, json=told).json()
+    assert {key: patched[key] for key in told} == told
+    assert browser.get(f"/api/recordings/{imported['hold']}").json()["visit"] == "2026-03-02"
+    asked = {"recordings": [imported["walk one"]], "name": "later"}
+    other = browser.job(browser.post("/api/sessions", json=asked))["result"]
+    assert browser.get(f"{place}/change").json() == {"html": ""}
+    assert browser.patch(place, json={"before": other}).json()["before"] == other
+    assert "Measures fixed beforehand" in browser.get(f"{place}/change").json()["html"]
+    page = browser.get(f"{place}/report.html?language=de")
+    assert "later → ankle" in page.text
+    assert 'filename="ankle-2026-03-02-de.html"' in page.headers["content-disposition"]
+    (row,) = (r for r in browser.get("/api/cohort").json()["rows"] if r["name"] == "ankle")
+    assert row["measures"]["end_stiffness"]["value"] > 0.0
+    assert browser.delete(f"/api/sessions/{other}").status_code == 204
+    assert browser.get(f"{place}/change").json() == {"html": ""}  # what it was compared with is gone
+    browser.patch(place, json={"name": "leg"})
 
 
 def test_what_no_session_can_be_made_of_is_refused(browser, imported) -> None:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 from surae.api.plots import Plots, numbered
 from surae.api.recordings import AnyRecording, as_in_fit
 from surae.api.simulation import parts_of, tendon_of
-from surae.base.errors import InputError
+from surae.base.errors import UnknownNameError
 from surae.base.files import PathLike
 from surae.base.formatting import nearest
+from surae.base.frozen import FrozenDict
 from surae.base.tables import Tabular, TextTable
 from surae.inference import FitResult
 from surae.inference.adequacy import Adequacy
@@ -26,6 +27,24 @@ from surae.settings import FitSettings
 if TYPE_CHECKING:
     from surae.measures import Measures
     from surae.report.output import Report
+
+
+class Estimates(Tabular, FrozenDict[str, ParameterEstimate]):
+    """Parameters of a fit by name, which show themselves as a table."""
+
+    def __getitem__(self, name: str) -> ParameterEstimate:
+        if name not in self._entries:
+            raise UnknownNameError(
+                f"this fit has no parameter {name!r}{nearest(name, self._entries)}; it has: "
+                f"{', '.join(self._entries)}"
+            )
+        return self._entries[name]
+
+    def as_table(self) -> TextTable:
+        """A row for each: value, interval, unit, verdict."""
+        from surae.report.summary import estimates_table
+
+        return estimates_table(self.values())
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -158,23 +177,17 @@ class Fit(Tabular):
         InputError
             The fit has none of that name.
         """
-        both = {**self.parameters, **self.nuisances}
-        if name not in both:
-            raise InputError(
-                f"this fit has no parameter {name!r}{nearest(name, both)}; it has: "
-                f"{', '.join(both)}"
-            )
-        return both[name]
+        return Estimates({**self.parameters, **self.nuisances})[name]
 
     @property
-    def parameters(self) -> Mapping[str, ParameterEstimate]:
+    def parameters(self) -> "Estimates":
         """Every parameter of the model by name: value, sem, ci95, verdict and more."""
-        return self.assessment.parameters
+        return Estimates(self.assessment.parameters)
 
     @property
-    def nuisances(self) -> Mapping[str, ParameterEstimate]:
+    def nuisances(self) -> "Estimates":
         """What was found of the laboratory, by name; empty for a named model."""
-        return self.assessment.nuisances
+        return Estimates(self.assessment.nuisances)
 
     @property
     def values(self) -> Mapping[str, float]:

@@ -9,7 +9,7 @@ from surae.api.keywords import FitKeywords
 from surae.api.recordings import AnyRecording, checks_for, explained, read_in, several
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
-from surae.base.progress import SearchProgress
+from surae.base.progress import SearchProgress, line_of_progress
 from surae.base.setting import takes
 from surae.inference import make_problem, solve
 from surae.inference.assessment import assess, outdated
@@ -40,6 +40,12 @@ def fit(
 ) -> Fit:
     """Estimate a model's parameters from one recording, or from several together.
 
+    ``surae.fit("trial.csv")`` is all that most need; its `summary` says what was found.
+
+    >>> fit = surae.fit("trial.csv")  # any supported format
+    >>> fit["l0_tri"].ci95, fit.measures()["end_stiffness"]
+    >>> together = surae.fit(["a.csv", "b.csv"], model="muscle", fixed={"beta": 1.0})
+
     Parameters
     ----------
     recordings : Recording, ModelInputs, path, or a sequence of them
@@ -54,7 +60,8 @@ def fit(
     quality : sequence of Quality, optional
         What `surae.check` found in the recordings; by default they are checked here.
     progress : callable, optional
-        Called after every start with (done, starts, best sum of squares).
+        Called after every start with (done, starts, best sum of squares). Without it and `follow`,
+        a line of a terminal or notebook says how far it is.
     follow : callable, optional
         Called with every better point on the way: (model, all its parameters, sum of squares).
     {settings}
@@ -68,18 +75,16 @@ def fit(
     ------
     InputError
         Something given is unknown, contradictory or unusable.
-
-    Examples
-    --------
-    >>> fit = surae.fit("trial.csv")
-    >>> fit.adequacy.grade, fit.parameters["l0_tri"].ci95
     """
     settings = FitSettings.of(model, **keywords)
     measured = [read_in(recording) for recording in several(recordings)]
     inputs = inputs_for(settings, measured, [read_in(recording) for recording in several(mvc)])
     if quality is None:
         quality = checks_for(settings, measured)
-    return fit_inputs(inputs, settings, tuple(quality), progress, follow)
+    if progress is not None or follow is not None:
+        return fit_inputs(inputs, settings, tuple(quality), progress, follow)
+    with line_of_progress("fitting") as tell:
+        return fit_inputs(inputs, settings, tuple(quality), tell, lambda *_: tell())
 
 
 def inputs_for(

@@ -13,7 +13,7 @@ from surae.api.session_result import SessionResult
 from surae.api.session_run import StepProgress, run
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
-from surae.base.progress import SearchProgress
+from surae.base.progress import SearchProgress, line_of_progress
 from surae.inference.starts import Follow
 from surae.model.knowledge_file import (
     SESSION_TOML,
@@ -98,7 +98,8 @@ class Session(TrialSet):
         model : str or FitSettings
             As of `surae.fit`.
         progress : callable, optional
-            Called before every step and after it; see `surae.api.session_run.Step`.
+            Called before every step and after it; see `surae.api.session_run.Step`. Without it a
+            line of a terminal or notebook says how far it is.
         workers : int or None
             Above 1 the fit of all together is made in a process of its own, beside the others; None
             has as many as there are processors.
@@ -111,7 +112,10 @@ class Session(TrialSet):
             Ctrl-C keeps the fits that are complete; `SessionResult.interrupted` says so.
         """
         settings = self.asked(FitSettings.of(model, **keywords))
-        return run(self, settings, output, progress, workers)
+        if progress is not None:
+            return run(self, settings, output, progress, workers)
+        with line_of_progress("fitting the session") as tell:
+            return run(self, settings, output, lambda step: tell(step.done, step.total), workers)
 
 
 def session(

@@ -1,6 +1,9 @@
 """Callbacks that follow a long computation."""
 
-from collections.abc import Callable
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 #: Called with how many parts are done, and how many there are.
 Progress = Callable[[int, int], None]
@@ -8,3 +11,35 @@ Progress = Callable[[int, int], None]
 NamedProgress = Callable[[str, int, int], None]
 #: Called with how many starts are done, how many there are, and the best sum of squares so far.
 SearchProgress = Callable[[int, int, float], None]
+#: A line is shown of what takes longer [s], and no more often than so [s].
+_PATIENCE, _PACE = 2.0, 0.5
+
+
+@contextmanager
+def line_of_progress(what: str) -> Iterator[Callable[..., None]]:
+    """Say on stderr how far something is that takes longer than two seconds, and take it away.
+
+    What is given back is called with (done, total, …), or with nothing to say that it goes on. A
+    terminal or a notebook shows it; a log or a pipe has no use for it.
+    """
+    is_seen = sys.stderr.isatty() or "ipykernel" in sys.modules
+    begun = last = time.monotonic()
+    counted, width = "", 0
+
+    def tell(*news: object) -> None:
+        nonlocal last, counted, width
+        if len(news) > 1 and isinstance(news[0], int):
+            counted = f", {news[0]} of {news[1]} done"
+        now = time.monotonic()
+        if is_seen and now - begun > _PATIENCE and now - last > _PACE:
+            last, text = now, f"{what}: {now - begun:.0f} s{counted}"
+            sys.stderr.write(f"\r{text.ljust(width)}")
+            sys.stderr.flush()
+            width = len(text)
+
+    try:
+        yield tell
+    finally:
+        if width:
+            sys.stderr.write(f"\r{' ' * width}\r")
+            sys.stderr.flush()

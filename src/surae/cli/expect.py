@@ -6,15 +6,17 @@ import click
 
 from surae import api
 from surae.base.files import write_json
+from surae.base.names import DESIGNED, PROFILES
 from surae.base.requests import ExpectSettings
-from surae.cli.options import settings_options
+from surae.cli.options import completing, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_answer, show_files
 
 
 @click.command("expect")
-@click.argument("protocol", metavar="P.csv|NAME")
+@click.argument("protocol", metavar="P.csv|NAME",
+                shell_complete=completing(*PROFILES, *DESIGNED))  # fmt: skip
 @click.option("--fit", "fitted", metavar="FIT.json",
               help="Of one leg instead, as far as this fit knows it; model and noise are "
               "its.")  # fmt: skip

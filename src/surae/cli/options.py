@@ -110,12 +110,23 @@ def weighted_span(where: str, text: str) -> tuple[float, float, float]:
     return (*span(where, stretch)[:2], number(where, weight.strip()))
 
 
+def angle(where: str, text: str) -> float:
+    """An angle in rad, or in degrees where it ends in ``deg`` or ``°``; as rad."""
+    bare = text.strip().removesuffix("°").removesuffix("deg").rstrip()
+    value = number(where, bare)
+    return value if bare == text.strip() else math.radians(value)
+
+
 def motion(where: str, text: str) -> tuple[float, float]:
-    """A subject's full plantarflexion and dorsiflexion [rad]: LOW:HIGH."""
+    """A subject's full plantarflexion and dorsiflexion, LOW:HIGH, in rad or degrees; as rad."""
     low, colon, high = (part.strip() for part in text.partition(":"))
     if not (low and colon and high):
-        raise InputError(f"{where}: write LOW:HIGH in rad, e.g. --range -0.9:0.6")
-    return number(where, low), number(where, high)
+        raise InputError(f"{where}: write LOW:HIGH, e.g. --range -0.9:0.6 or --range -52:34deg")
+    unit = "deg" if high.endswith(("deg", "°")) and not low.endswith(("deg", "°")) else ""
+    ends = angle(where, low + unit), angle(where, high)
+    if max(map(abs, ends)) > math.pi:
+        raise InputError(f"{where}: no ankle turns so far in rad; in degrees write {text}deg")
+    return ends
 
 
 def picture(where: str, text: str) -> str:
@@ -125,7 +136,7 @@ def picture(where: str, text: str) -> str:
     return text
 
 
-NUMBER, RANGE, PICTURE = Typed(number), Typed(motion), Typed(picture)
+NUMBER, ANGLE, RANGE, PICTURE = map(Typed, (number, angle, motion, picture))
 
 
 class OneOf(click.Choice):  # type: ignore[type-arg]  # generic since click 8.2 alone
@@ -144,6 +155,11 @@ class OneOf(click.Choice):  # type: ignore[type-arg]  # generic since click 8.2 
         except click.BadParameter as error:
             text = f"{error.message.rstrip('.')}{nearest(str(value), self.known)}."
             raise click.BadParameter(text, ctx, param) from None
+
+
+def completing(*words: str) -> Callable[..., list[str]]:
+    """Has the shell complete an argument by these words; files are still taken."""
+    return lambda _context, _parameter, begun: [word for word in words if word.startswith(begun)]
 
 
 def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, Any]:
@@ -214,7 +230,7 @@ def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
     elif kind == "whole":
         how["type"] = click.INT  # the request knows its limits
     else:
-        how["type"] = NUMBER
+        how["type"] = ANGLE if "[rad]" in record.label else NUMBER
     default = default_of(each)
     if default not in (None, ""):
         how["help"] += f"  [default: {f'{default:g}' if kind == 'number' else default}]"

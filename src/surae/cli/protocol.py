@@ -13,7 +13,7 @@ from surae.base.formatting import listed
 from surae.base.names import DESIGNED, DEVICES, PROFILES
 from surae.base.requests import MotionSettings
 from surae.base.setting import settings_of
-from surae.cli.options import NUMBER, PICTURE, flag_of, settings_options
+from surae.cli.options import NUMBER, PICTURE, completing, flag_of, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line
@@ -25,6 +25,7 @@ def device_options(function: Command) -> Command:
     """Add --device and --without-limits, which `device_of` reads."""
     device = click.option("--device", default="achilles", show_default=True,
                           metavar="NAME|FILE.toml|none",
+                          shell_complete=completing(*DEVICES, "none"),
                           help=f"Whose limits hold: {', '.join(DEVICES)}, or yours.")  # fmt: skip
     reason = click.option("--without-limits", metavar="REASON",
                           help="Why a protocol for no device is written all the "
@@ -42,7 +43,7 @@ def device_options(function: Command) -> Command:
     emg_ta … emg_gm.
     """,
 )
-@click.argument("name", metavar="NAME")
+@click.argument("name", metavar="NAME", shell_complete=completing(*PROFILES, *DESIGNED))
 @settings_options(MotionSettings)
 @click.option("--chirp-factor", type=NUMBER, metavar="S",
               help="Instead of --chirp-rate, the thesis's s of A·sin(s·t²): S/π Hz/s.")  # fmt: skip

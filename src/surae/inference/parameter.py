@@ -142,6 +142,13 @@ class ParameterEstimate:
     budget: Mapping[str, float] = field(default_factory=dict)
 
     @property
+    def possible_ci95(self) -> tuple[float, float] | None:
+        """The interval as it is shown: what cannot be below zero is not said to be."""
+        if self.ci95 is None or self.lower < 0.0 or self.value < 0.0:
+            return self.ci95
+        return max(self.ci95[0], 0.0), self.ci95[1]
+
+    @property
     def trusted_sem(self) -> float | None:
         """The standard error that `ci95` is made of."""
         return self.sem_robust if self.interval is Interval.ROBUST else self.sem

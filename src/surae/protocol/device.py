@@ -1,9 +1,11 @@
 """What a robot can follow (thesis 4.1.5 and 4.4): limits that are data, a TOML file each."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from surae.base.errors import InputError
 from surae.base.filed import filed
@@ -59,7 +61,8 @@ def read_device(path: PathLike) -> Device:
     path : path
         With ``name``, some of ``max_velocity_rad_s``, ``max_acceleration_rad_s2``,
         ``max_torque_Nm``, ``bandwidth_Hz``, ``inertia_kg_m2``, ``range_rad`` (low and high), and
-        ``sources``: where they are from.
+        ``sources``: where they are from. Angles may be in degrees: ``range_deg``,
+        ``max_velocity_deg_s``.
 
     Raises
     ------
@@ -69,6 +72,7 @@ def read_device(path: PathLike) -> Device:
     where, toml = shown(path), read_toml(path)
     if not toml.get("name"):
         raise InputError(f'{where}: give the device a name, e.g. name = "my robot"')
+    toml = _in_radians(toml, where)
     amplitudes = toml.get("chirp_amplitudes_rad", {})
     if not isinstance(amplitudes, dict):
         raise InputError(f"{where}: chirp_amplitudes_rad must be a table of profile = rad")
@@ -78,6 +82,27 @@ def read_device(path: PathLike) -> Device:
     if span is not None and not span[0] < span[1]:
         raise InputError(f"{where}: range_rad: low must be below high")
     return device
+
+
+def _in_radians(toml: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """The table with what it gives in degrees (``range_deg``, ``max_velocity_deg_s``) in rad."""
+    made: dict[str, Any] = {}
+    for key, value in toml.items():
+        name = re.sub(r"_deg(?=$|_s2?$)", "_rad", key)
+        if name != key and name in toml:
+            raise InputError(f"{where}: {key} and {name} say the same; give one of them")
+        made[name] = value if name == key else _radians(value, f"{where}: {key}")
+    return made
+
+
+def _radians(value: Any, where: str) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _radians(each, where) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_radians(each, where) for each in value]
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{where}: {value!r} is not a number")
+    return math.radians(value)
 
 
 #: Full plantarflexion and dorsiflexion [rad] of a healthy leg.

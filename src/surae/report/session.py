@@ -252,7 +252,7 @@ def _warnings(leg: FittedLeg, _: Words) -> Iterable[str]:
 def _summary(leg: FittedLeg, _: Words) -> str:
     """What there was and what was done with it."""
     uses = [_("{n} fitted", n=str(len(leg.fits)))]
-    if leg.joined:
+    if len(leg.joined) > 1:
         uses[0] += " " + _("({n} together)", n=str(len(leg.joined)))
     for message, count in (
         (_("{n} held still"), sum(t.use == "hold" for t in leg.session.trials)),

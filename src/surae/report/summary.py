@@ -1,13 +1,14 @@
 """A fit on one screen: in a console, a notebook, and as `surae fit` shows it."""
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from surae.base.formatting import estimate, of_interval, percentage, significant
 from surae.base.tables import TextTable
 from surae.inference import Assessment, FitResult
 from surae.inference.assessment import outdated
+from surae.inference.parameter import ParameterEstimate
 from surae.measures.compute import judged_measures, points
 from surae.measures.table import LEADING
 from surae.report.budget import what_would_help
@@ -28,16 +29,11 @@ def fit_table(result: FitResult, assessment: Assessment, width: int = 100) -> Te
 
     Sentences are folded to `width` columns.
     """
-    words, rows = adequacy_words(assessment.adequacy), []
-    for p in shown_parameters(assessment):
-        text = estimate(p.value, p.trusted_sem, p.ci95)
-        rows.append((
-            p.name, text.value, text.interval, p.unit, repeatable(p), str(p.verdict), p.meaning,
-        ))  # fmt: skip
+    words = adequacy_words(assessment.adequacy)
+    listed = estimates_table(shown_parameters(assessment))
     groups = [_notes(assessment), _helps(result, assessment), _closing(result, assessment)]
-    table = TextTable(
-        _HEADS,
-        tuple(rows),
+    table = replace(
+        listed,
         above=(
             result.problem.spec.title,
             f"{words.mark} {words.sentence}",
@@ -46,10 +42,20 @@ def fit_table(result: FitResult, assessment: Assessment, width: int = 100) -> Te
             *filter(None, [outdated(assessment)]),
         ),
         below=tuple("\n".join(group) for group in groups if group),
-        numbers=("value", "95 % interval"),
     )
     table = reworded(result.problem.options.anatomy, table, given_in(result))
     return replace(table, below=tuple(_folded(table.below, width)))
+
+
+def estimates_table(estimates: Iterable[ParameterEstimate]) -> TextTable:
+    """Parameters, a row each, rounded to what is known of them."""
+    rows = []
+    for p in estimates:
+        text = estimate(p.value, p.trusted_sem, p.possible_ci95)
+        rows.append((
+            p.name, text.value, text.interval, p.unit, repeatable(p), str(p.verdict), p.meaning,
+        ))  # fmt: skip
+    return TextTable(_HEADS, tuple(rows), numbers=("value", "95 % interval"))
 
 
 def _leading(result: FitResult, assessment: Assessment) -> Iterator[str]:

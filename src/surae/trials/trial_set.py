@@ -122,6 +122,14 @@ def reading_of(recording: Recording) -> Reading:
     return Reading(recording.name, path, recording)
 
 
+#: Errors of which a sentence tells more than their code.
+_SAID = {
+    "angle-sign": "The angle is reversed", "torque-sign": "The torque is reversed",
+    "angle-units": "The angle’s unit or zero is wrong", "torque-unit": "The torque’s unit is wrong",
+    "emg-unit": "The EMG’s unit is wrong", "electrodes-swapped": "Two electrodes are exchanged",
+}  # fmt: skip
+
+
 def common_errors(quality: Iterable[Quality]) -> tuple[str, ...]:
     """Errors that more than half of the trials have, at least two, with what to do."""
     every = list(quality)
@@ -131,8 +139,8 @@ def common_errors(quality: Iterable[Quality]) -> tuple[str, ...]:
         for code, text in errors.items():
             advice.setdefault(code, []).append(text)
     return tuple(
-        f"{code} in {len(texts)} of {len(every)} trials, so the mapping is the place to mend it: "
-        f"{texts[0]}"
+        f"{_SAID.get(code, code)} in {len(texts)} of {len(every)} trials; correct it once for all "
+        f"of them. {texts[0]}"
         for code, texts in advice.items()
         if len(texts) > 1 and 2 * len(texts) > len(every)
     )

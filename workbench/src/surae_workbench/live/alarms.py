@@ -209,7 +209,7 @@ class Watch:
             most, rest = float(past[:, 0].max()), float(np.quantile(past[:, 0], 0.1))
             if hum > most > _WORKED * rest:
                 alarms.append(("electrode-off", (
-                    f"hears little but the mains ({mains:.0f} Hz): it seems to have come off. "
+                    f"picks up only mains hum ({mains:.0f} Hz): it seems to have come off. "
                     "Stop, fix it, and begin again."
                 )))  # fmt: skip
             else:
