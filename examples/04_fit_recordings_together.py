@@ -6,6 +6,8 @@ Several recordings are one joint fit with shared parameters. A slow passive tria
 one determine together what neither does alone.
 """
 
+import matplotlib.pyplot as plt
+
 import surae
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
@@ -31,3 +33,18 @@ def half_width(fit, name: str) -> str:
 print(f"{'':8} active alone          with the passive trial")
 for name in ("k_tri", "k_tib", "x0_tib", "tau_rel", "k_rel", "l0_tri"):
     print(f"{name:8} {half_width(alone, name)}  {half_width(joint, name)}")
+
+# %%
+# Half-widths of the 95 % intervals; what is known to 10 % is identified.
+names = ("k_tri", "k_tib", "x0_tib", "tau_rel", "k_rel", "l0_tri")
+figure, axes = plt.subplots(figsize=(7, 3.2), layout="constrained")
+for shift, (fit, label, colour) in enumerate(
+    ((alone, "active alone", "0.7"), (joint, "with the passive trial", "black"))
+):
+    wide = [100 * (fit[name].ci95[1] - fit[name].value) / fit[name].value for name in names]
+    axes.bar([k + 0.4 * shift for k in range(len(names))], wide, 0.38, color=colour, label=label)
+axes.axhline(10, color="0.4", linestyle=":")
+axes.set_xticks([k + 0.2 for k in range(len(names))], names)
+axes.set(ylabel="± 95 % [%]", yscale="log")
+axes.legend(frameon=False)
+plt.show()

@@ -7,6 +7,8 @@ anything is measured: here of the thesis's protocols and of one that was designe
 virtual legs, with the same noise of the torque.
 """
 
+import matplotlib.pyplot as plt
+
 import surae
 from surae.protocol import Protocol, generate, named_device
 
@@ -32,3 +34,9 @@ made = surae.design(20.0, device="achilles", effort="none", aim="passive_stiffne
                     evaluations=200, seed=1)  # fmt: skip
 print(*made.notes, sep="\n")
 print({name: f"{100 * error:.2f} %" for name, error in made.aimed.items()})
+
+motion = made.trajectory
+figure, axes = plt.subplots(figsize=(8, 2.8), layout="constrained")
+axes.plot(motion.time, [57.2958 * angle for angle in motion.angle], color="black")
+axes.set(xlabel="Time [s]", ylabel="Ankle angle [°]", title="The designed motion, at rest")
+plt.show()

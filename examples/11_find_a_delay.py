@@ -8,6 +8,7 @@ estimated with the other parameters.
 
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import surae
@@ -30,3 +31,12 @@ print(f"with one: VAF {found.vaf:.2f} %, f0 {found.values['f0']:.2f} Hz")
 print(f"truth: f0 {subject.parameters['f0']:.2f} Hz, delay 40 ms")
 low, high = delay.ci95
 print(f"delay {1e3 * delay.value:.1f} ms ({1e3 * low:.1f} … {1e3 * high:.1f} ms), {delay.verdict}")
+
+missed = {"without a delay": without, "with one": found}
+figure, axes = plt.subplots(figsize=(8, 2.8), layout="constrained")
+for (label, fit), colour in zip(missed.items(), ("0.6", "black"), strict=True):
+    residual = early.torque - fit.predict(early).torque
+    axes.plot(early.time, residual, color=colour, linewidth=0.8, label=label)
+axes.set(xlabel="Time [s]", ylabel="What the model misses [Nm]")
+axes.legend(frameon=False, ncols=2)
+plt.show()

@@ -9,6 +9,7 @@ fitted as the ankle is. This wrist is virtual, so that its truth is known.
 from pathlib import Path
 from tempfile import mkdtemp
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
@@ -41,3 +42,7 @@ fit.report(folder / "wrist.html")
 print(f"VAF {fit.vaf:.2f} %, {(folder / 'wrist.html').stat().st_size // 1000} kB of report")
 for name, p in fit.parameters.items():
     print(f"{name:8} {p.value:10.4g} {p.unit:4} truth {truth[name]:8.4g}, {p.verdict}: {p.meaning}")
+
+figure, axes = plt.subplots(figsize=(8, 2.8), layout="constrained")
+fit.plot.torque(0, ax=axes)
+plt.show()

@@ -106,7 +106,9 @@ def compared_with_another_visit(browser, imported, id_):
     (row,) = (r for r in browser.get("/api/cohort").json()["rows"] if r["name"] == "ankle")
     assert row["measures"]["end_stiffness"]["value"] > 0.0
     assert browser.delete(f"/api/sessions/{other}").status_code == 204
-    assert browser.get(f"{place}/change").json() == {"html": ""}  # what it was compared with is gone
+    assert browser.get(f"{place}/change").json() == {
+        "html": ""
+    }  # what it was compared with is gone
     browser.patch(place, json={"name": "leg"})
 
 

@@ -84,12 +84,9 @@ def session_report(
     answers = leg_answers(leg.session.trials, leg.fits, shown, _, contradicted=tuple(contradicted),
                           before=before)  # fmt: skip
     figures = dict(answers.figures)
+    rest = () if answers.measures is None else (_in_words(answers.measures, answers.at, _),)
     if language == "en":
-        rest = _details(leg, answers, contradicted, figures)
-    elif answers.measures is not None:
-        rest = (_in_words(answers.measures, answers.at, _),)
-    else:
-        rest = ()
+        rest += _details(leg, answers, contradicted, figures)
     written = _("Report of {date}.", date=f"{created:%Y-%m-%d %H:%M}")
     footer = _("Made by surae for research.")
     if language != "en":
@@ -147,7 +144,6 @@ def _details(
         details.append(block.Section("The fit", (adequacy_words(shown[1].adequacy),), "fit"))
         details += known_section(shown[0])
         if answers.measures is not None:
-            details.append(_in_words(answers.measures, answers.at, _))
             research.append(_other_measures(answers.measures))
         for number, trial in enumerate(traced):
             for place, film in enumerate(trial.films):
@@ -194,12 +190,12 @@ def _in_words(of_fit: Measures, at: float, _: Words) -> block.Section:
     rows = (
         (
             titled(m, _),
-            block.Cell(*_.estimate(m.value or 0.0, m.ci95)),
+            *_.estimate(m.value or 0.0, m.ci95),
             _(JUDGEMENTS[m.verdict].plain),
         )
         for m in chosen
     )
-    heads = block.columns("", _("Value (95 %)"), _("Judgement"), numbers=(1,), wide=(0,))
+    heads = block.columns("", _("Value"), "95 %", _("Judgement"), numbers=(1, 2), wide=(0,))
     table = block.Grid(_("The numbers"), heads, block.rows(rows))
     return block.Section(_("The numbers"), (table,), "measures")
 

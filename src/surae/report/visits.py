@@ -56,7 +56,7 @@ def visits_report(
         smallest = difference.smallest
         band = None if smallest is None or first.value is None else (first.value, smallest)
         unit = difference.unit.replace("deg", "°")
-        title = f"{_('Stiffness')} [{unit}]"
+        title = _("Stiffness") + f" [{unit}]"
         figures.append(("visits", over_time_figure(points, band, title, _)))
         said = _("Stiffness {range}. Bars: 95 % of what another session would find.",
                  range=over(difference, _))  # fmt: skip
