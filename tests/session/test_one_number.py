@@ -1,0 +1,54 @@
+"""One leg's stiffness, asked for through every door: one value."""
+
+import json
+from datetime import date
+from pathlib import Path
+
+import pytest
+
+import surae
+from surae import api
+from surae.base.formatting import of_interval
+from surae.report import part_of
+from surae_workbench.web.tasks import summary
+from undrawn import blank_figures
+
+pytestmark = pytest.mark.usefixtures("few")
+STIFFNESS = "end_stiffness"
+
+
+@pytest.mark.slow  # measures of two fits, drawn and compared
+def test_one_legs_stiffness_is_one_value_through_every_door(done, run) -> None:
+    folder, result = done
+    joint = result.joint
+    lead = joint.measures()[STIFFNESS]
+    shown = of_interval(lead.value, lead.ci95).value
+    other = result.fits["walk 1"]
+
+    measured = run("measures", folder, "--output", "m.json")
+    written = json.loads(Path("m.json").read_text(encoding="utf-8"))["measures"][STIFFNESS]
+    assert measured.code == 0
+    with blank_figures():
+        visits = [
+            ("one", date(2026, 1, 1), "left", other),
+            ("two", date(2026, 2, 1), "left", joint),
+        ]
+        compared = api.visits_blocks(visits, 0, 1)
+    change = surae.change(other, joint).measures[STIFFNESS]
+    doors = {
+        "Python": lead.value,
+        "M.json": written["value"],
+        "FIT.json": surae.load(folder / "joint.json").measures()[STIFFNESS].value,
+        "surae change": change.after,
+        "workbench, cohort": summary(joint)["measures"][STIFFNESS]["value"],
+    }
+    assert doors == pytest.approx(dict.fromkeys(doors, lead.value), rel=1e-9)
+    assert (change.from_deg, change.to_deg) == pytest.approx((lead.from_deg, lead.to_deg))
+    assert (written["from_deg"], written["to_deg"]) == (lead.from_deg, lead.to_deg)
+    assert shown in measured.out
+    assert shown in joint.summary()
+    assert f"{float(shown):.3g}" in part_of(**compared)
+    headline = dict(result.answers())["How stiff is it?"]
+    # what leads the page is this number, or the measured slope, which is called so
+    page = part_of(**result.blocks())
+    assert headline.startswith(f"{shown} Nm/°") or "measured slope" in page
