@@ -84,7 +84,9 @@ def session_report(
     answers = leg_answers(leg.session.trials, leg.fits, shown, _, contradicted=tuple(contradicted),
                           before=before)  # fmt: skip
     figures = dict(answers.figures)
-    rest = () if answers.measures is None else (_in_words(answers.measures, answers.at, _),)
+    rest: tuple[block.Section, ...] = ()
+    if answers.measures is not None:
+        rest = (_in_words(answers.measures, answers.at, _),)
     if language == "en":
         rest += _details(leg, answers, contradicted, figures)
     written = _("Report of {date}.", date=f"{created:%Y-%m-%d %H:%M}")

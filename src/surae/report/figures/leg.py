@@ -98,7 +98,7 @@ def over_time_figure(
         mark, colour, shift = looks.get(side, ("o", INK, 0.0))
         own = sorted(point for point in points if point[1] == side)
         at = [(day - days[0]).days + shift for day, *_rest in own]
-        values, halves = ([point[k] for point in own] for k in (2, 3))
+        values, halves = [value for *_at, value, _h in own], [half for *_at, half in own]
         axes.errorbar(at, values, halves, fmt=f"{mark}-", color=colour, ms=5, lw=1.2, capsize=3,
                       label=names.get(side, "_"))  # fmt: skip
     dress(axes, title, _("Day of the visit"))

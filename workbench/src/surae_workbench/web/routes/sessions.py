@@ -107,10 +107,9 @@ def patch_session(id: PathId, body: LegPatch, bench: Bench) -> Leg:
             bench.project.need(kind, changes[key])
     if changes.get("before") == id:
         raise RefusedError(400, "a visit is not compared with itself; choose another")
-    of_trials, own = (
-        {key: changes[key] for key in keys if key in changes}
-        for keys in (("subject", "side", "visit"), ("name", "before"))
-    )
+    labels = {"subject", "side", "visit"}
+    of_trials: dict[str, Any] = {k: v for k, v in changes.items() if k in labels}
+    own: dict[str, Any] = {k: v for k, v in changes.items() if k not in labels}
     if own.get("name", "") is None:
         del own["name"]
     if "name" in own:
