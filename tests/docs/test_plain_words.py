@@ -14,9 +14,9 @@ REFUSED = (
     "who says so", "asked for", "as asked", "is asked of", "as told", "is told", "be told",
     "tells nothing", "tell nothing", "say nothing", "is said of", "not said", "nothing of it",
     "known of the laboratory", "what is known of", "taken for perfect",
-    "trials disagree about", "the mapping's", "the mapping is the place", "no change is claimed",
+    "trials disagree about", "the mapping is the place", "no change is claimed",
     "take over what", "hears little", "and it is known to", "proves nothing", "they reach to where",
-    "not inadequate", "how steeply", "data ask for",
+    "not inadequate", "how steeply", "ask for moment arms",
 )  # fmt: skip
 
 
