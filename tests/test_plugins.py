@@ -20,8 +20,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from surae.measures import Definition
 from surae.model import MODELS
 from surae.protocol import Device
+from surae.quality import Check, Finding
 from surae.recording.table import sample
 from surae.recording.table import Column, Table
 
@@ -52,6 +54,24 @@ class TwoColumns:
 
 
 READER = TwoColumns()
+
+
+def slack_span(leg, _):
+    """Angle between the slack angles of both groups.
+
+    Ours.
+    """
+    return leg.angle_of("tri", leg.values["x0_tri"]) - leg.angle_of("tib", leg.values["x0_tib"])
+
+
+MEASURE = Definition("slack_span", "deg", slack_span, is_angle=True)
+
+
+def long(trial):
+    yield Finding("too-long", "info", None, 0.0, 9.0, None, "", "It is long.", "Cut it.")
+
+
+CHECK = Check(("too-long",), long)
 '''
 POINTS = """
 [surae.models]
@@ -60,6 +80,12 @@ broken = no_such_module:MODEL
 
 [surae.readers]
 two = ours_of_a_laboratory:READER
+
+[surae.measures]
+slack_span = ours_of_a_laboratory:MEASURE
+
+[surae.checks]
+too-long = ours_of_a_laboratory:CHECK
 
 [surae.devices]
 slow-robot = ours_of_a_laboratory:ROBOT
@@ -110,6 +136,17 @@ def test_a_model_is_simulated_and_a_broken_one_is_a_line(laboratory, tmp_path) -
     torque = surae.read(tmp_path / "out.csv").channels["torque"].values
     muscle = surae.simulate("muscle", values, tmp_path / "in.csv")
     np.testing.assert_allclose(torque, muscle, rtol=1e-12)
+
+
+def test_a_measure_and_a_check_stand_beside_ours(laboratory, tmp_path) -> None:
+    code = (
+        "import surae; from surae.measures import measures_of_values\n"
+        "leg = surae.virtual_subject(seed=1).parameters\n"
+        "print('slack_span' in measures_of_values(leg, 'muscle'))\n"
+        "print('too-long' in [f.code for f in surae.check(surae.example()).findings])"
+    )
+    done = python(code, tmp_path)
+    assert done.stdout.split() == ["True", "True"], done.stderr
 
 
 def test_a_reader_reads_its_files_and_no_others(laboratory, tmp_path) -> None:

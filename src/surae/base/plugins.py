@@ -1,4 +1,4 @@
-"""What other distributions add: models, integrators, readers and devices, as entry points.
+"""What other distributions add, as entry points: models, integrators, readers, devices and more.
 
 A plugin is loaded when something is looked for that surae itself does not have. One that is broken
 is left out, and one line on stderr says why.
@@ -17,8 +17,8 @@ V_co = TypeVar("V_co", covariant=True)
 def plugins(group: str, kind: type) -> dict[str, Any]:
     """What installed distributions offer as entry points of the group ``surae.<group>``, by name.
 
-    The group is "models", "integrators", "readers" or "devices". Each has to be of a
-    `kind`; its `name`, if it has one, is that of its entry point.
+    The group is "models", "integrators", "readers", "devices", "measures" or "checks". Each has to
+    be of a `kind`; its `name`, if it has one, is that of its entry point.
     """
     from importlib.metadata import entry_points
 

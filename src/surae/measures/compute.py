@@ -9,6 +9,7 @@ import numpy as np
 
 from surae.base.errors import ComputationError, InputError
 from surae.base.frozen import FrozenDict
+from surae.base.plugins import plugins
 from surae.base.units import FloatArray
 from surae.inference import Assessment, FitResult, Grade, Verdict
 from surae.inference.parameter import IDENTIFIED, percent
@@ -81,7 +82,7 @@ def points(angles: Sequence[float] = ANGLES, end: float = math.inf) -> tuple[Mea
     distinct = tuple(dict.fromkeys(float(angle) for angle in angles))
     return tuple(
         MeasurePoint(each, at)
-        for each in DEFINITIONS
+        for each in (*DEFINITIONS, *plugins("measures", Definition).values())
         for at in (distinct if each.at == "deg" else (end,) if each.span else each.points)
     )
 

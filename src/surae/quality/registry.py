@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.base.plugins import plugins
 from surae.quality import activity, emg, film, lag, mains, position, reflex, timing, torque
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped, Unjudged
@@ -19,7 +20,7 @@ _SLOWEST = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """A check: the codes of what it finds (see `KINDS`), and its function."""
+    """A check: the codes of what it finds (see `KINDS`; a plugin has its own), and its function."""
 
     codes: tuple[str, ...]
     run: Callable[[CheckedTrial], Iterator[Finding]]
@@ -74,7 +75,7 @@ def check_recording(
     reason = unfit(recording)
     if reason is None:
         trial = trial_of(recording, commanded, signals)
-        for check in CHECKS:
+        for check in (*CHECKS, *plugins("checks", Check).values()):
             try:
                 findings += check.run(trial)
             except Unjudged as reason:
