@@ -210,7 +210,8 @@ def _agreement(
 ) -> Iterator[_Reason]:
     """Several recordings of a leg should follow one set of parameters alike.
 
-    A hold's torque may hardly change: it is held against what the others leave, not against itself.
+    A hold's torque may hardly change: it is held against what the others leave too; in one that is
+    strong the same share of the torque is more of it.
     """
     pairs = list(map(counted, inputs, residuals))
     usual = float(np.median([np.sqrt(np.mean(e**2)) for _, e in pairs]))
@@ -218,7 +219,7 @@ def _agreement(
         own = centred_r2([pair])
         error = float(np.sqrt(np.mean(pair[1] ** 2)))
         if _range([recording]) < _STILL and len(inputs) > 1:
-            if error > _LEAVES * usual:
+            if error > _LEAVES * usual and own < r2 - _CONTRADICTS:
                 yield (
                     own < _NOT_FOLLOWED,
                     f"{recording.name} is not followed ({error:.2g} Nm are left, "

@@ -24,8 +24,11 @@ _RATE = 85.0
 _RECOGNISED = 0.08
 #: Without a filter, this is already the right profile.
 _EXACT = 1e-3
+#: Where a residual is beyond this, the next best profile must leave so many times more: of excerpts
+#: of another motion two profiles leave about as much.
+_DOUBTFUL, _APART = 0.02, 1.5
 #: In a shorter trial [s] any profile fits.
-_SHORTEST = 8.0
+_SHORTEST = 15.0
 #: This close, no other profile and no other chirp is tried.
 _CLOSE = 4e-3
 #: Of so many samples, one says which profiles are worth a closer look.
@@ -73,15 +76,19 @@ def recognised(channel: Channel) -> Commanded | None:
                 residual = _trimmed_fit(angle[few], _columns(base, seconds[few]))[0]
                 candidates.append((float(np.std(residual)), profile.name, stretch))
     candidates.sort(key=lambda candidate: candidate[0])
-    best = (np.inf, "", angle)
+    tried: list[tuple[float, str, FloatArray]] = []
     for _, name, stretch in candidates[:2]:
         base = PROFILES[name].position(seconds * stretch)
         spread, fitted = _with_chirp(angle, base, seconds)
-        if spread < best[0]:
-            best = (spread, name, fitted)
+        tried.append((spread, name, fitted))
         if spread < _CLOSE * span:
             break
-    if best[0] > _RECOGNISED * span:
+    if not tried:
+        return None
+    best = min(tried, key=lambda each: each[0])
+    beside = min((spread for spread, name, _ in tried if name != best[1]), default=np.inf)
+    clear = best[0] < _DOUBTFUL * span or beside > _APART * best[0]
+    if best[0] > _RECOGNISED * span or not clear:
         return None
     return Commanded(
         name=f"the {best[1]} profile",
