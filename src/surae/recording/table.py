@@ -100,15 +100,23 @@ def check_finite(
         raise InputError(f"{where}: {name}, {position(index)}: {why}{more}")
 
 
+#: So many samples are looked at together, so that a long recording takes no copies.
+_PIECE = 1 << 20
+
+
 def rounding(time: FloatArray, coarsest: float) -> float | None:
     """The decimal step [s], at most `coarsest`, of which all times are multiples, or None.
 
     Stamps finer than a ten-thousandth of `coarsest` are not rounded in any way that matters.
     """
     digits = int(np.ceil(-np.log10(coarsest)))
+    pieces = [time[first : first + _PIECE] for first in range(0, len(time), _PIECE)]
+
+    def apart(scaled: FloatArray) -> float:
+        return float(np.max(np.abs(scaled - np.round(scaled))))
+
     for decimals in range(digits, digits + 4):
-        scaled = time * 10.0**decimals
-        if np.max(np.abs(scaled - np.round(scaled))) < 1e-4:
+        if all(apart(piece * 10.0**decimals) < 1e-4 for piece in pieces):
             return float(10.0**-decimals)
     return None
 
@@ -142,6 +150,7 @@ def regular(time: FloatArray) -> tuple[FloatArray, str]:
         return time, ""
     counted = np.arange(n) - (n - 1) / 2.0
     mean = float(counted @ time / (counted @ counted))  # all stamps know it better than two
+    del counted  # an hour's takes much
     if not mean > step / 8.0:
         return time, ""
     # A whole rate, or else a period of few digits, where either is what the stamps show.
@@ -151,7 +160,8 @@ def regular(time: FloatArray) -> tuple[FloatArray, str]:
     )
     uniform = instants(float(time[0]), rate, n)
     off = time - uniform
-    if np.ptp(off) > 1.02 * step or np.max(np.abs(off)) < 1e-3 * mean:
+    least, most = float(off.min()), float(off.max())
+    if most - least > 1.02 * step or max(-least, most) < 1e-3 * mean:
         return time, ""
     shown = f"{1e3 * step:g} ms" if step < 1 else f"{step:g} s"
     return uniform, f"times rounded to {shown}: read as uniform, {rate:.6g} Hz"
