@@ -4,6 +4,7 @@ import csv
 import json
 import re
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 import surae
 from surae.api import session_run
 from surae.base.errors import InputError
+from surae.base.frozen import read_only
 from surae.report import block
 from surae.report.trials import crossed_section
 from surae.trials import Crossed
@@ -45,6 +47,41 @@ def test_the_joint_fit_in_a_process_beside_is_the_same(done, leg, monkeypatch, l
     both = surae.session(leg).run(workers=2, **QUICK)
     assert both.rows() == result.rows()
     assert both.joint_predictions == result.joint_predictions
+
+
+def test_a_trial_in_which_a_stream_stopped_is_fitted_in_parts(leg):
+    whole = surae.read(leg / "walk 1.csv")
+    time = whole["angle"].time
+    kept = (time < 8.0) | (time > 9.5)
+    lost = {
+        role: replace(each, time=read_only(time[kept]), values=read_only(each.values[kept]))
+        for role, each in whole.channels.items()
+    }
+    trials = [replace(whole, name="lost", channels=lost), surae.read(leg / "walk 2.csv")]
+    result = surae.session(trials).run(**QUICK)
+    assert len(result.fits["lost"].result.problem.inputs) == 2
+    assert len(result.joint.result.problem.inputs) == 3
+    own, other = result.predictions["lost"]["lost"], result.predictions["walk 2"]["lost"]
+    assert own.fitted
+    assert own.r2 > 95 < other.r2
+
+
+def test_of_a_usual_folder_every_file_is_named_and_every_trial_analysed(leg, tmp_path, run):
+    """Ten trials beside notes, a list of events and a file that is broken."""
+    for number in range(10):
+        shutil.copy(leg / f"walk {1 + number % 2}.csv", tmp_path / f"trial_{number}.csv")
+    (tmp_path / "notes.txt").write_text("Notes of the session\nelectrode fell off\n")
+    (tmp_path / "events.tsv").write_text("onset\tduration\n1\t2\n")
+    (tmp_path / "broken.csv").write_text("time_s,angle_rad\n0,1\n1,x\n")
+    session = surae.session(tmp_path)
+    assert len(session.trials) == 13
+    assert len(session.fitted) == 10
+    inspected = run("inspect", tmp_path)
+    assert inspected.code == 0
+    for name in ("notes.txt", "events.tsv", "broken.csv"):
+        assert name in inspected.out
+        assert session[name.partition(".")[0]].problem
+    assert all(f"trial_{number}" in inspected.out for number in range(10))
 
 
 def test_a_passive_trial_predicts_no_active_one(done):

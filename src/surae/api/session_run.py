@@ -21,8 +21,9 @@ from surae.api.session_result import SessionResult, finite, write_index, write_s
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import PathLike
 from surae.base.records import from_plain, to_plain
+from surae.inference import Grade
 from surae.inference.diagnosis import STILL
-from surae.inference.residual import centred_r2
+from surae.inference.residual import centred_r2, counted, vaf
 from surae.inference.validation import predict_others
 from surae.processes import Child, End, Plain
 from surae.quality import Finding, Quality
@@ -83,7 +84,7 @@ class _Run:
         self, session: TrialSet, settings: FitSettings, root: Path | None, progress: StepProgress
     ) -> None:
         self.session, self.settings, self.root, self.progress = session, settings, root, progress
-        self.inputs: dict[str, ModelInputs] = {}
+        self.inputs: dict[str, tuple[ModelInputs, ...]] = {}
         self.fits: dict[str, Fit] = {}
         self.joint: Fit | None = None
         self.joined: tuple[str, ...] = ()
@@ -118,7 +119,7 @@ class _Run:
         self.quality |= dict(zip(held, together, strict=True))
         for name in self.session.fitted:
             if name in self.inputs:
-                self._cost[name] = float(self.inputs[name].n)
+                self._cost[name] = float(sum(part.n for part in self.inputs[name]))
         sound = tuple(name for name in self._cost if self._wrong(name) is None)
         self._cost["all together"] = _JOINT_COST * sum(self._cost.values())
         if beside is not None and len(sound) > 1 and self._saved(JOINT, sound) is None:
@@ -180,7 +181,7 @@ class _Run:
         return {
             trial: Crossed(reason=NO_EFFORT)
             if passive.issuperset(of) and trial not in passive
-            else _crossed(fit, inputs, trial in of, of.index(trial) if trial in of else 0)
+            else _crossed(fit, inputs, trial in of)
             for trial, inputs in self.inputs.items()
         }
 
@@ -197,13 +198,14 @@ class _Run:
         )  # fmt: skip
 
     def _wrong(self, name: str) -> Finding | None:
-        """The first finding of a trial that is an error, and new."""
-        known = _known(self.session[name])
+        """The first finding of a trial that is an error, and new; its parts have no gap."""
+        known = (*_known(self.session[name]), *["time-gap"][: len(self.inputs[name]) - 1])
         errors = (f for f in self.quality[name].findings if f.severity == "error")
         return next((f for f in errors if f.code not in known), None)
 
     def _of(self, names: Sequence[str]) -> tuple[tuple[ModelInputs, ...], tuple[Quality, ...]]:
-        return tuple(self.inputs[n] for n in names), tuple(self.quality[n] for n in names)
+        parts = tuple(part for name in names for part in self.inputs[name])
+        return parts, tuple(self.quality[name] for name in names)
 
     def _saved(self, file: str, names: Sequence[str]) -> Fit | None:
         """The fit in a file, where it is of these data and this question and by this surae."""
@@ -322,22 +324,28 @@ def _known(trial: Trial) -> tuple[str, ...]:
     return (*still, *(("active-not-active",) if trial.effort == "passive" else ()))
 
 
-def _crossed(fit: Fit, inputs: ModelInputs, fitted: bool, number: int = 0) -> Crossed:
-    """How a fit follows a trial; one of its own as it was fitted."""
+def _crossed(fit: Fit, parts: Sequence[ModelInputs], fitted: bool) -> Crossed:
+    """How a fit follows a trial, all parts of it together; one of its own as it was fitted."""
+    moves = any(float(np.ptp(part.angle)) >= STILL for part in parts)
+    grade = ""
     if fitted:
-        own = fit.assessment.recordings[number]
-        bias = float(np.mean(fit.result.residuals[number]))
-        return Crossed(finite(own.vaf), finite(own.r2), finite(own.rmse), finite(bias), fitted=True)
-    moves = float(np.ptp(inputs.angle)) >= STILL
-    try:
-        known = fit.assessment.uncertainty if moves else None
-        (prediction,) = predict_others(fit.result, [inputs], known)
-    except (InputError, ComputationError) as error:
-        return Crossed(reason=str(error))
+        every = fit.result.problem.inputs
+        errors = [counted(part, fit.result.residuals[every.index(part)]) for part in parts]
+    else:
+        try:
+            known = fit.assessment.uncertainty if moves else None
+            predictions = predict_others(fit.result, list(parts), known)
+        except (InputError, ComputationError) as error:
+            return Crossed(reason=str(error))
+        errors = [each.errors for each in predictions]
+        grades = [str(each.adequacy.grade) for each in predictions if each.adequacy]
+        grade = max(grades, key=list(Grade).index, default="")
+    measured, e = (np.concatenate(each) for each in zip(*errors, strict=True))
     return Crossed(
-        finite(prediction.vaf),
-        finite(centred_r2([prediction.errors])) if moves else None,
-        finite(prediction.rmse),
-        finite(prediction.bias),
-        grade=str(prediction.adequacy.grade) if prediction.adequacy else "",
+        finite(vaf(measured, e)),
+        finite(centred_r2(errors)) if moves or fitted else None,
+        finite(float(np.sqrt(np.mean(e**2)))),
+        finite(float(e.mean())),
+        fitted=fitted,
+        grade=grade,
     )

@@ -74,7 +74,8 @@ class Session(TrialSet):
             raise InputError(f"{self.name}: no trial can be fitted: none of them moves")
         recordings = [self.to_fit(name) for name in chosen]
         reference = self.emg_reference(settings)
-        inputs = [prepared_for(settings, recording, reference) for recording in recordings]
+        trials = (prepared_for(settings, recording, reference) for recording in recordings)
+        inputs = [part for parts in trials for part in parts]
         quality = tuple(checks_for(settings, recordings))
         return fit_inputs(inputs, settings, quality, progress, follow)
 

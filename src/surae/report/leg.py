@@ -145,9 +145,9 @@ def _measured(
             degrees = float(np.degrees(trial.hold.angle))
             holds.append(HeldPoint(trial.name, degrees, trial.hold.torque))
         elif trial.name in fits:
-            (each,) = fits[trial.name][0].problem.inputs
-            if each.torque is not None:
-                stretches.append(stretch(trial.name, each.angle, each.velocity, each.torque))
+            for each in fits[trial.name][0].problem.inputs:
+                if each.torque is not None:
+                    stretches.append(stretch(each.name, each.angle, each.velocity, each.torque))
     return holds, stretches
 
 

@@ -164,10 +164,10 @@ def _details(
         research.append(
             trials.crossed_section(leg.predictions, leg.joint_predictions, leg.session.trials)
         )
-    if leg.joined:
+    if leg.joint is not None:
         blocks = tuple(
-            block.Explorer(number, f"Signals of {name}, and the model’s torque", summary=name)
-            for number, name in enumerate(leg.joined)
+            block.Explorer(number, f"Signals of {i.name}, and the model’s torque", summary=i.name)
+            for number, i in enumerate(leg.joint[0].problem.inputs)
         )
         research.append(block.Section("Signals", blocks, "signals", "explorer"))
     return (

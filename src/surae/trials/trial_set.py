@@ -7,10 +7,12 @@ from surae.base.errors import InputError
 from surae.base.filed import filed
 from surae.base.frozen import FrozenDict
 from surae.model.knowledge import Knowledge
+from surae.model.laboratory import AUTO
 from surae.quality import Quality
 from surae.recording import Recording, SourceFile
 from surae.settings import FitSettings
 from surae.signals import EmgReference, ModelInputs, emg_reference, normalised
+from surae.signals.windows import parted, thinned
 from surae.trials.sorting import Reading, Trial
 
 
@@ -87,10 +89,11 @@ class TrialSet:
         kind = "mvc" if settings.normalise == "mvc" else "session"
         recordings = [t.recording for t in (maximal if kind == "mvc" else self.read)]
         inputs = [
-            plain.prepare(recording)
+            plain.prepare(part)
             for recording in recordings
             if recording is not None
             and "V" in (c.unit for role, c in recording.channels.items() if role[:4] == "emg_")
+            for part in parted([recording])
         ]
         return emg_reference(inputs, kind) if inputs else None  # type: ignore[arg-type]
 
@@ -110,10 +113,11 @@ class TrialSet:
 
 def prepared_for(
     settings: FitSettings, recording: Recording, reference: EmgReference | None
-) -> ModelInputs:
-    """What a fit reads of one trial, its EMG divided by the session's reference."""
-    (inputs,) = replace(settings, normalise=None).inputs([recording])
-    return normalised(inputs, reference)
+) -> tuple[ModelInputs, ...]:
+    """What a fit reads of one trial, its EMG divided by the session's reference: parts, windows."""
+    parts = thinned(parted([recording]), settings.model == AUTO)
+    prepared = replace(settings, normalise=None).inputs(parts)
+    return tuple(normalised(inputs, reference) for inputs in prepared)
 
 
 def reading_of(recording: Recording) -> Reading:
