@@ -49,6 +49,7 @@ def test_the_joint_fit_in_a_process_beside_is_the_same(done, leg, monkeypatch, l
     assert both.joint_predictions == result.joint_predictions
 
 
+@pytest.mark.slow
 def test_a_trial_in_which_a_stream_stopped_is_fitted_in_parts(leg):
     whole = surae.read(leg / "walk 1.csv")
     time = whole["angle"].time
