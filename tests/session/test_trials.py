@@ -196,3 +196,9 @@ def test_holds_with_effort_at_several_angles_are_one_isometric_set():
     assert {"angle-still"} <= {f.code for f in alone[0].findings if f.severity == "error"}
     alike = surae.session([*(held(k, 0.01 * k) for k in range(4)), rest]).trials
     assert {t.effort for t in alike[:4]} == {"active"}  # at one angle they tell no more than one
+
+
+def test_two_files_of_one_name_are_two_trials(leg, tmp_path):
+    for name in ("a.csv", "a.txt", "b.csv"):
+        shutil.copy(leg / "walk 1.csv", tmp_path / name)
+    assert [trial.name for trial in surae.session(tmp_path).trials] == ["a.csv", "a.txt", "b"]

@@ -339,7 +339,7 @@ def _crossed(fit: Fit, parts: Sequence[ModelInputs], fitted: bool) -> Crossed:
             return Crossed(reason=str(error))
         errors = [each.errors for each in predictions]
         grades = [str(each.adequacy.grade) for each in predictions if each.adequacy]
-        grade = max(grades, key=list(Grade).index, default="")
+        grade = max(grades, key=[str(each) for each in Grade].index, default="")
     measured, e = (np.concatenate(each) for each in zip(*errors, strict=True))
     return Crossed(
         finite(vaf(measured, e)),

@@ -74,8 +74,11 @@ class Session(TrialSet):
             raise InputError(f"{self.name}: no trial can be fitted: none of them moves")
         recordings = [self.to_fit(name) for name in chosen]
         reference = self.emg_reference(settings)
-        trials = (prepared_for(settings, recording, reference) for recording in recordings)
-        inputs = [part for parts in trials for part in parts]
+        inputs = [
+            part
+            for recording in recordings
+            for part in prepared_for(settings, recording, reference)
+        ]
         quality = tuple(checks_for(settings, recordings))
         return fit_inputs(inputs, settings, quality, progress, follow)
 

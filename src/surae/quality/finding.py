@@ -207,7 +207,8 @@ _KINDS = (
     FindingKind("not-used", "samples that no fit reads: another channel has ended",
         "Nothing, if that is meant: no check looks at them.", "info", "s"),
     FindingKind("samples-missing", "samples that are not numbers",
-        "Cut the recording to a part without them; no fit reads such a file.", "error"),
+        "Correct the file, bridge gaps of some ms by bridge_s in a mapping, or cut it to a part "
+        "without them; no fit reads it so.", "error"),
     FindingKind("trial-too-short", "trials too short for the relaxation",
         "Record longer, with holds, or fix tau_rel and k_rel.", unit="s"),
     FindingKind("angle-sign", "an angle that is turned, by what a quick fit then explains",

@@ -1,5 +1,6 @@
 """A raw column becomes a channel: its unit settled, its scaling applied, its samples checked."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.frozen import freeze
 from surae.base.units import FACTORS, SI, FloatArray, Stated, kind, plain, spelled, stated, to_si
+from surae.recording.described import LONGEST_BRIDGE_S
 from surae.recording.recording import FILM_ROLES, Channel
 from surae.recording.roles import heading_unit
 from surae.recording.table import GAPS, Column, IndexArray, Table, check_finite, check_samples
@@ -98,6 +100,11 @@ class Gaps:
         ms = f"{longest:.3g} s" if longest >= 1.0 else f"{1e3 * longest:.3g} ms"
         return f"{n} unreadable {'samples' if n > 1 else 'sample'}{several} {ms}"
 
+    @property
+    def bridge_s(self) -> float:
+        """What a mapping says to bridge them [s]."""
+        return math.ceil(1e3 * self.longest_s) / 1e3
+
     def bridged(self, time: FloatArray, values: FloatArray) -> FloatArray:
         """The signal with a straight line over each."""
         good = np.delete(np.arange(len(values)), self.lost)
@@ -132,9 +139,17 @@ def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channe
     filled = "" if gaps is None else f", {gaps.text} bridged by straight lines"
     if gaps is not None and gaps.longest_s <= scaling.bridge_s:
         raw = gaps.bridged(times, raw)
-    check_samples(
-        times, raw, where=table.file, names=names, position=position, reason=column.reason
-    )
+    try:
+        check_samples(
+            times, raw, where=table.file, names=names, position=position, reason=column.reason
+        )
+    except InputError as error:
+        short = gaps_of(times, raw)
+        if short is None or short.longest_s > LONGEST_BRIDGE_S:
+            raise
+        raise InputError(
+            f"{error}; correct the file, or bridge it in a mapping: bridge_s = {short.bridge_s:g}"
+        ) from None
     factor = scaling.sign * to_si(role, scaling.unit, f"{table.file}: {shown}")
     values = raw
     with np.errstate(over="ignore", invalid="ignore"):

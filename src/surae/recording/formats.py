@@ -1,5 +1,6 @@
 """The formats of data files: surae's own and OpenSim's. Others are plugins, as `surae-formats`."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -34,6 +35,21 @@ FORMATS: tuple[FormatModule, ...] = (hdf5, opensim)
 _MOST = 10_000
 #: How the names of files end that can hold signals.
 ENDINGS = (".h5", ".hdf5", ".csv", ".tsv", ".txt", ".sto", ".mot")
+
+
+def trial_names(paths: Sequence[Path], own: Sequence[str] = ()) -> list[str]:
+    """What trials are called: as their files, or by their `own` names, and what tells two apart.
+
+    That is the folder, or within one folder the end of the file's name.
+    """
+    own = own or [path.stem for path in paths]
+    folders = [path.resolve().parent for path in paths]
+    alike, beside = Counter(own), Counter(zip(folders, own, strict=True))
+    names = []
+    for path, folder, name in zip(paths, folders, own, strict=True):
+        one = path.name if beside[folder, name] > 1 else name
+        names.append(shown(f"{folder.name}-{one}" if alike[name] > beside[folder, name] else one))
+    return names
 
 
 def data_files(folder: PathLike) -> list[Path]:

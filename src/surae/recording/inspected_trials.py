@@ -9,6 +9,7 @@ from pathlib import Path
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.recording.described import toml_value
+from surae.recording.formats import trial_names
 from surae.recording.inspection import Inspection, inspect
 from surae.recording.mapping import TRIAL
 from surae.recording.mapping_text import mapping_text
@@ -96,7 +97,7 @@ def _of_several(
         each = {name: inspect(parts, side=side) for name, parts in groups.items()}
         first = next(iter(folders.values()))
         return _together(each, [f"{TRIAL}/{path.name}" for path in first], paths)
-    each = {shown(path.stem): trial for path, trial in single.items()}
+    each = dict(zip(trial_names(paths), single.values(), strict=True))
     if 1 < len(each) == len(paths) and all(
         "angle" in (*trial.roles, *trial.open) for trial in each.values()
     ):

@@ -1,6 +1,5 @@
 """What data files hold, which channel seems to be which signal, and what is left to say."""
 
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -252,7 +251,7 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
             what = f"{wrong} of {len(column.values)} samples" if gaps is None else gaps.text
             remarks.insert(0, f"{column.position(first)}: {why} ({what})")
             if gaps is not None and gaps.longest_s <= LONGEST_BRIDGE_S and column.time_name:
-                bridge_s = math.ceil(1e3 * gaps.longest_s) / 1e3
+                bridge_s = gaps.bridge_s
     remarks.append(column.remark)
     sampling = Sampling(len(column.time))
     if column.time_name:
@@ -393,7 +392,9 @@ def _advice(inspection: Inspection) -> Iterator[str]:
     for role, candidates in inspection.open.items():
         together.setdefault(tuple(map(id, candidates)), []).append(role)
     for role, reason in inspection.unusable.items():
-        yield f"{role} is there, but unusable: {reason}; settle it in the mapping"
+        bridge = max((c.bridge_s for c in inspection.open[role]), default=0.0)
+        how = f", as by bridge_s = {bridge:g}" if bridge else ""
+        yield f"{role} is there, but unusable: {reason}; settle it in the mapping{how}"
     for roles in together.values():
         candidates = inspection.open[roles[0]]
         if roles[0] in inspection.unusable:

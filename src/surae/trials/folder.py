@@ -7,7 +7,6 @@ replaced, or go to its trash. Whatever else lies there is the user's.
 import itertools
 import json
 import re
-from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from typing import Any
 from surae.base.errors import InputError
 from surae.base.files import PathLike, make_folder, natural_order, paths_of, read_bytes, shown
 from surae.model.knowledge_file import SESSION_TOML
-from surae.recording.formats import data_files
+from surae.recording.formats import data_files, trial_names
 from surae.recording.mapping import TRIAL, Description
 from surae.recording.reading import is_mapping
 from surae.recording.source import Source, open_source
@@ -162,16 +161,15 @@ def trial_files(
         files += _in_folder(path, description, aside) if path.is_dir() else [path]
     if not files:
         raise InputError(f"{', '.join(map(shown, paths))}: no recording is there")
-    called = [(path.stem, path) for path in files]
+    called = list(zip(trial_names(files), files, strict=True))
     if description is not None and description.patterns:
         # Any file of a trial stands for it, and a trial in parts has several.
         trials_of = {description.trial_of(path): path for path in reversed(files)}
-        called = [(trial, path) for (trial, _), path in reversed(trials_of.items())]
-    names = [name for name, _ in called]
-    twice = {name for name, count in Counter(names).items() if count > 1}
-    names = [f"{path.parent.name}-{name}" if name in twice else name for name, path in called]
+        files = list(reversed(trials_of.values()))
+        names = trial_names(files, [trial for trial, _ in reversed(trials_of)])
+        called = list(zip(names, files, strict=True))
     trials: dict[str, Path] = {}
-    for name, (_, path) in zip(map(shown, names), called, strict=True):
+    for name, path in called:
         if name in trials:
             raise InputError(
                 f"{shown(trials[name])} and {shown(path)} are both trial {name!r}; leave one out, "
