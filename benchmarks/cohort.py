@@ -23,8 +23,8 @@ import numpy as np
 import surae
 from surae.measures import measures_of_values
 from surae.protocol import Protocol, generate
-from surae.runner import Engine
 from surae.studies import virtual_subject, virtual_trial
+from surae_cohort.runner import Engine
 
 GROUPS = ("healthy", "patient")
 FULL = Protocol(

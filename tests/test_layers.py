@@ -21,7 +21,7 @@ WORKBENCH = Path(surae_workbench.__file__).parent
 
 #: From the bottom to the top; modules on one line may use each other, never in a circle.
 LAYERS = (
-    ("_lazy", "_version", "base", "processes", "runner"),
+    ("_lazy", "_version", "base", "processes"),
     ("recording",),
     ("signals",),
     ("nerve",),
@@ -196,7 +196,6 @@ PUBLIC_MODULES = (
     "base.filed",
     "base.files",
     "base.records",
-    "runner",
     "base.units",
 )
 

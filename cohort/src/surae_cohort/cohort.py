@@ -5,9 +5,9 @@ from typing import Any
 from surae.base.files import PathLike
 from surae.base.progress import Progress
 from surae.base.setting import takes
-from surae.runner import Engine
 from surae_cohort.members import measured, read_table, refitted
 from surae_cohort.pooled import Cohort, borrowed, pool
+from surae_cohort.runner import Engine
 from surae_cohort.settings import CohortSettings
 
 

@@ -7,10 +7,11 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import DASK, engine_of, settings_options, workers_option
+from surae.cli.options import settings_options, workers_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_answer, show_files
+from surae_cohort.options import DASK, engine_of
 from surae_cohort.settings import CohortSettings
 
 

@@ -27,10 +27,10 @@ from surae.inference import make_problem, solve
 from surae.inference.assessment import assess
 from surae.inference.saved.fit_json import load_saved
 from surae.measures.quantity import Quantities, quantities
-from surae.runner import Died, Engine, results
 from surae.settings import FitSettings
 from surae.trials.folder import fit_in
 from surae_cohort.pooled import FEWEST, CohortMember, random_effects, sessions_of
+from surae_cohort.runner import Died, Engine, results
 
 _LABELS = ("subject", "side", "group", "session")
 #: Rounds of a refit, at most; it ends where no median moves by more than this part of its spread.

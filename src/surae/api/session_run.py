@@ -21,13 +21,13 @@ from surae.api.session_result import SessionResult, finite, write_index, write_s
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import PathLike
 from surae.base.records import from_plain, to_plain
+from surae.base.threads import cores
 from surae.inference import Grade
 from surae.inference.diagnosis import STILL
 from surae.inference.residual import centred_r2, counted, vaf
 from surae.inference.validation import predict_others
 from surae.processes import Child, End, Plain
 from surae.quality import Finding, Quality
-from surae.runner import cores
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.trials import Crossed, Trial, TrialSet, prepared_for

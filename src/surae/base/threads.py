@@ -1,8 +1,11 @@
-"""One thread for small products: more only slow them down, and change the last bits."""
+"""Processors, and one thread for small products: more slow them down, and change the last bits."""
 
+import math
+import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -23,3 +26,13 @@ def _controller() -> "ThreadpoolController":
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()
+
+
+def cores() -> int:
+    """Processors that this program may use."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    count = os.cpu_count() or 1 if affinity is None else len(affinity(0))
+    with suppress(OSError, ValueError):  # a container's share of them
+        quota, period = Path("/sys/fs/cgroup/cpu.max").read_text(encoding="ascii").split()
+        count = min(count, math.ceil(int(quota) / int(period)))
+    return max(count, 1)

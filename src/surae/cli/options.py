@@ -18,7 +18,6 @@ from surae.base.setting import Setting, default_of, kind_of, settings_of
 if TYPE_CHECKING:
     from dataclasses import Field
 
-    from surae.runner import Engine
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -280,22 +279,6 @@ def workers_option(what: str, *, many: str = "all processors") -> Callable[[F], 
     """How many of something are made at a time; by default as `many` says."""
     help = f"{what} at a time.  [default: {many}]"
     return click.option("--workers", type=click.IntRange(1, _MOST_WORKERS), metavar="N", help=help)
-
-
-DASK = click.option("--dask", metavar="ADDRESS",
-                    help="Scheduler of a Dask cluster to run on instead.")  # fmt: skip
-
-
-def engine_of(dask: str | None, workers: int | None) -> "Engine":
-    """Where the work is done: a Dask cluster, or so many processes."""
-    from surae.runner import Engine, cores  # numpy
-
-    if dask is None:
-        count = workers or cores()
-        return Engine("processes" if count > 1 else "threads", count)
-    if workers is not None:
-        raise InputError("--dask brings workers of its own; give it without --workers")
-    return Engine("dask", address=dask)
 
 
 def settings_options(*requests: Any) -> Callable[[F], F]:

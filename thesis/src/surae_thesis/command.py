@@ -45,7 +45,7 @@ def command(
         from surae.cli.paths import check_outputs
 
         check_outputs({"--markdown": markdown}, ())
-    from surae.runner import cores
+    from surae.base.threads import cores
     from surae_thesis.section import Context, chapters, make_folder, reproduce, sections
 
     chosen = sections(only)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from surae.base.errors import ComputationError
 from surae.base.files import PathLike
 from surae.processes import Plain
-from surae.runner import Died, Engine, results
+from surae_cohort.runner import Died, Engine, results
 from surae_thesis.ledger import Ledger
 
 

@@ -20,7 +20,7 @@ from typing import Any, Self
 from surae.base.errors import ComputationError, InputError, SuraeError
 from surae.base.files import PathLike, require_writable, shown
 from surae.processes import Plain
-from surae.runner import Batch, Died
+from surae_cohort.runner import Batch, Died
 from surae_thesis import database
 from surae_thesis.database import Format, sqlite_errors, transaction
 

@@ -3,9 +3,9 @@
 import threading
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import closing, suppress
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
 
 from surae.base.errors import InputError
 from surae.base.filed import filed
@@ -13,13 +13,15 @@ from surae.base.formatting import open_ends, significant
 from surae.base.progress import NamedProgress
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
-from surae.base.threads import one_blas_thread
+from surae.base.threads import cores, one_blas_thread
 from surae.base.versions import versions
 from surae.inference import FitResult
 from surae.inference.assessment import described
 from surae.inference.likelihood.conditional import surface_of
 from surae.inference.likelihood.profile import ParameterProfile, check_profiled, profile, profiled
-from surae.runner import Engine, cores, results
+
+#: How often to look for Ctrl-C where it does not end a wait [s].
+_LOOK = 0.5
 
 
 @filed(inflation_reason="variance_inflation_reason")
@@ -88,19 +90,24 @@ def profiles(
     with one_blas_thread():
         over = surface_of(result)
 
-    def made(name: str) -> Any:
+    def made(name: str) -> ParameterProfile:
         factor = inflation[name]
         return profile(result, name, variance_inflation=factor, over=over, stopped=stop.is_set)
 
-    done: dict[str, Any] = {}
-    threads = Engine("threads", cores() if workers is None else workers)
-    calls = {name: {"name": name} for name in wanted}
-    with suppress(KeyboardInterrupt), closing(results(made, calls, threads, stop)) as batches:
-        for batch in batches:
-            for name, found in batch:
-                done[name] = found
-                if progress is not None:
-                    progress(name, len(done), len(wanted))
+    done: dict[str, ParameterProfile] = {}
+    with one_blas_thread(), ThreadPoolExecutor(workers or cores()) as pool:
+        running = {pool.submit(made, name): name for name in wanted}
+        try:
+            with suppress(KeyboardInterrupt):
+                while running:
+                    for future in wait(running, _LOOK, FIRST_COMPLETED).done:
+                        name = running.pop(future)
+                        done[name] = future.result()
+                        if progress is not None:
+                            progress(name, len(done), len(wanted))
+        finally:
+            stop.set()
+            pool.shutdown(cancel_futures=True)
     return Profiles(
         model=result.problem.spec.name,
         profiles={name: done[name] for name in wanted if name in done},

@@ -12,7 +12,7 @@ from surae.base.progress import Progress
 from surae.base.records import from_plain, to_plain
 from surae.model import MODELS
 from surae.processes import Plain
-from surae.runner import Batch, Died, Engine, results
+from surae_cohort.runner import Batch, Died, Engine, results
 from surae_thesis.ledger import Ledger
 from surae_thesis.studies.study import Study, Value, parse_study
 from surae_thesis.studies.tasks import FitTask, TaskOutcome, run_task, task_of

@@ -4,17 +4,14 @@ One loop over futures serves all three. A call's result never depends on where i
 beside what.
 """
 
-import math
-import os
 import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
@@ -254,16 +251,6 @@ class _Cluster(_Pool):
     def stop(self) -> None:
         self._executor.shutdown(wait=False)
         self._client.close()
-
-
-def cores() -> int:
-    """Processors that this program may use."""
-    affinity = getattr(os, "sched_getaffinity", None)
-    count = os.cpu_count() or 1 if affinity is None else len(affinity(0))
-    with suppress(OSError, ValueError):  # a container's share of them
-        quota, period = Path("/sys/fs/cgroup/cpu.max").read_text(encoding="ascii").split()
-        count = min(count, math.ceil(int(quota) / int(period)))
-    return max(count, 1)
 
 
 def _in_cluster(work: Work, keywords: Mapping[str, Plain]) -> Plain:
