@@ -86,6 +86,8 @@ def profiles(
             raise InputError(f"{name} is given twice; give it once")
     if not wanted:
         raise InputError(f"nothing to profile; choose from: {', '.join(profiled(result))}")
+    if workers is not None and workers < 1:
+        raise InputError(f"workers is {workers}; give at least 1")
     begin, stop = time.perf_counter(), threading.Event()
     with one_blas_thread():
         over = surface_of(result)
