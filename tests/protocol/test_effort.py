@@ -89,3 +89,30 @@ def test_a_prbs_is_on_and_off_for_every_number_of_clocks_up_to_its_register():
 def test_unknown_task_is_named_with_what_there_is():
     with pytest.raises(InputError, match="'random' is not known; use one of: part-passive, active"):
         named_task("random")
+
+
+def test_a_passive_part_and_turns_of_ones_own():
+    own = TASKS["part-passive"].with_own(7.0, ("ta", "sol", "gm", "gl"))
+    target = effort(T, own)
+    assert not target[T <= 7.0].any()
+    order = np.argmax(target[target.any(axis=1)], axis=1)
+    order = order[np.flatnonzero(np.diff(order, prepend=-1))]
+    assert order[:8].tolist() == [0, 2, 3, 1] * 2  # TA, SOL, GM, GL among TA, GL, SOL, GM
+    assert np.max(np.sum(target > 0.0, axis=1)) == 1
+    same = effort(T, TASKS["part-passive"].with_own(11.0, ("gl+sol+gm", "ta")))
+    assert np.array_equal(same, effort(T, TASKS["part-passive"]))
+
+
+@pytest.mark.parametrize(
+    ("task", "passive", "turns", "message"),
+    [
+        ("active", 3.0, (), "does not begin relaxed"),
+        ("passive", None, ("ta",), "has no bursts"),
+        ("part-passive", -1.0, (), "use 0 or more"),
+        ("part-passive", None, ("ta+sol",), r"turn 'ta\+sol': name muscles that pull together"),
+        ("part-passive", None, ("tibialis",), "name muscles that pull together"),
+    ],
+)
+def test_what_a_task_cannot_be_is_refused(task, passive, turns, message):
+    with pytest.raises(InputError, match=message):
+        TASKS[task].with_own(passive, turns)

@@ -6,9 +6,10 @@ import pytest
 from surae_thesis import appendix, movements, simulation, tendons
 from surae_thesis.claims import CAUSES, INTEGRATOR, Claim, NotThereError, Ruling, judge, read_claims
 from surae_thesis.cohort import beyond, subjects
-from surae_thesis.cohort.rules import CONSTANT, WANDERING
+from surae_thesis.cohort.rules import COHORT
+from surae_thesis.legs import EARLY, IN_TURN, LEAD, SLOW
 from surae_thesis.section import SECTIONS
-from surae_thesis.simulation.cells import IN_TURN, MAGNITUDE, SIGNED
+from surae_thesis.simulation.cells import MAGNITUDE, SIGNED
 
 
 def above_one(value: float | None) -> Ruling:
@@ -74,8 +75,8 @@ RULES = {
 }  # fmt: skip
 #: The views that sections have, by section; of the others there is one.
 VIEWS = {
-    "simulation": {SIGNED, MAGNITUDE, IN_TURN, INTEGRATOR},
-    "subjects": {WANDERING, CONSTANT, INTEGRATOR},
+    "simulation": {SIGNED, MAGNITUDE, IN_TURN, LEAD, EARLY, SLOW, INTEGRATOR},
+    "subjects": {COHORT, INTEGRATOR},
 }
 
 
@@ -92,13 +93,27 @@ def test_every_row_is_a_whole_claim_under_views_that_there_are(section) -> None:
         assert claim.cause in {"", *CAUSES}
 
 
-def test_there_are_101_claims() -> None:
-    assert sum(len(read_claims(name, *RULES[name])) for name in RULES) == 101
+def test_there_are_114_claims() -> None:
+    assert sum(len(read_claims(name, *RULES[name])) for name in RULES) == 114
 
 
-def test_a_number_that_calibrated_the_cohort_is_judged_without_it() -> None:
-    claims = {claim.id: claim for claim in read_claims("subjects", *RULES["subjects"])}
-    assert claims["fit-1-0-multiple-holds"].views == (CONSTANT,)
+def test_numbers_that_calibrated_the_cohort_cannot_hold() -> None:
+    every = [claim for name in RULES for claim in read_claims(name, *RULES[name])]
+    assert {claim.id for claim in every if claim.calibrated} == {
+        "fit-1-0-multiple-holds", "fit-1-0-ramp-and-hold"
+    }  # fmt: skip
+    assert judge(replace(CLAIM, calibrated=True), {"": 2.0}).said == "calibrated"
+
+
+def test_an_order_without_its_size_is_a_verdict_of_its_own() -> None:
+    def smaller(value: float) -> Ruling:
+        return Ruling(value > 2.0, f"{value:g}", less=0.0 < value <= 2.0)
+
+    claim = replace(CLAIM, ours=smaller)
+    for value, said in ((3.0, "holds"), (1.0, "same direction, smaller"), (-1.0, "differs")):
+        assert judge(claim, {"": value}).said == said
+    assert judge(claim, {"a": 1.0, "b": 3.0}).said == "holds under b"
+    assert judge(claim, {"a": -1.0, "b": 1.0}).verdict == "differs"  # the first view decides
 
 
 def test_a_rule_in_words_says_the_numbers_that_it_is_given() -> None:

@@ -50,7 +50,7 @@ def test_a_seed_is_a_cohort_and_fewer_are_the_first_of_it():
 
 @pytest.mark.slow
 def test_a_wandering_gain_changes_the_torque_and_nothing_else_of_the_cohort():
-    steady, wandering = make_cohort(1, 2)[1], make_cohort(1, 2, GAIN)[1]
+    steady, wandering = make_cohort(1, 2, 0.0)[1], make_cohort(1, 2)[1]
     assert wandering.imperfections == replace(steady.imperfections, gain_variation=GAIN)
     assert wandering.subject == steady.subject
     before, after = (inputs_of(who, HOLDS, 1, 64.0) for who in (steady, wandering))
@@ -76,7 +76,7 @@ def test_every_leg_is_richer_than_the_models():
         assert 0.02 <= flaws.reflex_gain <= 0.10
         assert 0.03 <= flaws.crosstalk <= 0.10
         assert 0.06 <= flaws.torque_noise <= 0.20  # Figure 18 leaves 0.15 Nm
-        assert flaws.gain_variation == 0.0
+        assert flaws.gain_variation == GAIN
         assert ("knee moves" in member.remarks) == (flaws.knee_motion >= 0.08)
     share = np.mean([member.imperfections.knee_motion >= 0.08 for member in many])
     assert share == pytest.approx(3 / 14, abs=0.08)
@@ -99,6 +99,14 @@ def test_protocols_are_those_that_the_device_could_do(name):
     assert trajectory.effort.any() == (name != PASSIVE)
     if name == HOLDS:
         assert trajectory.adaptation.chirp_amplitude == (0.2, 0.1)
+    if name != PASSIVE:
+        assert trajectory.time[np.flatnonzero(trajectory.effort.any(axis=1))[0]] == (
+            pytest.approx(7.0, abs=0.02)
+        )
+    assert settings.seconds == {PASSIVE: 30.0, HOLDS: 28.0, FAST: 40.0}[name]
+    before = cohort_protocol(name, (-0.9, 0.6), 200.0, measured=False)
+    assert before.seconds == {PASSIVE: 18.0, HOLDS: 35.0, FAST: 40.0}[name]
+    assert before.passive_seconds is None
 
 
 def test_an_unknown_protocol_is_refused():

@@ -16,7 +16,7 @@ def outcome():
     """The first subject's fits; few samples, as only their form is looked at."""
     patch = pytest.MonkeyPatch()
     patch.setattr(work, "RATE_HZ", 20.0)
-    yield work.member_job(seed=1, member=3, gain=0.0, repetitions=2, explicit=False)
+    yield work.member_job(seed=1, member=3, made={"gain": 0.0}, repetitions=2, explicit=False)
     patch.undo()
 
 
@@ -65,7 +65,7 @@ def test_a_fit_gives_plain_data_with_the_truth_beside_it(outcome):
 
 @pytest.mark.slow
 def test_the_thesis_s_scheme_fits_the_same_recordings():
-    fits = work.member_job(seed=1, member=3, gain=0.0, repetitions=1, explicit=True)
+    fits = work.member_job(seed=1, member=3, made={"gain": 0.0}, repetitions=1, explicit=True)
     label = f"2.0 {ACTIVE_PROTOCOL} 1"
     assert fits[f"explicit {label}"]["vaf"] < fits[f"wide {label}"]["vaf"]
     assert fits[f"wide {label}"]["vaf"] < fits[f"implicit {label}"]["vaf"] + 0.1

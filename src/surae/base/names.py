@@ -31,7 +31,7 @@ class Names(tuple[str, ...]):
 
 
 #: What surae itself does not bring, and the distribution that does.
-ELSEWHERE = {"muscle-2010": "surae-thesis", "explicit-euler": "surae-thesis"}
+ELSEWHERE = dict.fromkeys(("muscle-2010", "explicit-euler", "explicit-damped"), "surae-thesis")
 
 MODELS = Names(
     "models",

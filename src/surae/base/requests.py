@@ -132,6 +132,17 @@ class MotionSettings:
     task: str = setting(
         TASKS[0], "A name of `TASKS`.", choices=TASKS, help="What the subject does."
     )
+    passive_seconds: float | None = setting(
+        None, "How long the subject is relaxed before the bursts of the task `part-passive` [s]; "
+        "None for its 11 s.", least=0.0, most=600.0, metavar="S", label="Relaxed at first [s]",
+        needs="task=part-passive",
+        help="How long the task part-passive begins relaxed, in s.  [default: 11]",
+    )  # fmt: skip
+    turns: tuple[str, ...] = setting(
+        (), "Whose bursts follow each other, over and over: muscles of one direction, joined by +; "
+        "where none is given ``gl+sol+gm`` and ``ta``.", option="turn", metavar="MUSCLE[+MUSCLE]",
+        help="Muscles of a burst; repeated, their order.  [default: gl+sol+gm, ta]",
+    )  # fmt: skip
     chirp_amplitude: float = setting(
         0.0, "Amplitude of the added chirp [rad], less than half the range of motion; 0 for none. "
         "Without a device it goes on to the last sample and stops there; a motion that is "

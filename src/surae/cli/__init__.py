@@ -48,6 +48,7 @@ COMMANDS = {
     "expect": ("surae.cli.expect", "Predict how well a protocol determines each parameter."),
     "design": ("surae.cli.design", "Design the most informative protocol."),
     "study": ("surae-thesis", "Fit thousands of virtual trials over crossed factors."),
+    "batch": ("surae-thesis", "Fit a cohort's recordings by several models, in one table."),
     "reproduce": ("surae-thesis", "Compute the thesis's results again, claim by claim."),
     "live": ("surae-workbench[live]", "Record, show and judge trials as they are measured."),
     "serve": ("surae-workbench", "Open the workbench in the browser."),

@@ -152,7 +152,7 @@ def _table(
     chirp = f"{amplitude:.3g} rad, 0 to {settings.chirp_rate * settings.seconds:.3g} Hz"
     rows = {
         "motion": api.PROFILES[settings.profile].description,
-        "effort": api.TASKS[settings.task].description,
+        "effort": settings.effort_task.description,
         "duration": f"{settings.seconds:g} s, {len(trajectory.time)} samples at "
         f"{settings.rate_hz:g} Hz",
         "span": f"{least:.3f} to {most:.3f} rad, {100 * (most - least) / (high - low):.3g} % of "

@@ -7,8 +7,8 @@ a leg, but in proportions and at onsets that differ from burst to burst: were th
 weights g2, g3 and g4 could not be separated.
 """
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +26,46 @@ class Task:
     name: str  #: Name in settings and files.
     passive_until: float  #: The subject is relaxed until then [s].
     description: str  #: One sentence.
+    #: The muscles of each burst in turn, those of one direction together; none: `DIRECTIONS`.
+    turns: tuple[tuple[str, ...], ...] = ()
+
+    def with_own(self, passive_seconds: float | None, turns: tuple[str, ...]) -> "Task":
+        """The task with a passive part and an order of muscles of one's own, where these are given.
+
+        Raises
+        ------
+        InputError
+            The task has no passive part, or no bursts; a turn is not muscles of one direction.
+        """
+        relaxed = self.passive_until if passive_seconds is None else passive_seconds
+        if passive_seconds is not None and not 0.0 < self.passive_until < np.inf:
+            raise InputError(
+                f"passive seconds {passive_seconds:g}: task {self.name!r} does not begin relaxed; "
+                "use task 'part-passive'"
+            )
+        if not relaxed >= 0.0:
+            raise InputError(f"passive seconds {relaxed:g}: use 0 or more")
+        if turns and self.passive_until == np.inf:
+            raise InputError(f"turns: task {self.name!r} has no bursts; leave them out")
+        told = self.description
+        if passive_seconds is not None:
+            told = f"Relaxed to {relaxed:g} s, then alternating bursts."
+        if turns:
+            told = f"{told} In turn: {', '.join(turns)}."
+        return replace(
+            self, passive_until=relaxed, description=told, turns=tuple(map(_turn, turns))
+        )
+
+
+def _turn(text: str) -> tuple[str, ...]:
+    """The muscles of a burst from their names, as ``gl+sol``."""
+    names = tuple(name.strip() for name in text.split("+"))
+    if not any(set(names) <= set(muscles) for muscles in DIRECTIONS):
+        raise InputError(
+            f"turn {text!r}: name muscles that pull together: ta, or of gl, sol and gm one or "
+            "several joined by +"
+        )
+    return names
 
 
 TASKS: dict[str, Task] = {
@@ -100,13 +140,16 @@ def _prbs(end: float) -> Iterator[Burst]:
 
 def task_bursts(task: "Task", end: float) -> Iterator[Burst]:
     """Every burst of a task that is over by `end` [s]."""
+    turns = task.turns or DIRECTIONS
+    towards = [int(turn[0] in DIRECTIONS[1]) for turn in turns]
     if task.name in ("steps", "prbs"):
-        yield from (_steps if task.name == "steps" else _prbs)(end)
+        for k, burst in enumerate((_steps if task.name == "steps" else _prbs)(end)):
+            yield burst._replace(direction=towards[k % len(turns)])
         return
     k, onset = 0, task.passive_until
     while onset + (length := 0.9 + 0.3 * _sequence(k, 1)) + GAP <= end:
         # Hard and easy efforts mix in either direction: 0.4 to 1 of the largest.
-        yield Burst(onset, length, 0.4 + 0.6 * _sequence(k, 0), k % 2)
+        yield Burst(onset, length, 0.4 + 0.6 * _sequence(k, 0), towards[k % len(turns)])
         onset += length + GAP
         k += 1
 
@@ -119,14 +162,21 @@ def head_share(k: int, head: int) -> tuple[float, float]:
 
 def effort(t: FloatArray, task: Task) -> FloatArray:
     """Effort of TA, GL, SOL, GM, shape (n, 4), as a part of the largest; 0 while passive."""
-    return burst_effort(t, task_bursts(task, float(t[-1])))
+    return burst_effort(t, task_bursts(task, float(t[-1])), task.turns)
 
 
-def burst_effort(t: FloatArray, bursts: Iterable[Burst]) -> FloatArray:
-    """The effort, as of `effort`, of numbered bursts that do not overlap in a direction."""
+def burst_effort(
+    t: FloatArray, bursts: Iterable[Burst], turns: Sequence[tuple[str, ...]] = ()
+) -> FloatArray:
+    """The effort, as of `effort`, of numbered bursts that do not overlap in a direction.
+
+    With `turns` burst k is of the muscles of turn k, over and over; else of all of its direction.
+    """
     target = np.zeros((len(t), len(MUSCLES)))
     for k, burst in enumerate(bursts):
         for i, muscle in enumerate(DIRECTIONS[burst.direction]):
+            if turns and muscle not in turns[k % len(turns)]:
+                continue
             share, late = head_share(k, i)
             onset = burst.onset + GAP * late
             # Beyond its own span a burst is exactly 0.

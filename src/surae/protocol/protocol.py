@@ -14,7 +14,7 @@ from surae.base.setting import documented
 from surae.base.units import FloatArray
 from surae.protocol.adaptation import Adaptation, Motion, fit_device, peaks, refusal
 from surae.protocol.device import Device, allowed_range
-from surae.protocol.effort import effort, named_task
+from surae.protocol.effort import Task, effort, named_task
 from surae.protocol.profiles import base_range, chirp, named_profile
 
 #: The motion is shaped on a grid at least this fine [Hz], a multiple of the rate asked for, so that
@@ -50,7 +50,8 @@ class Protocol(MotionSettings):
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        task, seconds, rate = named_task(self.task), self.seconds, self.rate_hz
+        object.__setattr__(self, "turns", tuple(self.turns))  # a list serves too
+        task, seconds, rate = self.effort_task, self.seconds, self.rate_hz
         amplitude, rise = self.chirp_amplitude, self.chirp_rate
         low, high = allowed_range(self.device, self.range_of_motion)
         chirps = amplitude > 0.0
@@ -72,6 +73,11 @@ class Protocol(MotionSettings):
         ):  # fmt: skip
             if wrong:
                 raise InputError(what)
+
+    @property
+    def effort_task(self) -> Task:
+        """The effort task, with the passive part and the turns that were given."""
+        return named_task(self.task).with_own(self.passive_seconds, self.turns)
 
     @property
     def seconds(self) -> float:
@@ -155,7 +161,7 @@ def generate(settings: Protocol) -> Trajectory:
         adapted, adaptation = _adapted(settings, settings.device, fine)
         angle, velocity, acceleration = (signal[::oversampling] for signal in adapted)
         motion = angle, velocity, acceleration
-    target = effort(time, named_task(settings.task))
+    target = effort(time, settings.effort_task)
     return Trajectory(settings, time, *motion, target, adaptation)
 
 

@@ -18,12 +18,15 @@ from surae.model.compliant import (
     TISSUE,
     TOE,
 )
-from surae.model.contraction import CURVES, FECC, MVSH, MVSHL, force_length
+from surae.model.contraction import CURVES, FECC, MVSH, MVSHL, force_length, force_velocity
 from surae.model.equilibrium import solve
 from surae.model.jit import jit
 from surae.model.passive import elastic_force, relaxation_step
 from surae.model.rigid import K_REL, L0, TAU, X0, K
 from surae.model.tendon import tendon_curve, tendon_force
+
+#: Bisections of ±vmax: to a millionth of a millionth of it.
+_HALVINGS = 40
 
 
 @jit
@@ -59,9 +62,40 @@ def speed_of(factor: float, vmax: float) -> float:
 
 
 @jit
+def damped_speed(force: float, active: float, vmax: float, damping: float) -> float:
+    """Speed at which the active force and a damper beside it make a force [m/s], within ±vmax.
+
+    Parameters
+    ----------
+    force : float
+        What tissue does not carry [N].
+    active : float
+        Active force at rest, f_l·α [N].
+    vmax : float
+        Maximum shortening speed [m/s].
+    damping : float
+        Of the damper, above 0 [N·s/m].
+
+    Returns
+    -------
+    float
+        x' [m/s], where active·f_v(x') + damping·x' is the force.
+    """
+    low, high = -vmax, vmax
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        part = force_velocity(middle, vmax)[0]  # (17)
+        if active * part + damping * middle < force:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+@jit
 def explicit_states(
     p: FloatArray, strain_length: float, lengths: FloatArray, alphas: FloatArray, factor: float,
-    dt: float, states: FloatArray,
+    dt: float, damping: float, states: FloatArray,
 ) -> int:  # fmt: skip
     """States of a muscle group as the thesis integrates them.
 
@@ -75,6 +109,9 @@ def explicit_states(
         Muscle length on a rigid tendon, lmt − lt0 [m].
     alphas : ndarray, shape (n,)
         Active state [N].
+    damping : float
+        Of a damper beside the active force, a part of the tendon's Fmax at vmax; 0 is the scheme as
+        it is printed, more is the remedy of appendix B.
 
     Returns
     -------
@@ -105,7 +142,11 @@ def explicit_states(
         before = elastic
         tissue = max(elastic - z, 0.0)
         active = max(alphas[i], 0.0)
-        speed = speed_of((force - tissue) / (force_length(x, l0)[0] * active), vmax)  # (25) to (27)
+        at_rest = force_length(x, l0)[0] * active
+        if damping > 0.0:
+            speed = damped_speed(force - tissue, at_rest, vmax, damping * p[F_MAX] / vmax)
+        else:
+            speed = speed_of((force - tissue) / at_rest, vmax)  # (25) to (27)
         states[LENGTH, i], states[SPEED, i], states[ELONGATION, i] = x, speed, e
         states[FORCE, i], states[TISSUE, i] = force, tissue
         x += speed * dt  # (28)

@@ -2,6 +2,7 @@
 
 import math
 import zlib
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -34,6 +35,14 @@ _TIBIALIS = {"healthy": (1.0, (3.0, 5.0)), "patient": (0.85, (6.0, 10.0))}
 #: Moment arm and length of the tibialis there [m], equations (5) and (9) at −0.9 rad.
 _ARM = 0.0393 - 0.0171 * 0.9
 _LENGTH = 0.136 - 1.56 * _ARM
+#: Readings of a trial beside the usual one; some were found when the verdict was known.
+IN_TURN = "heads in turn"
+_LATER = "found afterwards"
+LEAD = f"heads lead in turn, the others at 0.4 (one fitted number, {_LATER})"
+EARLY = f"active from the first second ({_LATER})"
+SLOW = f"tau_rel of 0.9 s ({_LATER})"
+#: Effort of the heads that do not lead, and the time constant that the thesis does not print [s].
+FOLLOWERS, SLOW_RELAXATION = 0.4, 0.9
 #: Defaults of MATLAB's lsqnonlin: relative step of its forward differences, and tolerances.
 STEP, _TOLERANCE, _ITERATIONS = 1.5e-8, 1e-6, 100
 
@@ -52,13 +61,15 @@ def thesis_leg(
 
 def fit_cell(
     *, seed: int, model: str, profile: str, task: str, amplitude: float, factor: float | None,
-    population: str, subject: int, repeat: int, explicit: bool, in_turn: bool,
+    population: str, subject: int, repeat: int, explicit: bool, reading: str,
 ) -> dict[str, Any] | None:  # fmt: skip
     """Simulate a trial, fit it with the model that made it, and compare with the truth."""
     leg = thesis_leg(1_000_000 * seed + subject, population)
+    if reading == SLOW:
+        leg = replace(leg, parameters={**leg.parameters, "tau_rel": SLOW_RELAXATION})
     rate = EXPLICIT_HZ if explicit else RATE_HZ
     options = {"integrator": "explicit-euler"} if explicit else {}
-    trajectory = motion(profile, task, amplitude, factor, rate, in_turn)
+    trajectory = motion(profile, task, amplitude, factor, rate, reading)
     inputs, torque = thesis_trial(leg, trajectory, model, repeat, **options)
     fit = fit_explicit(inputs, model)[0] if explicit else fit_trial(inputs, model, 2, seed)
     if fit is None:
@@ -85,33 +96,38 @@ def protocol(
 @lru_cache(4)
 def motion(
     profile: str, task: str, amplitude: float, factor: float | None, rate_hz: float,
-    in_turn: bool = False,
+    reading: str = "",
 ) -> Trajectory:  # fmt: skip
     """Motion and effort of a trial; the active task is what follows the passive 11 s (Figure 9).
 
-    In turn: each burst of the triceps is of one head instead of all three.
+    By reading, each burst of the triceps is of one head alone (`IN_TURN`) or one leads (`LEAD`), or
+    the active task is of the movement's beginning, with effort from its first second (`EARLY`).
     """
     whole = generate(protocol(profile, "part-passive", amplitude, factor, rate_hz))
-    effort = _in_turn(whole.effort) if in_turn else whole.effort
     first = 0
     if task == "active":
         first = int(np.searchsorted(whole.time, TASKS["part-passive"].passive_until))
+    n = len(whole.time) - first
+    effort = whole.effort[first:]
+    if reading in (IN_TURN, LEAD):
+        effort = _in_turn(whole.effort, 0.0 if reading == IN_TURN else FOLLOWERS)[first:]
+    part = slice(0, n) if reading == EARLY else slice(first, None)
     return replace(
         whole,
-        time=whole.time[: len(whole.time) - first],
-        effort=effort[first:],
-        **{name: getattr(whole, name)[first:] for name in ("angle", "velocity", "acceleration")},
+        time=whole.time[:n],
+        effort=effort,
+        **{name: getattr(whole, name)[part] for name in ("angle", "velocity", "acceleration")},
     )
 
 
-def _in_turn(effort: FloatArray) -> FloatArray:
-    """Effort of which every burst of the triceps keeps one head, the next one each time."""
+def _in_turn(effort: FloatArray, others: float) -> FloatArray:
+    """Effort of which every burst has one head lead, the next each time; of the others a part."""
     heads = [MUSCLES.index(muscle) for muscle in DIRECTIONS[0]]
     pulls = (effort[:, heads] > 0.0).any(axis=1)
     burst = np.cumsum(np.diff(pulls.astype(int), prepend=0) == 1) - 1
     alone = effort.copy()
     for number, head in enumerate(heads):
-        alone[burst % len(heads) != number, head] = 0.0
+        alone[burst % len(heads) != number, head] *= others
     return alone
 
 
@@ -125,13 +141,17 @@ def thesis_trial(
     """
     chosen = ModelOptions.of(**options)
     clean = virtual_trial(subject, trajectory, model=model, options=chosen, noise=0.0)
-    assert clean.torque is not None  # a simulation has one
     settings = trajectory.settings
     assert isinstance(settings, Protocol)  # `motion` has made it
     cell = f"{settings.profile} {settings.chirp_amplitude} {settings.chirp_rate} {clean.n}"
-    rng = np.random.default_rng([subject.seed, repeat, zlib.crc32(cell.encode())])
+    return with_noise(clean, [subject.seed, repeat, zlib.crc32(cell.encode())])
+
+
+def with_noise(clean: ModelInputs, seed: Sequence[int]) -> tuple[ModelInputs, list[float]]:
+    """A trial without noise as `thesis_trial` gives it."""
+    assert clean.torque is not None  # a simulation has one
+    rng, mean = np.random.default_rng(seed), float(clean.torque.mean())
     emg = clean.emg + NOISE * clean.emg.mean(axis=0) * rng.standard_normal(clean.emg.shape)
-    mean = float(clean.torque.mean())
     torque = clean.torque + NOISE * abs(mean) * rng.standard_normal(clean.n)
     size = [float(np.abs(clean.torque).mean()), abs(mean), float(np.sqrt(np.mean(clean.torque**2)))]
     return replace(clean, emg=emg, torque=torque), size

@@ -111,13 +111,14 @@ def _passive(strain: str = "thesis") -> list[float]:
     return _taken(states(inputs, tendon_strain=strain))
 
 
-def stiff(_: Numbers) -> Ruling:
-    """What tendons take in the passive ramp and hold."""
+def stiff(_: Numbers, much: float, stiffer: float) -> Ruling:
+    """What tendons take in the passive ramp and hold [%]: little, or less than the muscles."""
     shares, strain = _passive(), _passive("slack-length")
     return Ruling(
-        max(shares) < 10.0,
+        max(shares) < much,
         f"triceps {shares[0]:.0f} %, tibialis {shares[1]:.0f} % (with ε0 as a strain "
         f"{strain[0]:.0f} and {strain[1]:.0f} %)",
+        less=much <= max(shares) < stiffer,
     )
 
 
@@ -131,20 +132,17 @@ def slack_length(_: Numbers) -> Ruling:
     return Ruling(worst < 1e-9, f"largest difference {worst:.0e} of the largest force")
 
 
-def _longest() -> float:
-    """Longest that muscle and tendon of the triceps are by the printed (23) [m]."""
-    # x = 0.118 − 1.67 r by equation (9): what the printed (23) subtracts from 0.467 is 1.67 r.
-    lengths = states(trial(COARSE)).muscle_length[0] + states(trial(COARSE)).tendon_length[0]
-    return float((0.467 - (0.118 - (lengths - SLACK_TRI))).max())
-
-
 def printed_lengths(_: Numbers) -> Ruling:
-    """The room that the printed lengths leave."""
-    room = _longest() - subject().parameters["x0_tri"] - SLACK_TRI
+    """The room that the printed lengths leave a muscle of its slack length."""
+    state, slack = states(trial(COARSE)), subject().parameters["x0_tri"]
+    # "Initial … length combined with the ankle rotation length change": 0.467 − 1.67·(r(θ) − r(0)).
+    at_zero = 0.118 - 1.67 * 0.0480  # equations (4) and (9)
+    length = 0.467 + state.muscle_length[0] + state.tendon_length[0] - SLACK_TRI - at_zero
+    room = float(length.max()) - slack - SLACK_TRI
     return Ruling(
         room > 0.0,
-        f"at most {1e3 * _longest():.0f} mm, of which the tendon alone takes "
-        f"{1e3 * SLACK_TRI:.0f} mm",
+        f"{1e3 * float(length.max()):.0f} mm at most, {1e3 * room:.0f} mm more than tendon and "
+        "slack muscle",
     )
 
 

@@ -25,14 +25,24 @@ from surae.report.block import (
 from surae.report.block import Section as Shown
 from surae_thesis.claims import JudgedClaim
 from surae_thesis.section import Cell as Value
-from surae_thesis.section import Chapters, Context, Result, Section, causes, chapters, counts
+from surae_thesis.section import (
+    Chapters,
+    Context,
+    Result,
+    Section,
+    causes,
+    chapters,
+    counts,
+    keep,
+)
 
 #: Names of what is written, beside a PDF where there is typst.
 PAGE, PDF, MARKDOWN = "reproduction.html", "reproduction.pdf", "verdicts.md"
 #: Classes of the verdicts in the style sheet.
 CLASSES = {
     "holds": "holds", "holds under a reading": "partly", "differs": "differs",
-    "holds with the thesis's integrator": "partly", "cannot be checked": "unchecked",
+    "holds with the thesis's integrator": "partly", "same direction, smaller": "partly",
+    "calibrated": "unchecked", "cannot be checked": "unchecked",
 }  # fmt: skip
 _TITLE = "The thesis’s results, computed again"
 
@@ -83,7 +93,7 @@ def document(context: Context, there: Chapters) -> Document:
 
 def _chapter(section: Section, result: Result) -> Shown:
     """A section of the thesis: what we say of it, its claims, figures and tables."""
-    blocks: list[Block] = [Text(f"Thesis: {section.source}", "under")]
+    blocks: list[Block] = [Text(f"Thesis: {section.source}", "under")] if section.source else []
     blocks += [Text("", lead=text) for text in result.insights]
     blocks += paragraphs(result.notes)
     if result.findings:
@@ -126,13 +136,35 @@ def _claim_rows(finding: JudgedClaim, views: Sequence[str]) -> tuple[Row, Row]:
     )
 
 
-def page(context: Context, there: Chapters) -> str:
-    """The page of these sections, its figures embedded; it asks nothing of the outside."""
-    from surae.report.figures import data_url
+def write_result(folder: Path, kicker: str, heading: str, result: Result) -> Path:
+    """Write a result that no claim is judged by: figures, tables, and the page that shows them."""
     from surae.report.output import page_of
 
-    images = {name: data_url(data, "png") for name, data in _figures(context, there, "png").items()}
+    context = Context(folder=folder)
+    section = Section(name=kicker, title=heading, source="", run=lambda _: result)
+    keep(context, section, result)
+    there = [(section, result)]
+    images = _figures(context, there, "png")
+    document = Document(
+        kicker, heading, f"surae {__version__}", heading, tuple(starmap(_chapter, there))
+    )
+    path = folder / f"{kicker}.html"
+    write_atomic(path, page_of(document, {name: _url(data) for name, data in images.items()}))
+    return path
+
+
+def page(context: Context, there: Chapters) -> str:
+    """The page of these sections, its figures embedded; it asks nothing of the outside."""
+    from surae.report.output import page_of
+
+    images = {name: _url(data) for name, data in _figures(context, there, "png").items()}
     return page_of(document(context, there), images)
+
+
+def _url(png: bytes) -> str:
+    from surae.report.figures import data_url
+
+    return data_url(png, "png")
 
 
 def pdf(context: Context, there: Chapters) -> bytes | None:

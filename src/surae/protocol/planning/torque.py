@@ -16,7 +16,7 @@ from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.model.laboratory import richest
 from surae.protocol import Device, Protocol, Trajectory, generate
-from surae.protocol.effort import GAP, Burst, burst_effort, named_task, task_bursts
+from surae.protocol.effort import GAP, Burst, burst_effort, task_bursts
 from surae.protocol.planning.information import model_inputs
 from surae.protocol.planning.legs import Legs, population_legs
 from surae.protocol.planning.plan import EXACT, Limits, Plan, eased
@@ -50,7 +50,7 @@ class ProfilePlan:
 
     def effort(self, time: FloatArray) -> FloatArray:
         """The requested effort at increasing times [s], shape (n, 4)."""
-        return burst_effort(time, self.bursts)
+        return burst_effort(time, self.bursts, self.settings.effort_task.turns)
 
 
 #: What can be held to a torque: a designed protocol, or one of the thesis.
@@ -261,7 +261,7 @@ def held_to_torque(settings: Protocol) -> tuple[Trajectory, tuple[str, ...]]:
     trajectory = generate(settings)
     if not any(limit.exceeded for limit in requested_limits(trajectory)):
         return trajectory, ()
-    bursts = task_bursts(named_task(settings.task), float(trajectory.time[-1]))
+    bursts = task_bursts(settings.effort_task, float(trajectory.time[-1]))
     whole = ProfilePlan(settings, tuple(bursts))
     legs = population_legs("muscle", None, _LEGS)
     limits = Limits(*settings.range_of_motion, math.inf, math.inf)

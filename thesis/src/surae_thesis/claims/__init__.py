@@ -19,14 +19,15 @@ from typing import Any
 
 #: In the order in which they are counted.
 VERDICTS = (
-    "holds", "holds under a reading", "holds with the thesis's integrator", "differs",
-    "cannot be checked",
+    "holds", "holds under a reading", "holds with the thesis's integrator",
+    "same direction, smaller", "calibrated", "differs", "cannot be checked",
 )  # fmt: skip
 #: The view that is the thesis's own way to integrate and to fit, where we have another.
 INTEGRATOR = "the thesis's integrator"
 #: What a second look at a claim that differs found: the thesis contradicts itself or is wrong; its
-#: integrator or optimiser; our virtual cohort is not its subjects; our rules for a fit; nothing.
-CAUSES = ("the thesis", "its scheme", "our cohort", "our fits", "unexplained")
+#: integrator or optimiser; something that our model does not do, no more is shown; our virtual
+#: cohort is not its subjects; nothing.
+CAUSES = ("the thesis", "its scheme", "not ours", "our cohort", "unexplained")
 
 
 class NotThereError(LookupError):
@@ -35,10 +36,14 @@ class NotThereError(LookupError):
 
 @dataclass(frozen=True, slots=True)
 class Ruling:
-    """Whether a claim holds in one view of the numbers, and our number in the thesis's unit."""
+    """Whether a claim holds in one view of the numbers, and our number in the thesis's unit.
+
+    `less`: it does not, but for its size: the order is the thesis's.
+    """
 
     holds: bool
     ours: str
+    less: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,12 +63,14 @@ class Claim(Stated):
     """How it is decided in one view of the numbers.
 
     `why` and `note` explain our number, the latter from the view that decides; `cause` is one of
-    `CAUSES`, where the claim differs; `views` are those that it is judged under, all if none.
+    `CAUSES`, where the claim differs; `views` are those that it is judged under, all if none;
+    `calibrated` says that the numbers were made to fit the claim, which then cannot hold.
     """
 
     ours: Callable[[Any], Ruling]
     why: str = ""
     cause: str = ""
+    calibrated: bool = False
     views: tuple[str, ...] = ()
     note: "Callable[[Any, Claim], str] | None" = None
 
@@ -125,11 +132,12 @@ def judge(claim: Claim, views: Mapping[str, Any]) -> JudgedClaim:
     """What a claim's rule says of its views of the numbers, in one verdict.
 
     It *holds* when it does so under the reading, the first of its views; *holds under* the others
-    that it holds in; *holds with the thesis's integrator*, where in that alone; and else *differs*.
+    that it holds in; *holds with the thesis's integrator*, where in that alone. It has the *same
+    direction, smaller* where only the size is not there, and else *differs*.
     """
     names = [name for name in claim.views if name in views] if claim.views else list(views)
     rulings: dict[str, tuple[bool, str]] = {}
-    missing = "it was not computed"
+    missing, less = "it was not computed", False
     for name in names:
         try:
             ruling = claim.ours(views[name])
@@ -137,6 +145,7 @@ def judge(claim: Claim, views: Mapping[str, Any]) -> JudgedClaim:
             missing = str(error)
         else:
             rulings[name] = bool(ruling.holds), ruling.ours
+            less = less or (name == names[0] and ruling.less)
     reading = names[0] if names else ""
     holding = [name for name in names if rulings.get(name, (False, ""))[0]]
     others = [name for name in holding if name != INTEGRATOR]
@@ -144,12 +153,16 @@ def judge(claim: Claim, views: Mapping[str, Any]) -> JudgedClaim:
     if reading not in rulings:
         verdict = said = "cannot be checked"
         reason = missing
+    elif claim.calibrated:
+        verdict = said = "calibrated"
     elif reading in holding:
         verdict = said = "holds"
     elif others:
         verdict, said = "holds under a reading", f"holds under {' and '.join(others)}"
     elif holding:
         verdict = said = "holds with the thesis's integrator"
+    elif less:
+        verdict = said = "same direction, smaller"
     else:
         verdict, said = "differs", f"differs: {claim.cause}" if claim.cause else "differs"
     if claim.note and reading in rulings:

@@ -83,7 +83,7 @@ class Numbers:
 
 def run(context: Context) -> Result:
     """Fit the cohort our way and compare with the truth, and with the thesis's way."""
-    fits, size = thesis_fits(context).constant, Size.of(context)
+    fits, size = thesis_fits(context).cohort, Size.of(context)
     kept = {"seed": size.seed, "repetitions": size.repetitions, "rate_hz": _RATE_HZ}
     jobs = {who.id: {**kept, "member": n} for n, who in enumerate(fits.members[: size.joint])}
     joint = context.calls("cohort-joint", work.joint_job, jobs, also=MADE_BY)
@@ -102,7 +102,7 @@ def run(context: Context) -> Result:
             "which they predict. Freed are none, or ε0 of both muscles and the triceps' toe force. "
             "The thesis's way is one recording, repetition 1 of the "
             "multiple holds. EMG weights are left out: crosstalk and muscles without electrodes "
-            "are part of what a weight stands for. The gain from EMG to torque is constant.",
+            "are part of what a weight stands for.",
         ),
     )
 

@@ -93,7 +93,7 @@ def vaf_drawings(fits: Fits) -> Iterator[Drawing]:
 
 def integrator_drawing(ways: Ways) -> Drawing:
     """Model 2.0 on the multiple holds by both integrators."""
-    first = {which: vaf for which, vaf in ways.wandering.vaf("2.0").items() if which[1] == 1}
+    first = {which: vaf for which, vaf in ways.cohort.vaf("2.0").items() if which[1] == 1}
     boxes = [
         Box("implicit", first, thesis_means()["fit", "2.0", ACTIVE_PROTOCOL]),
         Box("explicit,\nusual differences", ways.explicit.vaf("2.0")),
@@ -104,7 +104,7 @@ def integrator_drawing(ways: Ways) -> Drawing:
         "VAF of fits of model 2.0 to repetition 1 of the multiple holds: implicit integration of "
         f"the tendon, and the thesis's explicit one with an optimiser of its kind. {_BOXES}",
         "Box plots of the VAF of model 2.0 for two integrators.",
-        vaf_figure(boxes, 40.0, noted(ways.wandering)),
+        vaf_figure(boxes, 40.0, noted(ways.cohort)),
     )  # fmt: skip
 
 

@@ -50,6 +50,11 @@ REPETITIONS = 3
 #: The protocols in the thesis's order, and how many of the subjects completed each (Table 3).
 COMPLETED: Mapping[str, int] = {"ramp-and-hold": 14, "multiple-holds": 14, "multi-sine-holds": 7}
 PASSIVE_PROTOCOL, ACTIVE_PROTOCOL, FAST_PROTOCOL = COMPLETED
+#: How long they were measured [s]: the axes of Figures 18, 24 and 31 (30 s) and 20 (40 s); Figures
+#: 19 and 25 end between 25 and 30 s, so that 28 s is an estimate. "During the passive phase (first
+#: 7 seconds) of the measurement" (3.2.2, 4.2.2).
+MEASURED_SECONDS = dict(zip(COMPLETED, (30.0, 28.0, 40.0), strict=True))
+PASSIVE_SECONDS = 7.0
 
 #: Weights over those of `surae.studies.POPULATIONS`, which are meant for rigid tendons.
 _STRENGTH = 2.0
@@ -59,11 +64,13 @@ _WOMAN = 0.75
 #: Slack length of the triceps's tendon [m] (Table 2).
 SLACK_TRI = 0.415
 _ODD = 3 / 14
-#: Of the torque noise of `realistic_imperfections`, see above.
-_QUIET = 0.2
+#: Of the torque noise of `realistic_imperfections`, see above: the second calibration, on the VAF
+#: of Figure 18.
+QUIET = 0.2
 #: Coefficient of variation of the gain from EMG to torque. Calibrated on one number, the mean VAF
 #: of model 1.0 on the multiple holds, 95 % (Figure 17), in the first repetition of the first five
-#: subjects (0.4: 97.6, 0.5: 96.6, 0.6: 95.6 %); no other claim was looked at for it.
+#: subjects (0.4: 97.6, 0.5: 96.6, 0.6: 95.6 %), with the protocols of the simulations; it was not
+#: set again for those that were measured, and no other claim was looked at for it.
 GAIN = 0.65
 #: Cohorts of different seeds share no subject.
 _SUBJECTS_OF_A_SEED = 1_000_000
@@ -86,6 +93,7 @@ class CohortSubject:
     imperfections: CohortImperfections
     level_variation: float
     completed: tuple[str, ...]
+    measured: bool = True  # whether by the protocols as they were measured
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -99,9 +107,13 @@ class CohortSubject:
 
 
 def make_cohort(
-    seed: int = 1, subjects: int = SUBJECTS, gain: float = 0.0
-) -> tuple[CohortSubject, ...]:
-    """The first subjects of the cohort of a seed, whose gain from EMG to torque varies by `gain`.
+    seed: int = 1, subjects: int = SUBJECTS, gain: float = GAIN, quiet: float = QUIET,
+    measured: bool = True,
+) -> tuple[CohortSubject, ...]:  # fmt: skip
+    """The first subjects of the cohort of a seed.
+
+    The gain from EMG to torque varies by `gain`, the torque's noise is the part `quiet` of the
+    usual one, and the protocols are those that were `measured`, or those of the simulations.
 
     Raises
     ------
@@ -124,6 +136,8 @@ def make_cohort(
             ages[number],
             tuple(name for name in COMPLETED if number in finished[name]),
             gain,
+            quiet,
+            measured,
         )
         for number in range(subjects)
     )
@@ -136,6 +150,8 @@ def _member(
     age: int,
     completed: tuple[str, ...],
     gain: float,
+    quiet: float,
+    measured: bool,
 ) -> CohortSubject:
     drawn = thesis_leg(_SUBJECTS_OF_A_SEED * seed + _FIRST + number, tendons=True)
     strength = _STRENGTH * (_WOMAN if sex == "female" else 1.0)
@@ -160,7 +176,7 @@ def _member(
             "axis_up": uniform("high axis", 0.012, 0.020) if misaligned else usual.axis_up,
             "knee_motion": uniform("moving knee", 0.08, 0.15) if flexible else usual.knee_motion,
             "reflex_gain": uniform("reflex", 0.02, 0.10),
-            "torque_noise": _QUIET * usual.torque_noise,
+            "torque_noise": quiet * usual.torque_noise,
         },
         unmeasured=uniform("unmeasured", 0.10, 0.20),
         gain_variation=gain,
@@ -177,11 +193,16 @@ def _member(
         imperfections=imperfections,
         level_variation=0.15,
         completed=completed,
+        measured=measured,
     )
 
 
-def cohort_protocol(name: str, range_of_motion: tuple[float, float], rate_hz: float) -> Protocol:
+def cohort_protocol(
+    name: str, range_of_motion: tuple[float, float], rate_hz: float, *, measured: bool = True
+) -> Protocol:
     """One of the three protocols as the thesis's device could do it (4.1.5).
+
+    As it was `measured`, by the figures' axes and `PASSIVE_SECONDS`, or as it was simulated.
 
     A chirp of 0.2 rad and factor 0.5 is asked for, which the device lowers to 0.1 rad for the
     multiple holds; the motion is filtered to stay below 1.5 rad/s.
@@ -196,4 +217,8 @@ def cohort_protocol(name: str, range_of_motion: tuple[float, float], rate_hz: fl
     passive = name == PASSIVE_PROTOCOL
     task, amplitude = ("passive", 0.0) if passive else ("part-passive", 0.2)
     asked = protocol(name, task, amplitude, rate_hz=rate_hz, device="achilles")
-    return replace(asked, range_of_motion=range_of_motion)
+    asked = replace(asked, range_of_motion=range_of_motion)
+    if not measured:
+        return asked
+    relaxed = None if passive else PASSIVE_SECONDS
+    return replace(asked, duration=MEASURED_SECONDS[name], passive_seconds=relaxed)

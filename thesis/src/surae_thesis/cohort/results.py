@@ -12,7 +12,6 @@ from surae_thesis.cohort import members, trials, work
 from surae_thesis.cohort.members import (
     ACTIVE_PROTOCOL,
     FAST_PROTOCOL,
-    GAIN,
     PASSIVE_PROTOCOL,
     REPETITIONS,
     SUBJECTS,
@@ -29,11 +28,11 @@ MADE_BY = (members, trials, legs)
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """How much is computed: subjects whose gain wanders, of a constant gain, and joint fits."""
+    """How much is computed: subjects, those whose cohort is made otherwise too, and joint fits."""
 
     seed: int
     subjects: int = SUBJECTS
-    constant: int = SUBJECTS
+    others: int = 5
     joint: int = 5
     repetitions: int = REPETITIONS
     baseline: int = 6
@@ -41,7 +40,7 @@ class Size:
     @classmethod
     def of(cls, context: Context) -> "Size":
         """Make the size of the whole cohort, or of fewer fits that check every claim."""
-        return cls(context.seed, 2, 2, 1, 2, 2) if context.quick else cls(context.seed)
+        return cls(context.seed, 2, 1, 1, 2, 2) if context.quick else cls(context.seed)
 
 
 #: Numbers of recordings, by subject and repetition.
@@ -96,16 +95,26 @@ class Fits:
         return ratios
 
 
+#: How else the cohort may be made: what it was calibrated by, and the protocols.
+OTHERWISE: Mapping[str, Mapping[str, Any]] = {
+    "EMG gain constant": {"gain": 0.0},
+    "usual torque noise": {"quiet": 1.0},
+    "the simulations' protocols": {"measured": False},
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Ways:
-    """Fits of the cohort whose gain wanders and of the one whose does not, and by the thesis.
+    """Fits of the cohort, of the first subjects of one made otherwise, and by the thesis.
 
-    The latter with the thesis's integrator and optimiser; `wide` has its VAF of model 2.0 on the
-    multiple holds with finite differences that look past the chatter.
+    `few` are the same subjects of the cohort as `otherwise` has. `explicit` has the thesis's
+    integrator and optimiser; `wide` its VAF of model 2.0 on the multiple holds with finite
+    differences that look past the chatter.
     """
 
-    wandering: Fits
-    constant: Fits
+    cohort: Fits
+    few: Fits
+    otherwise: Mapping[str, Fits]
     explicit: Fits
     wide: Points
 
@@ -120,34 +129,37 @@ def thesis_fits(context: Context) -> Ways:
         if p == ACTIVE_PROTOCOL or m in ("1.0", "2.0")
     }
     baselines = context.calls("cohort-baselines", work.baseline_job, jobs, also=MADE_BY)
-    cohorts = {
-        "wandering": make_cohort(size.seed, size.subjects, GAIN),
-        "constant": make_cohort(size.seed, size.constant),
+    cohorts: dict[str, tuple[tuple[CohortSubject, ...], Mapping[str, Any]]]
+    cohorts = {"": (make_cohort(size.seed, size.subjects), {})} | {
+        name: (make_cohort(size.seed, size.others, **made), made)
+        for name, made in OTHERWISE.items()
     }
     kept = {"seed": size.seed, "repetitions": size.repetitions}
     jobs = {
-        f"{name} {n}": {**kept, "member": n, "gain": gain, "explicit": gain > 0.0}
-        for name, who in cohorts.items()
-        for n, gain in enumerate(member.imperfections.gain_variation for member in who)
+        f"{name} {n}": {**kept, "member": n, "made": dict(made), "explicit": not name}
+        for name, (who, made) in cohorts.items()
+        for n in range(len(who))
     }
-    made = context.calls("cohort-fits", work.member_job, jobs, also=MADE_BY)
+    outcomes = context.calls("cohort-fits", work.member_job, jobs, also=MADE_BY)
 
-    def fits(name: str, *ways: str) -> Fits:
+    def fits(name: str, *ways: str, most: int = SUBJECTS) -> Fits:
+        who = cohorts[name][0][:most]
         single = {
-            who.id: {
+            one.id: {
                 label.partition(" ")[2]: fit
-                for label, fit in made[f"{name} {number}"].items()
+                for label, fit in outcomes[f"{name} {number}"].items()
                 if label.startswith(ways)
             }
-            for number, who in enumerate(cohorts[name])
+            for number, one in enumerate(who)
         }
-        return Fits(cohorts[name], single, baselines)
+        return Fits(who, single, baselines)
 
     return Ways(
-        wandering=fits("wandering", "implicit"),
-        constant=fits("constant", "implicit"),
-        explicit=fits("wandering", "explicit", "implicit 1.0"),
-        wide=fits("wandering", "wide").vaf("2.0"),
+        cohort=fits("", "implicit"),
+        few=fits("", "implicit", most=size.others),
+        otherwise={name: fits(name, "implicit") for name in OTHERWISE},
+        explicit=fits("", "explicit", "implicit 1.0"),
+        wide=fits("", "wide").vaf("2.0"),
     )
 
 

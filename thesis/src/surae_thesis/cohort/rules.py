@@ -22,9 +22,10 @@ from surae_thesis.cohort.members import (
 from surae_thesis.cohort.results import Fits, Points, clearly_lower, paired, values
 from surae_thesis.cohort.trials import RECORDED_HZ, cohort_recording
 
-#: Views beside the thesis's integrator: of the cohort whose gain from EMG to torque wanders within
-#: seconds, and of the one whose gain is constant.
-WANDERING, CONSTANT = "EMG gain wanders", "EMG gain constant"
+#: The view that decides.
+COHORT = "the cohort"
+#: A difference has the thesis's size from this part of it.
+SIZE = 0.5
 #: The two groups whose dependency the thesis looks at (4.2.2), and the weights of the EMG.
 PASSIVE = ("k_tri", "k_tib", "x0_tri", "x0_tib", "tau_rel", "k_rel")
 ACTIVE = ("g1", "g2", "g3", "g4", "l0_tri", "l0_tib", "f0", "beta")
@@ -78,30 +79,53 @@ def _mean(points: Points) -> float:
     return float(values(points).mean())
 
 
+def lowest(fits: Fits, kind: str, model: str, protocol: str, least: float, within: float) -> Ruling:
+    """The lowest VAF against the thesis's; at least that where nothing lies within it."""
+    points = points_of(fits, kind, model, protocol)
+    text, low = described(points), float(values(points).min())
+    return Ruling(low >= least if within == 0.0 else abs(low - least) <= within, text)
+
+
 def change(
-    fits: Fits, first: str, second: str, sign: str, kind: str = "fit",
-    protocol: str = ACTIVE_PROTOCOL,
+    fits: Fits, first: str, second: str, size: float, kind: str = "fit",
+    protocol: str = ACTIVE_PROTOCOL, similar: float = 0.0,
 ) -> Ruling:  # fmt: skip
-    """The median change from a model to another, of the same recordings."""
+    """The mean change from a model to another, of the same recordings, against the thesis's.
+
+    Or, where they are `similar`, whether neither mean nor median goes beyond so many points.
+    """
     several = paired(*(points_of(fits, kind, model, protocol) for model in (first, second)))
     if not len(several):
         raise NotThereError("No such fit is there.")
-    middle = float(np.median(several))
+    middle, mean = float(np.median(several)), float(several.mean())
     text = (
-        f"{middle:+.2f} points (median), {several.mean():+.2f} (mean); negative in "
+        f"{mean:+.2f} points (mean), {middle:+.2f} (median); negative in "
         f"{100 * float(np.mean(several < 0.0)):.0f} % of {len(several)}"
     )
-    holds = {"negative": middle < 0.0, "positive": middle > 0.0}
-    return Ruling(holds.get(sign, abs(middle) <= 1.0), text)
+    if similar:
+        return Ruling(max(abs(mean), abs(middle)) <= similar, text)
+    sign = np.sign(size) == np.sign(mean) == np.sign(middle)
+    holds = bool(sign and abs(mean) >= SIZE * abs(size))
+    return Ruling(holds, text, less=bool(sign) and not holds)
 
 
-def lower(fits: Fits, points: list[str], clearly: bool = False) -> Ruling:
-    """Whether the last mean is the highest, clearly: by more than chance."""
+def lower(fits: Fits, points: list[str], size: float, clearly: bool = False) -> Ruling:
+    """Whether the last mean is the highest, clearly: by more than chance; and by how much.
+
+    The size is that of the thesis [points], of the last over the highest other.
+    """
     *groups, highest = (points_of(fits, *which.split()) for which in points)
     text = " against ".join(map(described, (*groups, highest)))
-    if clearly:
-        return Ruling(all(clearly_lower(group, highest) for group in groups), text)
-    return Ruling(max(map(_mean, groups)) < _mean(highest), text)
+    apart = _mean(highest) - max(map(_mean, groups))
+    sign = apart > 0.0 and (not clearly or all(clearly_lower(g, highest) for g in groups))
+    return Ruling(sign and apart >= SIZE * size, text, less=sign and apart < SIZE * size)
+
+
+def spreads(fits: Fits, first: str, second: str) -> Ruling:
+    """Ranges of the ramp and hold as two models predict it: much wider by the second."""
+    ranges = [float(np.ptp(values(fits.onto_passive(model)))) for model in (first, second)]
+    text = f"{ranges[0]:.1f} points by {first}, {ranges[1]:.1f} by {second}"
+    return Ruling(ranges[1] >= 2.0 * ranges[0], text, less=ranges[0] < ranges[1] < 2.0 * ranges[0])
 
 
 def remarked(fits: Fits) -> Ruling:
@@ -181,6 +205,15 @@ def mass_highest(fits: Fits, model: str) -> Ruling:
         raise NotThereError("No fit tells the mass's standard error.")
     value, name = max((value, name) for name, value in several.items() if name != "m")
     return Ruling(several["m"] > value, f"{several['m']:.1f}; next {name} with {value:.1f}")
+
+
+def among_highest(fits: Fits, model: str, name: str, most: int) -> Ruling:
+    """The place of a parameter by its snSEM, the highest first."""
+    several = _medians(fits, model)
+    if name not in several:
+        raise NotThereError("No fit tells its standard error.")
+    place = 1 + sum(value > several[name] for value in several.values())
+    return Ruling(place <= most, f"{several[name]:.1f}, place {place} of {len(several)}")
 
 
 # Parts of the torque, the mass, dependencies, repetitions

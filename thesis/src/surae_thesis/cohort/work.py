@@ -74,9 +74,11 @@ def inputs_of(
 
 
 def member_job(
-    *, seed: int, member: int, gain: float, repetitions: int, explicit: bool
+    *, seed: int, member: int, made: Mapping[str, Any], repetitions: int, explicit: bool
 ) -> dict[str, Plain]:
     """Fit every model to every recording alone, as the thesis did, and let them predict others.
+
+    How the cohort is `made`: keywords of `make_cohort`.
 
     Returns
     -------
@@ -85,7 +87,7 @@ def member_job(
         ``"explicit"`` too, repetition 1 by `fit_explicit`, and ``"wide"``, the same with wide
         finite differences.
     """
-    subject = _Subject(make_cohort(seed, gain=gain)[member])
+    subject = _Subject(make_cohort(seed, **made)[member])
     fits = {}
     for protocol in subject.who.completed:
         for model, name in MODELS.items():
@@ -130,16 +132,16 @@ def fit_record(
     missing = np.concatenate(fit.result.residuals)
     return {
         "n": fit.result.problem.n,
-        "vaf": _finite(fit.vaf),
+        "vaf": finite(fit.vaf),
         # Whether the default start alone finds the best minimum, to a thousandth of its sum.
         "first_start": bool(sums[0] <= 1.001 * min(sums)),
         "parameters": {
             name: {
-                "value": _finite(p.value),
-                "sem": _finite(p.sem),
-                "ci95": None if p.ci95 is None else [_finite(end) for end in p.ci95],
+                "value": finite(p.value),
+                "sem": finite(p.sem),
+                "ci95": None if p.ci95 is None else [finite(end) for end in p.ci95],
                 "at_bound": p.at_bound,
-                "true": None if name in _WEIGHTS else _finite(truth.get(name)),
+                "true": None if name in _WEIGHTS else finite(truth.get(name)),
             }
             for name, p in fit.parameters.items()
             if p.free
@@ -154,7 +156,7 @@ def fit_record(
         ],
         "sizes": {
             **{
-                name: _finite(max(_largest(getattr(part, name)) for part in parts))
+                name: finite(max(_largest(getattr(part, name)) for part in parts))
                 for name in ("neural", "tissue", "inertial")
             },
             "short_at_peaks": _short(measured, missing),
@@ -174,15 +176,15 @@ def _explicit(
         target = subject.inputs(other, r, EXPLICIT_HZ)
         try:
             torque = surae.simulate(model, fit["values"], target, integrator="explicit-euler")
-            share = _finite(vaf(_measured(target), _measured(target) - torque))
+            share = finite(vaf(_measured(target), _measured(target) - torque))
         except ComputationError:
             share = None
         predicted.append({"protocol": other, "repetition": r, "vaf": share})
     return {
-        "vaf": _finite(fit["vaf"]),
+        "vaf": finite(fit["vaf"]),
         "parameters": {
             name: {
-                "value": value, "sem": _finite(fit["sem"].get(name)),
+                "value": value, "sem": finite(fit["sem"].get(name)),
                 "at_bound": name in fit["bounded"],
             }
             for name, value in fit["values"].items()
@@ -239,7 +241,7 @@ def strength_job(*, seed: int, member: int) -> dict[str, float]:
 def _predicted(fit: surae.Fit, inputs: ModelInputs) -> float | None:
     """VAF of a recording that the fit predicts [%]."""
     try:
-        return _finite(fit.predict(inputs).vaf)
+        return finite(fit.predict(inputs).vaf)
     except ComputationError:
         return None
 
@@ -248,7 +250,7 @@ def _short(measured: FloatArray, missing: FloatArray) -> float | None:
     """What is missing at the largest torques, as a part of them."""
     high = np.abs(measured) >= np.quantile(np.abs(measured), 1.0 - PEAK)
     short = float(np.mean(np.sign(measured[high]) * missing[high]))
-    return _finite(short / float(np.mean(np.abs(measured[high]))))
+    return finite(short / float(np.mean(np.abs(measured[high]))))
 
 
 def _measured(inputs: ModelInputs) -> FloatArray:
@@ -260,6 +262,6 @@ def _largest(values: Any) -> float:
     return float(np.abs(values).max())
 
 
-def _finite(value: float | None) -> float | None:
+def finite(value: float | None) -> float | None:
     """A number, or None where there is none."""
     return None if value is None or not math.isfinite(value) else float(value)

@@ -23,9 +23,10 @@ CHOSEN_AMPLITUDE, CHOSEN_FACTOR = 0.2, 0.5
 #: Repeats of the noise, their amplitude and factors (3.1.4).
 REPEATS, NOISE_AMPLITUDE = 5, 0.1
 NOISE_FACTORS = tuple(factor for factor in FACTORS if factor >= 0.3)
-#: Readings: "5 % of the mean" of a torque that changes its sign, the first as it is written; and
-#: an effort in which the triceps's heads take turns.
-SIGNED, MAGNITUDE, IN_TURN = "the signed mean", "the mean magnitude", "heads in turn"
+#: Faster chirps than the thesis's, by which a lowest value at its end is told from one before it.
+FASTER = tuple(round(0.65 + 0.05 * k, 3) for k in range(4))
+#: Readings of "5 % of the mean" of a torque that changes its sign, the first as it is written.
+SIGNED, MAGNITUDE = "the signed mean", "the mean magnitude"
 #: The relaxation parameters, which the thesis treats apart.
 RELAXATION = ("tau_rel", "k_rel")
 
@@ -72,12 +73,13 @@ Cells = tuple[GridCell, ...]
 class Study:
     """All cells under one reading.
 
-    The grid is of one healthy subject; `noise` has repeats of the noise, muscle model; `patients`
-    a patient's cells; `others` chosen cells of all healthy subjects. Cells of the grid that gave no
-    fit have `failed`.
+    The grid is of one healthy subject, `faster` beyond its factors; `noise` has repeats of the
+    noise, muscle model; `patients` a patient's cells; `others` chosen cells of all healthy
+    subjects. Cells of the grid that gave no fit have `failed`.
     """
 
     grid: Cells
+    faster: Cells = ()
     noise: Cells = ()
     patients: Cells = ()
     others: Cells = ()

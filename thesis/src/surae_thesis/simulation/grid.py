@@ -5,7 +5,7 @@ from itertools import product
 from typing import Any
 
 from surae_thesis.claims import INTEGRATOR
-from surae_thesis.legs import fit_cell
+from surae_thesis.legs import EARLY, IN_TURN, LEAD, SLOW, fit_cell
 from surae_thesis.section import Context
 from surae_thesis.simulation import cells as c
 from surae_thesis.simulation.cells import Study, cells, select, with_magnitude
@@ -22,7 +22,7 @@ def place(model: str, profile: str, amplitude: float, factor: float | None, **ot
     return {
         "model": model, "profile": profile, "task": "part-passive", "amplitude": amplitude,
         "factor": factor if amplitude else None, "population": "healthy", "subject": 1, "repeat": 1,
-        "explicit": False, "in_turn": False, **others,
+        "explicit": False, "reading": "", **others,
     }  # fmt: skip
 
 
@@ -39,6 +39,7 @@ def places(quick: bool) -> dict[str, list[Place]]:
     """What is fitted, by name; in the grid's order motions change slowest."""
     factors = _QUICK_FACTORS if quick else c.FACTORS
     subjects = range(1, 1 + (_QUICK_SUBJECTS if quick else SUBJECTS))
+    faster = c.FASTER[1::2] if quick else c.FASTER
     chirps = [(0.0, None), *product(c.AMPLITUDES[1:], factors)]
     return {
         "grid": [
@@ -54,7 +55,11 @@ def places(quick: bool) -> dict[str, list[Place]]:
         "patients": [
             {**at, "population": "patient"}
             for m in c.MODELS
-            for at in _around(m, c.CHOSEN, factors if quick else c.FACTORS[::2])
+            for at in _around(m, c.CHOSEN, (*(factors if quick else c.FACTORS[::2]), *faster))
+        ],
+        "faster": [
+            place(m, p, c.CHOSEN_AMPLITUDE, s)
+            for p, s, m in product(c.PROFILES, faster, c.MODELS)
         ],
         "others": [
             {**at, "subject": n}
@@ -67,9 +72,22 @@ def places(quick: bool) -> dict[str, list[Place]]:
                   for a in c.AMPLITUDES if a != c.CHOSEN_AMPLITUDE),
             ]
         ],
-        "in-turn": [
-            place(m, p, c.CHOSEN_AMPLITUDE, c.CHOSEN_FACTOR, subject=n, in_turn=True)
+        IN_TURN: [
+            place(m, p, c.CHOSEN_AMPLITUDE, c.CHOSEN_FACTOR, subject=n, reading=IN_TURN)
             for n, p, m in product(subjects, c.PROFILES, c.MODELS)
+        ],
+        LEAD: [
+            place("muscle", p, c.CHOSEN_AMPLITUDE, c.CHOSEN_FACTOR, subject=n, reading=LEAD)
+            for n, p in product(subjects, c.PROFILES)
+        ],
+        EARLY: [
+            {**place(m, p, c.CHOSEN_AMPLITUDE, c.CHOSEN_FACTOR, subject=n, reading=EARLY),
+             "task": "active"}
+            for n, p, m in product(subjects[:3], c.PROFILES, c.MODELS)
+        ],
+        SLOW: [
+            place("muscle", c.CHOSEN[0], a, c.CHOSEN_FACTOR, subject=n, reading=SLOW)
+            for n, a in product(subjects, c.AMPLITUDES)
         ],
         "explicit": [
             place("muscle-tendon", p, a, c.CHOSEN_FACTOR, explicit=True)
@@ -81,24 +99,26 @@ def places(quick: bool) -> dict[str, list[Place]]:
 def studies(context: Context) -> dict[str, Study]:
     """The cells under each reading, and as the thesis integrated."""
     made, failed = {}, {}
-    for name, some in places(context.quick).items():
+    for number, (name, some) in enumerate(places(context.quick).items()):
         jobs = {_label(at): {"seed": context.seed, **at} for at in some}
-        fits = context.calls(f"simulation-{name}", fit_cell, jobs)
+        fits = context.calls(f"simulation-{number}", fit_cell, jobs)
         made[name] = cells(some, [fits[_label(at)] for at in some])
         failed[name] = len(some) - len(made[name])
-    signed = Study(
-        grid=made["grid"], noise=made["noise"], patients=made["patients"], others=made["others"],
-        failed=failed["grid"],
-    )  # fmt: skip
-    magnitude = {
-        name: tuple(map(with_magnitude, made[name]))
-        for name in ("grid", "noise", "patients", "others")
-    }
-    turned = made["in-turn"]
+    usual = {name: made[name] for name in ("grid", "faster", "noise", "patients", "others")}
+    # Beside the early active task stands the part-passive one as it is.
+    again = {cell.subject for cell in made[EARLY]}
+    beside = [cell for cell in select(made["others"], task="part-passive") if cell.subject in again]
+    made[EARLY] += tuple(cell for cell in beside if cell.amplitude == c.CHOSEN_AMPLITUDE)
     return {
-        c.SIGNED: signed,
-        c.MAGNITUDE: Study(**magnitude, failed=failed["grid"]),
-        c.IN_TURN: Study(grid=select(turned, subject=1), others=turned),
+        c.SIGNED: Study(**usual, failed=failed["grid"]),
+        c.MAGNITUDE: Study(
+            **{name: tuple(map(with_magnitude, some)) for name, some in usual.items()},
+            failed=failed["grid"],
+        ),
+        **{
+            name: Study(grid=select(made[name], subject=1), others=made[name])
+            for name in (IN_TURN, LEAD, EARLY, SLOW)
+        },
         INTEGRATOR: Study(grid=made["explicit"]),
     }
 

@@ -22,7 +22,7 @@ from surae import api
 from surae.base import names
 from surae.base.records import to_plain
 from surae.base.requests import DesignSettings, ExpectSettings
-from surae.base.setting import Setting, default_of, settings_of
+from surae.base.setting import Setting, default_of, kind_of, settings_of
 
 #: No control characters, nor those that break lines or turn the direction of writing.
 _PRINTED = r"^[^\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]"
@@ -172,7 +172,10 @@ def request_of(kind: Any, *without: str, defaults: bool = False, **others: Any) 
     for each, record in settings_of(kind):
         if each.name not in without:
             of_key = others.get(each.name) or limited(each.type, record)
-            keys[each.name] = (of_key, default_of(each)) if defaults else (of_key | None, None)
+            own = default_of(each)
+            if own == () and kind_of(each) == "names":
+                own = []  # what it is in JSON
+            keys[each.name] = (of_key, own) if defaults else (of_key | None, None)
     return create_model(kind.__name__, __base__=Strict, __doc__=f"See `{kind.__name__}`.", **keys)
 
 
