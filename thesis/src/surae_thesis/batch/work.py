@@ -11,7 +11,7 @@ import numpy as np
 
 import surae
 from surae import FitSettings, ModelInputs
-from surae.api import check_for
+from surae.api import checks_for
 from surae.base.errors import SuraeError
 from surae.base.records import from_plain
 from surae.model import get_model
@@ -61,7 +61,7 @@ def fit_job(*, where: Where, settings: Plain, others: Mapping[str, Where]) -> Pl
 
 def _fit(where: Where, settings: FitSettings, others: Mapping[str, Where]) -> Plain:
     recording = _read(**where)
-    fit = surae.fit(recording, settings, quality=(check_for(settings, recording),))
+    fit = surae.fit(recording, settings, quality=checks_for(settings, [recording]))
     if fit.result.starts[-1].outcome == "interrupted":
         raise KeyboardInterrupt
     predicted: dict[str, float | None] = {}
