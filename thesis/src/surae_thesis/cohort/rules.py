@@ -24,8 +24,9 @@ from surae_thesis.cohort.trials import RECORDED_HZ, cohort_recording
 
 #: The view that decides.
 COHORT = "the cohort"
-#: A difference has the thesis's size from this part of it.
-SIZE = 0.5
+#: A difference has the thesis's size from this part of it, up to one over it; a standard error so
+#: much lower than another is a lot lower, and so near to a printed one has its size.
+SIZE, MUCH, NEAR = 0.5, 0.5, 3.0
 #: The two groups whose dependency the thesis looks at (4.2.2), and the weights of the EMG.
 PASSIVE = ("k_tri", "k_tib", "x0_tri", "x0_tib", "tau_rel", "k_rel")
 ACTIVE = ("g1", "g2", "g3", "g4", "l0_tri", "l0_tib", "f0", "beta")
@@ -104,9 +105,9 @@ def change(
     )
     if similar:
         return Ruling(max(abs(mean), abs(middle)) <= similar, text)
-    sign = np.sign(size) == np.sign(mean) == np.sign(middle)
-    holds = bool(sign and abs(mean) >= SIZE * abs(size))
-    return Ruling(holds, text, less=bool(sign) and not holds)
+    sign = bool(np.sign(size) == np.sign(mean) == np.sign(middle))
+    part = abs(mean / size)
+    return Ruling(sign and SIZE <= part <= 1.0 / SIZE, text, less=sign and part < SIZE)
 
 
 def lower(fits: Fits, points: list[str], size: float, clearly: bool = False) -> Ruling:
@@ -183,7 +184,7 @@ def about_one(fits: Fits) -> Ruling:
 def below_muscle(fits: Fits) -> Ruling:
     """The median snSEM of model 2.0 against that of 1.0."""
     a, b = (median(_medians(fits, model).values()) for model in ("2.0", "1.0"))
-    return Ruling(a < b, f"{a:.2g} against {b:.2g}")
+    return Ruling(a <= MUCH * b, f"{a:.2g} against {b:.2g}", less=MUCH * b < a < b)
 
 
 def over_tendon(fits: Fits, model: str, weights_lower: bool) -> Ruling:
@@ -192,19 +193,24 @@ def over_tendon(fits: Fits, model: str, weights_lower: bool) -> Ruling:
     ratio = {name: some[name] / tendon[name] for name in tendon if name in some}
     rest = median([r for name, r in ratio.items() if not weights_lower or name not in WEIGHTS])
     text, holds = f"median ratio {rest:.2g}", 0.5 <= rest <= 2.0
-    if weights_lower:
-        weights = median([ratio[name] for name in WEIGHTS if name in ratio])
-        text, holds = f"{text}, of the weights {weights:.2g}", holds and weights < min(1.0, rest)
-    return Ruling(holds, text)
+    if not weights_lower:
+        return Ruling(holds, text)
+    weights = median([ratio[name] for name in WEIGHTS if name in ratio])
+    text, most = f"{text}, of the weights {weights:.2g}", min(1.0, rest)
+    return Ruling(
+        holds and weights <= MUCH * most, text, less=holds and MUCH * most < weights < most
+    )
 
 
-def mass_highest(fits: Fits, model: str) -> Ruling:
-    """The snSEM of the mass against the next."""
+def mass_highest(fits: Fits, model: str, size: float = 0.0) -> Ruling:
+    """The snSEM of the mass against the next, and against the thesis's where it prints one."""
     several = _medians(fits, model)
     if "m" not in several:
         raise NotThereError("No fit tells the mass's standard error.")
     value, name = max((value, name) for name, value in several.items() if name != "m")
-    return Ruling(several["m"] > value, f"{several['m']:.1f}; next {name} with {value:.1f}")
+    sized = not size or size / NEAR <= several["m"] <= size * NEAR
+    text = f"{several['m']:.1f}; next {name} with {value:.1f}"
+    return Ruling(several["m"] > value and sized, text)
 
 
 def among_highest(fits: Fits, model: str, name: str, most: int) -> Ruling:
