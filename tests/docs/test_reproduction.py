@@ -4,7 +4,6 @@ import re
 from collections import Counter
 
 from docs.pages import ROOT
-from surae_thesis.claims import CAUSES, VERDICTS
 
 TABLE = (ROOT / "docs" / "reproduction-table.md").read_text(encoding="utf-8")
 #: The verdicts of the table, in full, by section.
@@ -12,6 +11,8 @@ SAID = [
     re.findall(r"\*\*([^*]+)\*\* \|$", part, flags=re.MULTILINE)
     for part in TABLE.split("\n## ")[1:]
 ]
+#: The causes that the table counts; it is of the last whole run, rules may have changed since.
+CAUSES = re.findall(r"\d+ (?:by )?([a-z ]+)", TABLE.split("Of those that differ")[1].split("\n")[0])
 EVERY = [said for section in SAID for said in section]
 COUNTS = Counter(
     "differs" if said.startswith("differs")
@@ -24,7 +25,8 @@ COUNTS = Counter(
 
 def test_the_table_counts_its_own_rows() -> None:
     (line,) = re.findall(r"^Verdicts: (.*)\.$", TABLE, flags=re.MULTILINE)
-    assert line == ", ".join(f"{COUNTS[verdict]} {verdict}" for verdict in VERDICTS)
+    counts = {verdict: int(n) for n, verdict in re.findall(r"(\d+) ([a-z' ]+)", line)}
+    assert {verdict: n for verdict, n in counts.items() if n} == dict(COUNTS)
     given = re.findall(r"\d+", TABLE.split("Of those that differ")[1].split("\n")[0])
     counts = [sum(said == f"differs: {cause}" for said in EVERY) for cause in CAUSES]
     assert [count for count in counts if count] == list(map(int, given))
