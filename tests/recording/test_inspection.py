@@ -350,3 +350,18 @@ def test_what_is_not_read_is_named_with_how_to_export_it(tmp_path, name, data, s
     (tmp_path / name).write_bytes(data)
     with pytest.raises(InputError, match=says):
         inspect(tmp_path / name)
+
+
+def test_columns_of_a_matrix_without_names_ask_which_muscle_they_are(tmp_path):
+    from scipy.io import savemat
+
+    time = np.arange(0.0, 4.0, 1 / 500)
+    noise = np.random.default_rng(1).standard_normal((len(time), 4))
+    moved = {"angle": 0.3 * np.sin(time), "torque": 5.0 * np.cos(time), "fs": 500.0}
+    savemat(tmp_path / "trial.mat", {**moved, "emg": 1e-4 * noise})
+    asked = [line for line in inspect(tmp_path / "trial.mat").advice if "which muscle" in line]
+    assert len(asked) == 1
+    assert "TA, SOL, GM, GL that of its figures" in asked[0]
+    named = {f"emg_{m}": 1e-4 * noise[:, k] for k, m in enumerate(("ta", "gl", "sol", "gm"))}
+    savemat(tmp_path / "named.mat", {**moved, **named})
+    assert not any("which muscle" in line for line in inspect(tmp_path / "named.mat").advice)

@@ -407,6 +407,11 @@ def _advice(inspection: Inspection) -> Iterator[str]:
             todo = f"only a guess ({guess.rule}): confirm it in the mapping"
         names = some([c.column for c in candidates])
         yield f"{', '.join(roles)} {'is' if len(roles) == 1 else 'are'} open: {names}; {todo}"
+        if len({c.column.partition("(")[0] for c in candidates}) == 1 and len(roles) == 4:
+            yield (
+                "which muscle is which column of the matrix? TA, GL, SOL, GM is the order of "
+                "equation (13) of the thesis, TA, SOL, GM, GL that of its figures"
+            )
     if "angle" in inspection.missing:
         yield "angle is missing: no recording can be read without it; add its file"
     if "torque" in inspection.missing:
