@@ -10,18 +10,12 @@ import click
 
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import shown, write_table
-from surae.cli.options import (
-    DASK,
-    MAPPING,
-    corrections,
-    engine_of,
-    settings_options,
-    workers_option,
-)
+from surae.cli.options import MAPPING, corrections, settings_options, workers_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_line, show_table
 from surae.settings import FitSettings
+from surae_cohort.options import DASK, engine_of
 
 #: The models of the thesis.
 _MODELS = "1.0,2.0,2.1,2.2"

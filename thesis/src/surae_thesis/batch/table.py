@@ -9,7 +9,7 @@ from typing import Any
 from surae import FitSettings
 from surae.base.errors import InputError
 from surae.base.records import to_plain
-from surae.runner import Died, Engine, results
+from surae_cohort.runner import Died, Engine, results
 from surae_thesis.batch.files import NamedTrial, content_of
 from surae_thesis.batch.work import Plain, Where
 from surae_thesis.cohort.work import MODELS
