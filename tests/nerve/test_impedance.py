@@ -5,9 +5,12 @@ import pickle
 
 import numpy as np
 import pytest
+from scipy import signal
 
 import surae
 from surae.base.errors import InputError
+from surae.nerve.impedance import turned
+from surae.nerve.samples import usable
 from surae.recording import Recording
 
 TRUE = {"intrinsic_stiffness": 60.0, "inertia": 0.015, "reflex_gain": 6.0, "reflex_delay": 45.0}
@@ -39,6 +42,38 @@ def test_a_torque_of_the_other_sign_is_turned_and_that_is_said(ankle) -> None:
     turned = surae.impedance(Recording.from_arrays(**moved | {"torque": -moved["torque"]}))
     assert turned.measures == plain.measures
     assert "sign was turned" in turned.recordings[0].notes[0]
+
+
+def test_a_sign_is_not_turned_by_inertia_alone(ankle) -> None:
+    """A reflex bends torque as negative inertia would, where stiffness is plain."""
+    moved = ankle(stiffness=160.0, inertia=0.008, gain=30.0, switch=0.4).moved()
+    samples = usable("ankle", moved["time"], moved["angle"], moved["torque"])
+    assert turned(samples)[0] is samples
+    found = surae.impedance(Recording.from_arrays(**moved))
+    low, high = found.measures["intrinsic_stiffness"].ci95
+    assert low < 160.0 < high
+
+
+def test_a_torque_that_jumps_between_samples_is_timed_to_half_a_sample() -> None:
+    """A stiff servo, no filter, one clock: all jumps of the torque are seen half a sample early."""
+    draw, h, omega, zeta = np.random.default_rng(2), 1e-3, 190.0, 0.9
+    a = np.array([[0.0, 1.0], [-(omega**2), -2.0 * zeta * omega]])
+    step, taken = signal.cont2discrete((a, np.array([[0.0], [omega**2]]), a, np.zeros((2, 1))), h)[
+        :2
+    ]
+    command = 0.015 * np.repeat(draw.choice([-1.0, 1.0], 240), 150)
+    x = np.zeros((len(command) + 1, 2))
+    for i, c in enumerate(command):
+        x[i + 1] = step @ x[i] + taken[:, 0] * c
+    angle, speed = x[:-1].T
+    torque = 65.0 * angle + 0.6 * speed
+    torque += 0.016 * (omega**2 * (command - angle) - 2.0 * zeta * omega * speed)
+    torque += 0.01 * np.cumsum(draw.standard_normal(len(angle)))
+    found = surae.impedance(Recording.from_arrays(h * np.arange(len(angle)), angle, torque))
+    for name, true in (("intrinsic_viscosity", 0.6), ("inertia", 0.016)):
+        low, high = found.measures[name].ci95
+        assert low < true < high
+    assert any("half a sample" in note for note in found.recordings[0].notes)
 
 
 def test_a_stiffness_below_zero_claims_nothing(ankle) -> None:

@@ -20,11 +20,11 @@ from surae.api.fitting import fit as fit
 from surae.api.fitting import fit_inputs as fit_inputs
 from surae.api.fitting import inputs_for as inputs_for
 from surae.api.fitting import load as load
+from surae.api.given import AnyRecording as AnyRecording
 from surae.api.nerve import impedance as impedance
 from surae.api.nerve import stretches as stretches
 from surae.api.nerve import write_impedance_page as write_impedance_page
 from surae.api.nerve import write_stretches_page as write_stretches_page
-from surae.api.recordings import AnyRecording as AnyRecording
 from surae.api.recordings import check as check
 from surae.api.recordings import check_together as check_together
 from surae.api.recordings import checks_for as checks_for

@@ -8,7 +8,8 @@ from typing import Any
 
 from surae.api.fitted import Fit
 from surae.api.fitting import load
-from surae.api.recordings import AnyRecording, as_in_fit, several
+from surae.api.given import AnyRecording, several
+from surae.api.recordings import as_in_fit
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.progress import NamedProgress

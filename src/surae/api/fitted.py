@@ -4,8 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from surae.api.given import AnyRecording
 from surae.api.plots import Plots, numbered
-from surae.api.recordings import AnyRecording, as_in_fit
+from surae.api.recordings import as_in_fit
 from surae.api.simulation import parts_of, tendon_of
 from surae.base.errors import UnknownNameError
 from surae.base.files import PathLike

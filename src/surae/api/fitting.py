@@ -5,8 +5,9 @@ from collections.abc import Sequence
 from typing import Unpack
 
 from surae.api.fitted import Fit
+from surae.api.given import AnyRecording, read_in, several
 from surae.api.keywords import FitKeywords
-from surae.api.recordings import AnyRecording, checks_for, explained, read_in, several
+from surae.api.recordings import checks_for, explained
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.progress import SearchProgress, line_of_progress

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 from typing import Any
 
-from surae.api.recordings import AnyRecording, read_in, several
+from surae.api.given import AnyRecording, read_in, several
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.progress import Progress

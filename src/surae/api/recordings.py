@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from surae.api.given import AnyRecording, read_in
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.inference import FitProblem
@@ -23,30 +24,12 @@ from surae.quality import (
     used,
 )
 from surae.quality.registry import ordered
-from surae.recording import Recording, csv_columns, read, write_csv
-from surae.recording.dataframe import DataFrame, of_frame
+from surae.recording import Recording, csv_columns, write_csv
+from surae.recording.dataframe import DataFrame
 from surae.settings import FitSettings
 from surae.signals import ModelInputs, Weighting, normalised, prepare
 from surae.studies import Imperfections, virtual_recording, virtual_subject
 from surae.trials import tell_together
-
-#: A recording in any form: read, prepared, the path of its file, or a DataFrame with the columns of
-#: our CSV.
-AnyRecording = Recording | ModelInputs | PathLike | DataFrame
-
-
-def several(recordings: AnyRecording | Sequence[AnyRecording]) -> Sequence[AnyRecording]:
-    """A sequence of recordings, of one that is given alone too."""
-    alone = isinstance(recordings, Recording | ModelInputs | str | DataFrame)
-    alone = alone or hasattr(recordings, "__fspath__")
-    return [recordings] if alone else recordings  # type: ignore[list-item,return-value]
-
-
-def read_in(recording: AnyRecording) -> Recording | ModelInputs:
-    """A recording, read if it is a file or a table."""
-    if isinstance(recording, Recording | ModelInputs):
-        return recording
-    return of_frame(recording) if isinstance(recording, DataFrame) else read(recording)
 
 
 def as_inputs(recording: AnyRecording, prepared: bool) -> ModelInputs:

@@ -5,7 +5,8 @@ from typing import Any, Literal, overload
 
 import numpy as np
 
-from surae.api.recordings import AnyRecording, as_inputs
+from surae.api.given import AnyRecording
+from surae.api.recordings import as_inputs
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.model import (

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from surae.base.units import FloatArray
 from surae.nerve.cascade import Structure, relaxing, relaxing_slope
@@ -110,26 +110,31 @@ class Judged:
     def __init__(self, problem: Problem, fitted: Fitted, floor: float = 0.0) -> None:
         self.fitted = fitted
         self.covariance, self.freedom = problem.covariance(fitted)
-        self.quantile = float(student.ppf(0.975, self.freedom))
-        self.bias = _floor_bias(problem, fitted, floor) if floor else None
+        self.quantile = float(stdtrit(self.freedom, 0.975))
+        self.biases = _biases(problem, fitted, floor) if floor else None
 
     def number(self, name: str, of: Of) -> Number:
         """The number that `of` computes, with its interval."""
         value, by = of(self.fitted)
         gradient = np.array([by.get(each, 0.0) for each in self.fitted.structure.names])
         half = self.quantile * float(np.sqrt(gradient @ self.covariance @ gradient))
-        if self.bias is not None:
-            half = float(np.hypot(half, gradient @ self.bias))
+        if self.biases is not None:
+            noise, jumps = np.abs(self.biases @ gradient)
+            half = float(np.hypot(half, noise) + jumps)
         if name in _RATIOS and value > 0.0:
             factor = float(np.exp(min(half / value, 20.0)))
             return Number(value, value / factor, value * factor)
         return Number(value, value - half, value + half)
 
 
-def _floor_bias(problem: Problem, fitted: Fitted, floor: float) -> FloatArray:
-    """How far noise of the position, of power floor/f² [rad²/Hz], may move each parameter."""
+def _biases(problem: Problem, fitted: Fitted, floor: float) -> FloatArray:
+    """How far noise of the position and unknown times of jumps may move each parameter, (2, k).
+
+    The noise has the power floor/f² [rad²/Hz]. Jumps of the torque may all be seen half a sample
+    late, or early: movement and sampling often have one clock.
+    """
     _, j = problem.jacobian(fitted.structure, fitted.values)
-    names, pull = fitted.structure.names, np.zeros(j.shape[1])
+    names, pull = fitted.structure.names, np.zeros((2, j.shape[1]))
     v = fitted.values
     for piece, w in zip(problem.pieces, problem.weights, strict=True):
         s = 2j * np.pi * np.asarray(piece.f, np.complex128)
@@ -141,11 +146,11 @@ def _floor_bias(problem: Problem, fitted: Fitted, floor: float) -> FloatArray:
         for i in range(1, fitted.structure.branches + 1):
             by[f"time_{i}"] = v[f"branch_{i}"] * relaxing_slope(s, v[f"time_{i}"])
         for name, row in by.items():
-            pull[names.index(name)] += float(np.sum(np.real(np.conj(row) * whole) * power))
+            pull[0, names.index(name)] += float(np.sum(np.real(np.conj(row) * whole) * power))
+    pull[1] = problem.whitened([piece.jumps for piece in problem.pieces]) @ j
     size = np.sqrt(np.sum(j**2, axis=0)) + 1e-100
     inverse = np.linalg.pinv((j / size).T @ (j / size), rcond=1e-12) / np.outer(size, size)
-    bias: FloatArray = inverse @ pull
-    return bias
+    return np.asarray(pull @ inverse)
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,11 +219,12 @@ def identify(
     if present:
         numbers |= {name: judged.number(name, of) for name, of in REFLEX.items()}
         numbers["reflex_share"] = judged.number("reflex_share", lambda f: share(pieces, f))
-        low = max(numbers["reflex_threshold"].low, 0.0)
-        numbers["reflex_threshold"] = replace(numbers["reflex_threshold"], low=low)
     check = free.fit(chosen.structure, chosen.values)
     misfit = (check.loss - float(left @ left) - extra) / np.sqrt(2.0 * extra)
     numbers, structures = _spread(problem, chosen, numbers, starts[direction], misfit)
+    if present:
+        beyond = numbers["reflex_threshold"]
+        numbers["reflex_threshold"] = replace(beyond, low=max(beyond.low, 0.0))
 
     trend = Judged(problem, problem.fit(replace(chosen.structure, trend=True), chosen.values))
     drift = trend.number("", _own("trend"))
@@ -233,7 +239,7 @@ def identify(
     freedom = len(parts) - 1
     scattered = freedom > 1 and scatter > freedom + CHANGING * np.sqrt(2.0 * freedom)
     if scattered:
-        half = float(student.ppf(0.975, freedom) * parts[:, 1].std(ddof=1) / np.sqrt(len(parts)))
+        half = float(stdtrit(freedom, 0.975) * parts[:, 1].std(ddof=1) / np.sqrt(len(parts)))
         k = numbers["intrinsic_stiffness"]
         numbers["intrinsic_stiffness"] = k.with_(k.value - half, k.value + half)
     in_halves = []

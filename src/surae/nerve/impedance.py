@@ -200,8 +200,10 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
     }  # fmt: skip
     why = f"no reflex is claimed ({reflex.verdict}); the interval is what one may have unseen"
     told = found.numbers
-    if told["intrinsic_stiffness"].value <= 0.0:  # the search lost its way: nothing is claimed
-        why = "the fit ended at a stiffness below zero, which no relaxed or held ankle has"
+    below = [n for n in ("intrinsic_stiffness", "inertia") if told[n].value <= 0.0]
+    if below:  # the search lost its way, or the torque's sign is wrong: nothing is claimed
+        what = below[0].removeprefix("intrinsic_")
+        why = f"the fit ended at {what} below zero, which no leg has: look at the torque’s sign"
         reflex, told, hidden = ReflexPath("cannot tell", None, why), {}, {}
     measures = {
         name: number_of(
@@ -210,6 +212,11 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         for name in MEASURES
     }
     measures["inertia"] = _without(measures["inertia"], empty)
+    if any(np.any(piece.jumps) for piece in pieces):
+        notes.append(
+            "The torque jumps between samples, so that its time is known to half a sample and "
+            "viscosity and inertia are less sure: filter it before it is sampled, or record faster."
+        )
     if found.misfit > MISFIT:
         notes.append(
             "The equations miss something that the torque shows: intervals contain what other "
@@ -314,17 +321,16 @@ def _curves(pieces: Sequence[Piece], found: Cascade, direction: int) -> Curves:
 
 
 def turned(samples: Samples) -> tuple[Samples, list[Piece]]:
-    """Turn a torque by which the inertia would be negative, or the viscosity where none is seen."""
+    """Turn a torque by which stiffness and inertia would both be negative, or one and none seen."""
     pieces = samples.pieces()
     problem = Problem(pieces, noise_of(pieces, [p.bins(p.torque) for p in pieces]))
     judged = Judged(problem, problem.fit(PLAIN, {}))
-    for name in ("inertia", "intrinsic_viscosity"):
-        number = judged.number(name, INTRINSIC[name])
-        if number.low > 0.0:
-            break
-        if number.high < 0.0:
-            what = name.removeprefix("intrinsic_")
-            note = f"The torque’s sign was turned: as it stands, the {what} would be negative."
-            turned = replace(samples, torque=-samples.torque, notes=(*samples.notes, note))
-            return turned, turned.pieces()
+    both = [judged.number(name, INTRINSIC[name]) for name in ("intrinsic_stiffness", "inertia")]
+    if all(n.low < 0.0 for n in both) and any(n.high < 0.0 for n in both):
+        named = " and ".join(
+            name for name, n in zip(("stiffness", "inertia"), both, strict=True) if n.high < 0.0
+        )
+        note = f"The torque’s sign was turned: as it stands, {named} would be negative."
+        turned = replace(samples, torque=-samples.torque, notes=(*samples.notes, note))
+        return turned, turned.pieces()
     return samples, pieces

@@ -16,6 +16,8 @@ LOWEST = 0.15
 SLOW = 0.5
 #: Ends that the reflex's and the tissue's memory spoil [s]: filters run around the ends.
 BEGIN, END = 0.4, 0.15
+#: Multiple of the usual change between samples from which torque jumps: 8 standard deviations.
+JUMP = 12.0
 #: Part of the length over which the bins are tapered at each end.
 _TAPER = 0.02
 
@@ -60,13 +62,16 @@ class Piece:
         self.squared = self.spectrum(angle**2)
         self.drifting = self.spectrum(angle * 2.0 * (time - middle) / length)
         self.torque = self.spectrum(torque - torque.mean())
+        self.jumps = self._jumps(torque)
         whole = fft.rfft(torque) * (f >= SLOW)
         #: Variance of the torque [Nm²] at all frequencies but those below `SLOW`.
         inside = slice(round(BEGIN * rate_hz), n - round(END * rate_hz))
         self.variance = float(np.var(fft.irfft(whole, n)[inside]))
-        self.keep = slice(round(BEGIN * self.rate), self.m - round(END * self.rate))
-        kept = self.keep.stop - self.keep.start
-        self.kept = kept - 1
+        first = round(BEGIN * self.rate)
+        kept = self.m - round(END * self.rate) - first
+        while fft.next_fast_len(kept - 1, real=True) != kept - 1:
+            kept -= 1
+        self.keep, self.kept = slice(first, first + kept), kept - 1
         self.times: FloatArray = time[0] + (np.arange(self.m)[self.keep][:-1] + 0.5) / self.rate
         edge, window = max(4, round(_TAPER * kept)), np.ones(self.kept)
         window[:edge] = 0.5 - 0.5 * np.cos(np.pi * np.arange(edge) / edge)
@@ -81,6 +86,21 @@ class Piece:
         """Of a signal at the full rate, low-passed as all are."""
         spectrum: ComplexArray = fft.rfft(signal)[: len(self.s)] * self._pass
         return spectrum
+
+    def _jumps(self, torque: FloatArray) -> ComplexArray:
+        """Spectrum of half a sample of the torque's jumps.
+
+        A torque that jumps between two samples, as inertia's does where the device begins to move
+        at once and no filter stands before the sampling, is known in time to half a sample.
+        """
+        change = np.diff(torque, prepend=torque[0])
+        size, own = np.abs(change), np.zeros(len(change))
+        before = np.maximum(np.roll(size, 2), np.roll(size, 3))
+        top = (size >= np.roll(size, 1)) & (size > np.roll(size, -1))
+        at = top & (size > JUMP * np.median(size)) & (size > 3.0 * before)
+        near = np.abs(change + np.roll(change, 1) + np.roll(change, -1))
+        own[at] = 0.5 * np.sign(change[at]) * np.maximum(size, near)[at]
+        return self.spectrum(own)
 
     def _stretched(self, direction: int, threshold: float) -> tuple[ComplexArray, ComplexArray]:
         """Spectra of the velocity that the reflex answers, and of its slope over the threshold."""

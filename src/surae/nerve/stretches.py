@@ -6,8 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.stats import norm
-from scipy.stats import t as student
+from scipy.special import log_ndtr, stdtrit
 
 from surae.base.errors import InputError
 from surae.base.formatting import NO_NUMBER
@@ -237,13 +236,13 @@ def _threshold(muscle: str, every: Sequence[Stretched], ramps: Sequence[tuple[in
         sd = np.exp(q[2])
         left = (angle - q[0] - 0.01 * q[1] * v) / sd
         beyond = sign * (end[1] - q[0] - 0.01 * q[1] * end[0]) / sd
-        return float(0.5 * left @ left + n * q[2] - np.sum(norm.logsf(beyond)))
+        return float(0.5 * left @ left + n * q[2] - np.sum(log_ndtr(-beyond)))
 
     line = np.polynomial.polynomial.polyfit(v, angle, 1)
     first = np.array([line[0], 100.0 * line[1], np.log(max(np.std(angle), 0.5))])
     found_ = minimize(loss, first, method="BFGS")
     angle0, sd = float(found_.x[0]), float(np.sqrt(found_.hess_inv[0, 0]))
-    half = float(student.ppf(0.975, max(n - 2, 1))) * float(np.hypot(sd, ONSET_ERROR))
+    half = float(stdtrit(max(n - 2, 1), 0.975)) * float(np.hypot(sd, ONSET_ERROR))
     verdict: Literal["identified", "weak", "undetermined"] = "undetermined"
     if half < WEAK:
         verdict = "identified" if half <= IDENTIFIED else "weak"
