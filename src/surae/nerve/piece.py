@@ -18,6 +18,8 @@ SLOW = 0.5
 BEGIN, END = 0.4, 0.15
 #: Multiple of the usual change between samples from which torque jumps: 8 standard deviations.
 JUMP = 12.0
+#: Samples by which its time is unknown: half of one, and a fifth more since its slope jumps too.
+UNTIMED = 0.6
 #: Part of the length over which the bins are tapered at each end.
 _TAPER = 0.02
 
@@ -88,7 +90,7 @@ class Piece:
         return spectrum
 
     def _jumps(self, torque: FloatArray) -> ComplexArray:
-        """Spectrum of half a sample of the torque's jumps.
+        """Spectrum of the torque's jumps times what is unknown of when they are.
 
         A torque that jumps between two samples, as inertia's does where the device begins to move
         at once and no filter stands before the sampling, is known in time to half a sample.
@@ -99,7 +101,7 @@ class Piece:
         top = (size >= np.roll(size, 1)) & (size > np.roll(size, -1))
         at = top & (size > JUMP * np.median(size)) & (size > 3.0 * before)
         near = np.abs(change + np.roll(change, 1) + np.roll(change, -1))
-        own[at] = 0.5 * np.sign(change[at]) * np.maximum(size, near)[at]
+        own[at] = UNTIMED * np.sign(change[at]) * np.maximum(size, near)[at]
         return self.spectrum(own)
 
     def _stretched(self, direction: int, threshold: float) -> tuple[ComplexArray, ComplexArray]:
