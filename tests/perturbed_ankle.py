@@ -54,11 +54,13 @@ class Ankle:
         return Recording.from_arrays(**self.moved(seed), name="ankle")
 
 
-def ramps(speeds, *, neural=0.0, emg=True, seed=1, returning=30.0, rate=500.0) -> Recording:
+def ramps(
+    speeds, *, neural=0.0, emg=True, seed=1, returning=30.0, rate=500.0, relaxes=0.0, seconds=0.1
+) -> Recording:
     """A calf stretched from −20 to 10° at `speeds` [°/s]; a reflex of `neural` Nm from 60°/s on.
 
     Its EMG begins 30 ms after the foot passes 5° − 0.05 s·velocity; tissue has 20 Nm/rad, 0.3
-    Nm·s/rad and 0.02 kg·m².
+    Nm·s/rad and 0.02 kg·m², and `relaxes` Nm/rad that relax in `seconds`.
     """
     draw, angle, onsets, n = np.random.default_rng(seed), [], [], 0
     low, high = -20.0, 10.0
@@ -76,6 +78,8 @@ def ramps(speeds, *, neural=0.0, emg=True, seed=1, returning=30.0, rate=500.0) -
     t = np.arange(len(x)) / rate
     v = np.gradient(x, t)
     torque = 20.0 * x + 0.3 * v + 0.02 * np.gradient(v, t) + 0.05 * draw.standard_normal(len(t))
+    slow = np.exp(-1.0 / (rate * seconds))
+    torque += relaxes * signal.lfilter([slow, -slow], [1.0, -slow], x - x[0])
     envelope = 1e-7 * np.abs(draw.standard_normal(len(t)))
     keep = np.exp(-25.0 / rate)
     burst, step = np.zeros(len(t)), np.arange(round(0.12 * rate))

@@ -20,22 +20,35 @@ def test_every_stretch_is_found_with_its_speed_and_ends() -> None:
     assert [s.to_deg for s in found] == pytest.approx([10.0] * 8, abs=1.5)
 
 
-@pytest.mark.parametrize("emg", [True, False])
-def test_torque_is_taken_apart(emg) -> None:
-    found = calf(surae.stretches(ramps(SPEEDS, neural=6.0, emg=emg)))
+def test_torque_is_taken_apart() -> None:
+    found = calf(surae.stretches(ramps(SPEEDS, neural=6.0)))
     assert [s.elastic_Nm for s in found] == pytest.approx([0.5236 * 20.0] * 8, rel=0.1)
     for s in found[4:]:
         low, high = s.neural_ci95
         assert low < 6.0 < high or s.neural_Nm == pytest.approx(6.0, rel=0.15)
-        assert s.neural_note == ("with EMG" if emg else "probably neural: late, no EMG")
+        assert s.neural_note == "with EMG"
     assert all(s.neural_Nm == 0.0 for s in found[:2])
 
 
-@pytest.mark.parametrize("emg", [True, False])
-def test_tissue_alone_has_no_nerve(emg) -> None:
-    found = calf(surae.stretches(ramps(SPEEDS, neural=0.0, emg=emg)))
-    assert all(s.neural_Nm == 0.0 for s in found)
-    assert all(s.catch_deg is None for s in found)
+def test_without_emg_only_torque_that_rises_at_rest_is_probably_neural() -> None:
+    found = calf(surae.stretches(ramps(SPEEDS, neural=6.0, emg=False)))
+    assert all(s.neural_Nm is None and s.neural_note.startswith("cannot") for s in found[:2])
+    told = [s for s in found if s.neural_Nm is not None]
+    assert told
+    for s in told:
+        assert s.neural_note.startswith("probably neural")
+        assert s.neural_ci95[0] < 6.0 < s.neural_ci95[1]
+
+
+@pytest.mark.parametrize("seconds", [0.05, 0.15, 0.4])
+def test_tissue_that_relaxes_fast_is_never_called_neural(seconds) -> None:
+    found = calf(surae.stretches(ramps(SPEEDS, emg=False, relaxes=20.0, seconds=seconds)))
+    assert all(s.neural_Nm is None and s.catch_deg is None for s in found)
+
+
+def test_silent_muscles_have_no_nerve() -> None:
+    found = calf(surae.stretches(ramps(SPEEDS, neural=0.0)))
+    assert all(s.neural_Nm == 0.0 and s.catch_deg is None for s in found)
 
 
 def test_the_threshold_is_that_of_no_velocity() -> None:

@@ -15,6 +15,8 @@ from surae.nerve.ramps import RATE, SMOOTH, RampSpan, Stretched, low
 NOT_YET, LATE = 0.04, 0.6
 #: Speed as a multiple of the slowest stretch's beyond which a reflex is looked for without EMG.
 FAST = 2.0
+#: Time after a stretch in which the device comes to rest, and in which a reflex shows [s].
+SETTLED, SHOWN = 0.06, 0.4
 #: Times in which tissue relaxes [s]; time between knots of a torque's drift [s].
 RELAXES, DRIFT = (0.05, 0.8), 15.0
 #: Knots of the elastic torque over the angle, and what keeps them together.
@@ -34,6 +36,8 @@ class Parts:
     inertial: float
     neural: float
     error: float  #: Standard error of the neural part.
+    rise: float  #: By how much torque rises again after the foot has stopped.
+    rest: float  #: The same before the stretch, when nothing happens.
 
 
 class TissueTorque:
@@ -51,6 +55,7 @@ class TissueTorque:
         ends = float(joined.min()) - 1e-6, float(joined.max()) + 1e-6
         inner = np.linspace(*ends, KNOTS)[1:-1]
         self.knots = np.concatenate([[ends[0]] * 4, inner, [ends[1]] * 4])
+        self.bends, self.lead = len(self.knots) - 5, 2 + len(RELAXES)
         self.rows = [self._rows(i) for i in range(len(every))]
         torques = [_slow(of, low(of.torque, of.rate, SMOOTH)) for of in every]
         use = [_slow(of, q.astype(float)) > 0.99 for of, q in zip(every, quiet, strict=True)]
@@ -78,6 +83,10 @@ class TissueTorque:
                 inverse = np.linalg.inv(normal) / np.outer(size, size) / len(y)
                 self.covariance = (inverse * sd**2 * DEPENDENT)[:k, :k]
         self.left = [t - r @ self.c for t, r in zip(torques, self.rows, strict=True)]
+        at_once = np.zeros(k)
+        at_once[:2] = self.c[:2]
+        at_once[self.lead : self.lead + self.bends] = self.c[self.lead : self.lead + self.bends]
+        self.still = [t - r @ at_once for t, r in zip(torques, self.rows, strict=True)]
 
     def _rows(self, index: int) -> FloatArray:
         angle = self.angles[index]
@@ -86,16 +95,16 @@ class TissueTorque:
         for time in RELAXES:
             keep = np.exp(-1.0 / (RATE * time))
             columns.append(lfilter([keep, -keep], [1.0, -keep], angle - angle[0]))
-        curve = BSpline.design_matrix(angle, self.knots, 3).toarray()
+        curve = BSpline.design_matrix(angle, self.knots, 3).toarray()[:, 1:]
         counts = [max(round(len(a) / RATE / DRIFT), 1) + 1 for a in self.angles]
         at, where = np.linspace(0.0, 1.0, len(angle)), np.linspace(0.0, 1.0, counts[index])
         own = np.stack([np.interp(at, where, row) for row in np.eye(counts[index])], axis=1)
         drift = [own if i == index else np.zeros((len(angle), n)) for i, n in enumerate(counts)]
-        return np.column_stack([*columns, curve[:, 1:], *drift])
+        return np.column_stack([*columns, curve, *drift])
 
     def parts(self, index: int, ramp: RampSpan) -> Parts:
         """Of one stretch: largest viscous and inertial torque, elastic rise, and what is beyond."""
-        of, n, lead = self.every[index], len(self.knots) - 5, 2 + len(RELAXES)
+        of, n, lead = self.every[index], self.bends, self.lead
         first, last = (round((of.time[k] - of.time[0]) * RATE) for k in (ramp.begin, ramp.stop))
         rows, sign = self.rows[index], float(ramp.direction)
         span = slice(max(first - 5, 0), last + 6)
@@ -113,7 +122,14 @@ class TissueTorque:
             sign * float(curve[end] - curve[max(first - 5, 0)]), float(np.max(sign * viscous)),
             float(np.max(np.abs(rows[span, 0] * self.c[0]))), neural,
             float(np.hypot(error, PEAK * neural)),
+            self._rise(index, sign, last + round(SETTLED * RATE)),
+            self._rise(index, sign, first - round(SHOWN * RATE) - 5),
         )  # fmt: skip
+
+    def _rise(self, index: int, sign: float, first: int) -> float:
+        """Largest rise of the torque at rest over `SHOWN`: relaxed tissue's only falls."""
+        torque = sign * self.still[index][max(first, 0) : first + round(SHOWN * RATE)]
+        return float(np.max(torque - np.minimum.accumulate(torque))) if len(torque) else 0.0
 
 
 def _slow(of: Stretched, values: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.nerve.impedance import DIRECTIONS
-from surae.nerve.parts import FAST, LATE, NOT_YET, TissueTorque
+from surae.nerve.parts import FAST, LATE, NOT_YET, Parts, TissueTorque
 from surae.nerve.ramps import RampSpan, Stretched, low, onset, stretched
 from surae.recording import Recording
 
@@ -23,8 +23,9 @@ from surae.recording import Recording
 OPPOSED = {1: ("gl", "sol", "gm"), -1: ("ta",)}
 #: Repeats whose speeds differ by less are repeats of one stretch [part].
 ALIKE = 0.15
-#: Standard errors, and part of the stretch's torque, from which one without EMG is probably neural.
-PROBABLE, LEAST_PART = 3.0, 0.05
+#: Rise of torque at rest, as a multiple of the largest at other rests and as a part of the
+#: stretch's torque, from which one without EMG is probably neural.
+RISES, LEAST_PART = 2.0, 0.05
 #: Onsets and half-width [deg] up to which a threshold is identified, and weak.
 LEAST_ONSETS, IDENTIFIED, WEAK = 4, 3.0, 10.0
 #: Least spread of velocities at onset [rad/s], and error of one onset's angle in all of them [deg].
@@ -152,16 +153,22 @@ def answers(recordings: Sequence[Recording]) -> Stretches:
     speeds = [_speed(every[i], ramp) for i, ramp in ramps]
     quiet = [np.ones(len(of.time), bool) for of in every]
     seen = [bool(found) for found in onsets]
+    slow = []
     for (i, ramp), found, speed in zip(ramps, onsets, speeds, strict=True):
         rate, alike = every[i].rate, zip(speeds, ramps, strict=True)
         slowest = min(s for s, (_, r) in alike if r.direction == ramp.direction)
-        if not found and speed > FAST * slowest and ramp.direction > 0:
+        slow.append(speed <= FAST * slowest)
+        if not found and not slow[-1] and ramp.direction > 0:
             begin = min(ramp.begin + round(NOT_YET * rate), ramp.stop)
             quiet[i][begin : ramp.stop + round(LATE * rate)] = False
     tissue = TissueTorque(every, quiet)
+    parts = [tissue.parts(i, ramp) for i, ramp in ramps]
+    usual = max(max(p.rest, p.rise if s else 0.0) for p, s in zip(parts, slow, strict=True))
     stretches = tuple(
-        _stretch(every[i], ramp, found, speed, tissue, i, emg)
-        for (i, ramp), found, speed, emg in zip(ramps, onsets, speeds, seen, strict=True)
+        _stretch(every[i], ramp, found, speed, own, emg, own.rise > RISES * usual)
+        for (i, ramp), found, speed, own, emg in zip(
+            ramps, onsets, speeds, parts, seen, strict=True
+        )
     )
     thresholds = {m: _threshold(m, every, ramps, onsets) for m in sorted(largest)}
     return Stretches(stretches, FrozenDict(thresholds), FrozenDict(_changes(stretches)))
@@ -174,11 +181,12 @@ def _speed(of: Stretched, ramp: RampSpan) -> float:
 
 
 def _stretch(of: Stretched, ramp: RampSpan, found: Mapping[str, int | None], speed: float,
-             tissue: TissueTorque, index: int, emg: bool) -> StretchAnswer:  # fmt: skip
-    parts, rate = tissue.parts(index, ramp), of.rate
+             parts: Parts, emg: bool, rises: bool) -> StretchAnswer:  # fmt: skip
+    rate = of.rate
     torque = ramp.direction * low(of.torque, rate, 40.0)
     before = float(np.mean(torque[max(ramp.begin - round(0.1 * rate), 0) : ramp.begin + 1]))
     after = torque[ramp.begin : ramp.stop + round(0.1 * rate)]
+    whole = float(after.max()) - before
     first = [at for at in found.values() if at is not None]
     neural: float | None = max(parts.neural, 0.0)
     half = 1.96 * parts.error
@@ -187,14 +195,12 @@ def _stretch(of: Stretched, ramp: RampSpan, found: Mapping[str, int | None], spe
         ci: tuple[float, float] | None = (0.0, max(half, parts.neural))
     elif emg:
         note, ci = "with EMG", (max(parts.neural - half, 0.0), parts.neural + half)
-    elif parts.neural > max(PROBABLE * parts.error, LEAST_PART * float(after.max() - before)):
-        note, ci = "probably neural: late, no EMG", (parts.neural - half, parts.neural + half)
+    elif rises and parts.rise > LEAST_PART * whole:
+        note = "probably neural: torque rises when the foot has stopped, no EMG"
+        neural = max(parts.neural, parts.rise)
+        ci = (0.5 * parts.rise, max(whole, neural + half))
     else:
-        neural, note, ci = (
-            0.0,
-            "nothing late is seen, no EMG",
-            (0.0, max(half, parts.neural + half)),
-        )
+        neural, note, ci = None, "cannot tell without EMG", (0.0, whole)
     degrees = np.rad2deg(of.angle)
     catch = None
     if neural and ci and ci[0] > 0.0:
@@ -205,7 +211,7 @@ def _stretch(of: Stretched, ramp: RampSpan, found: Mapping[str, int | None], spe
     return StretchAnswer(
         of.name, float(of.time[ramp.begin]), DIRECTIONS[ramp.direction],  # type: ignore[arg-type]
         float(np.rad2deg(speed)), float(degrees[ramp.begin]), float(degrees[ramp.stop]),
-        float(after.max()) - before, parts.elastic, parts.viscous, parts.inertial, neural, ci, note,
+        whole, parts.elastic, parts.viscous, parts.inertial, neural, ci, note,
         FrozenDict({m: None if at is None else float(degrees[at]) for m, at in found.items()}),
         catch,
     )  # fmt: skip
