@@ -55,11 +55,20 @@ class Ankle:
 
 
 def ramps(
-    speeds, *, neural=0.0, emg=True, seed=1, returning=30.0, rate=500.0, relaxes=0.0, seconds=0.1
+    speeds,
+    *,
+    neural=0.0,
+    emg=True,
+    seed=1,
+    returning=30.0,
+    rate=500.0,
+    relaxes=0.0,
+    seconds=0.1,
+    begins=5.0,
 ) -> Recording:
     """A calf stretched from −20 to 10° at `speeds` [°/s]; a reflex of `neural` Nm from 60°/s on.
 
-    Its EMG begins 30 ms after the foot passes 5° − 0.05 s·velocity; tissue has 20 Nm/rad, 0.3
+    Its EMG begins 30 ms after the foot passes `begins` − 0.05 s·velocity; tissue has 20 Nm/rad, 0.3
     Nm·s/rad and 0.02 kg·m², and `relaxes` Nm/rad that relax in `seconds`.
     """
     draw, angle, onsets, n = np.random.default_rng(seed), [], [], 0
@@ -69,7 +78,7 @@ def ramps(
         down = np.arange(high, low, -(returning or 30.0) / rate)
         holds = (np.full(round(1.0 * rate), low), up, np.full(round(2.0 * rate), high), down)
         if neural and speed >= 60.0:
-            passed = round((5.0 - 0.05 * speed - low) / speed * rate)
+            passed = round((begins - 0.05 * speed - low) / speed * rate)
             onsets.append(n + len(holds[0]) + passed + round(0.03 * rate))
         angle.extend(holds)
         n += sum(map(len, holds))

@@ -31,7 +31,7 @@ def test_torque_is_taken_apart() -> None:
 
 
 def test_without_emg_only_torque_that_rises_at_rest_is_probably_neural() -> None:
-    found = calf(surae.stretches(ramps(SPEEDS, neural=6.0, emg=False)))
+    found = calf(surae.stretches(ramps(SPEEDS, neural=6.0, emg=False, begins=13.0)))
     assert all(s.neural_Nm is None and s.neural_note.startswith("cannot") for s in found[:2])
     told = [s for s in found if s.neural_Nm is not None]
     assert told
