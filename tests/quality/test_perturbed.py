@@ -4,13 +4,27 @@ import numpy as np
 import pytest
 
 import surae
-from perturbed_ankle import Ankle
+from perturbed_ankle import Ankle, ramps
+from surae.base.errors import InputError
+from surae.quality import finding
 from surae.quality.position import perturbing
 
 
 def test_a_perturbed_recording_names_the_command() -> None:
     found = {f.code: f for f in surae.check(Ankle().recording()).findings}
-    assert "surae impedance" in found["rom-not-covered"].message
+    assert "surae impedance" in found["rom-not-covered"].advice
+
+
+def test_a_fit_of_a_perturbed_recording_is_refused_in_a_line() -> None:
+    with pytest.raises(InputError, match="use surae impedance"):
+        surae.fit(Ankle().recording())
+
+
+def test_slow_and_fast_stretches_name_the_command_and_ramps_of_one_speed_do_not() -> None:
+    for speeds, named in (((10.0, 10.0, 120.0, 120.0), True), ((30.0, 30.0, 30.0, 30.0), False)):
+        found = {f.code: f for f in surae.check(ramps(speeds)).findings}
+        assert ("stretch-series" in found) is named
+    assert "surae stretches" in finding.KINDS["stretch-series"].advice
 
 
 @pytest.mark.parametrize("hz", [0.3, 2.0])

@@ -19,6 +19,7 @@ from surae.inference.starts import Follow
 from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
 from surae.quality import Quality
+from surae.quality.position import is_perturbed
 from surae.recording import Recording
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
@@ -103,6 +104,12 @@ def inputs_for(
     InputError
         A recording cannot be prepared as the settings ask.
     """
+    for each in recordings:
+        if isinstance(each, Recording) and is_perturbed(each):
+            raise InputError(
+                f"{each.where}: small random perturbations, from which no model of muscles is "
+                "fitted; use surae impedance, which tells tissue from reflex"
+            )
     try:
         parts = thinned(parted(recordings), settings.model == AUTO)
         return settings.inputs(parts, mvc)

@@ -181,6 +181,8 @@ _KINDS = (
     FindingKind("rom-not-covered", "a small range of motion",
         "Move through the subject's whole range: stiffness and optimal lengths show at its ends.",
         unit="rad"),
+    FindingKind("stretch-series", "slow and fast stretches, which another command takes apart",
+        "Use surae stretches: it tells tissue from nerve.", "info", "deg/s"),
     FindingKind("position-steps", "steps instead of the profile",
         "Record again with slower motion or less effort; the device followed steps instead of the "
         "profile.", "error", "rad"),

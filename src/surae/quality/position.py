@@ -7,7 +7,8 @@ import numpy as np
 from surae.base.units import FloatArray
 from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import runs, smooth, span_of
-from surae.quality.trial import CheckedTrial, to_radians
+from surae.quality.trial import RATE, CheckedTrial, to_radians
+from surae.recording import Recording
 
 #: No ankle goes further than this from neutral [rad]: 63° up, 92° down.
 HIGHEST, LOWEST = 1.1, -1.6
@@ -20,8 +21,12 @@ REACHED = 0.9
 #: Departure from the commanded profile as a part of its span. Clean virtual trials keep to 0.006 of
 #: a recognised profile; the thesis's overshoots were seen by eye.
 DEPARTURE = 0.015
-#: Range [rad], time [s] and bandwidth [Hz] of small random perturbations, as in `surae.nerve`.
-PERTURBED, PERTURBED_S, PERTURBED_HZ = (0.002, 0.175), 20.0, 5.0
+#: Range [rad], time [s] and bandwidth [Hz] of small random perturbations: a held foot trembles by
+#: less.
+PERTURBED, PERTURBED_S, PERTURBED_HZ = (0.01, 0.175), 20.0, 5.0
+#: Least speed [rad/s] and range [rad] of a stretch, and its hold [s], as in `surae.nerve`; speed of
+#: a fast one [rad/s] (Tardieu's V3: as fast as possible), and a slow one's part of it.
+RAMP, FAST, SLOWER = (0.035, 0.087, 0.2), 1.7, 0.4
 #: Overshoot of a movement as a part of it, where no profile is known, and the least [rad].
 OVERSHOOT, LEAST = 0.04, 0.012
 #: What goes further beyond (a damping of 0.15 makes so much), or stays there for longer [s] (half a
@@ -56,6 +61,17 @@ def perturbing(angle: FloatArray, rate: float) -> bool:
     return not noise and float(f[np.searchsorted(speed, 0.95 * speed[-1])]) > PERTURBED_HZ
 
 
+def is_perturbed(recording: Recording) -> bool:
+    """Whether a recording with torque is one of small random perturbations."""
+    channels = recording.channels
+    if "torque" not in channels or "angle" not in channels:
+        return False
+    angle = channels["angle"]
+    width = max(round(angle.rate_hz / RATE), 1)  # as checks look at it
+    moved = smooth(angle.values * to_radians(angle), width)[::width]
+    return perturbing(moved, angle.rate_hz / width)
+
+
 def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     """A range too small to tell the parameters, or smaller than was commanded."""
     span = float(np.ptp(trial.angle))
@@ -68,12 +84,32 @@ def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     ends = f"{np.rad2deg(low):.0f} to {np.rad2deg(high):.0f}°".replace("-", "−")
     text = f"The angle covers {np.rad2deg(span):.0f}°, from {ends}"
     text += f": {100 * (span / moved):.0f} % of what was commanded." if missed else "."
+    advice = None
     if trial.torque is not None and perturbing(trial.angle, trial.rate_hz):
-        text += " These are small random perturbations: `surae impedance` tells tissue from reflex."
+        text += " These are small random perturbations, from which no model of muscles is fitted."
+        advice = "Use surae impedance: it tells tissue from reflex."
     yield make_finding(
-        "rom-not-covered", "angle", trial.span, span, text,
+        "rom-not-covered", "angle", trial.span, span, text, advice=advice,
         severity="warning" if span < SMALL_ROM or missed else "info",
     )  # fmt: skip
+
+
+def stretches(trial: CheckedTrial) -> Iterator[Finding]:
+    """Ramps that end in holds, slow ones and fast ones: they tell tissue from nerve."""
+    speeds: list[float] = []
+    velocity = np.gradient(smooth(trial.angle, 3), 1.0 / trial.rate_hz)
+    for begin, end in runs(velocity > RAMP[0]):
+        held = velocity[end : end + round(RAMP[2] * trial.rate_hz)]
+        if trial.angle[end - 1] - trial.angle[begin] > RAMP[1] and np.all(held < 4.0 * RAMP[0]):
+            speeds.append(float(np.median(velocity[begin:end])))
+    fast = [speed for speed in speeds if speed > FAST]
+    slow = [speed for speed in speeds if speed < SLOWER * max(speeds)]
+    if trial.torque is not None and len(fast) >= 2 and len(slow) >= 2:
+        yield make_finding(
+            "stretch-series", "angle", trial.span, np.rad2deg(max(speeds)).item(),
+            f"{len(speeds)} stretches end in holds, at {np.rad2deg(min(speeds)):.0f} to "
+            f"{np.rad2deg(max(speeds)):.0f} °/s.",
+        )  # fmt: skip
 
 
 def steps(trial: CheckedTrial) -> Iterator[Finding]:

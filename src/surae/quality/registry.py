@@ -47,6 +47,7 @@ CHECKS: tuple[Check, ...] = (
     Check(("torque-offset",), torque.offset),
     Check(("angle-units",), position.units),
     Check(("rom-not-covered",), position.range_of_motion),
+    Check(("stretch-series",), position.stretches),
     Check(("position-steps",), position.steps),
     Check(("overshoot",), position.overshoot),
     Check(("passive-not-passive",), activity.passive_part),
