@@ -6,7 +6,7 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.quality.finding import Finding, Unjudged, make_finding
-from surae.quality.numeric import runs, smooth, span_of
+from surae.quality.numeric import quantile, runs, smooth, span_of
 from surae.quality.trial import RATE, CheckedTrial, to_radians
 from surae.recording import Recording
 
@@ -27,6 +27,9 @@ PERTURBED, PERTURBED_S, PERTURBED_HZ = (0.01, 0.175), 20.0, 5.0
 #: Least speed [rad/s] and range [rad] of a stretch, and its hold [s], as in `surae.nerve`; speed of
 #: a fast one [rad/s] (Tardieu's V3: as fast as possible), and a slow one's part of it.
 RAMP, FAST, SLOWER = (0.035, 0.087, 0.2), 1.7, 0.4
+#: Time before a stretch [s] in which a relaxed muscle shows little more than it mostly does: less
+#: than this part of its largest EMG.
+RESTS, AT_REST = 0.3, 0.15
 #: Overshoot of a movement as a part of it, where no profile is known, and the least [rad].
 OVERSHOOT, LEAST = 0.04, 0.012
 #: What goes further beyond (a damping of 0.15 makes so much), or stays there for longer [s] (half a
@@ -95,16 +98,26 @@ def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
 
 
 def stretches(trial: CheckedTrial) -> Iterator[Finding]:
-    """Ramps that end in holds, slow ones and fast ones: they tell tissue from nerve."""
+    """Slow and fast ramps of a relaxed foot that end in holds: they tell tissue from nerve."""
     speeds: list[float] = []
+    relaxed, usual = (
+        0,
+        [
+            (own, 2.0 * quantile(own, 0.25) + AT_REST * quantile(own, 0.999))
+            for own in trial.fast.values()
+        ],
+    )
     velocity = np.gradient(smooth(trial.angle, 3), 1.0 / trial.rate_hz)
     for begin, end in runs(velocity > RAMP[0]):
         held = velocity[end : end + round(RAMP[2] * trial.rate_hz)]
         if trial.angle[end - 1] - trial.angle[begin] > RAMP[1] and np.all(held < 4.0 * RAMP[0]):
             speeds.append(float(np.median(velocity[begin:end])))
+            before = slice(max(begin - round(RESTS * trial.rate_hz), 0), begin + 1)
+            relaxed += all(own[before].mean() <= most for own, most in usual)
     fast = [speed for speed in speeds if speed > FAST]
     slow = [speed for speed in speeds if speed < SLOWER * max(speeds)]
-    if trial.torque is not None and len(fast) >= 2 and len(slow) >= 2:
+    passive = relaxed >= 0.9 * len(speeds)
+    if trial.torque is not None and passive and len(fast) >= 2 and len(slow) >= 2:
         yield make_finding(
             "stretch-series", "angle", trial.span, np.rad2deg(max(speeds)).item(),
             f"{len(speeds)} stretches end in holds, at {np.rad2deg(min(speeds)):.0f} to "
