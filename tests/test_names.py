@@ -11,6 +11,7 @@ from surae.model import MODELS, ModelOptions, laboratory
 from surae.model.parameters import OPTIONAL, OPTIONAL_PARAMETERS
 from surae.model.registry import PARAMETERS
 from surae.protocol import DEVICES, PROFILES, TASKS
+from surae.protocol.perturbing import PERTURBATIONS
 from surae.protocol.planning.ready import ready_protocols
 from surae.studies.populations import POPULATIONS
 
@@ -28,6 +29,7 @@ def test_names_are_those_of_what_they_name() -> None:
     assert {of for p in PARAMETERS.values() for of in (*p.known, *p.drawn)} == set(POPULATIONS)
     assert (*names.PROFILES,) == (*PROFILES,)
     assert (*names.DESIGNED,) == (*ready_protocols(),)
+    assert (*names.TELLING,) == (*PERTURBATIONS, "stretches")
     assert (*names.TASKS,) == (*TASKS,)
     assert (*names.DEVICES,) == (*DEVICES,)
 

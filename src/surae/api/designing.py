@@ -6,12 +6,13 @@ from typing import Any, TypeVar
 from surae.api.fitted import Fit
 from surae.base.errors import InputError
 from surae.base.files import PathLike
-from surae.base.names import EFFORTS
+from surae.base.names import EFFORTS, TELLING
 from surae.base.progress import SearchProgress
 from surae.base.requests import DesignSettings, ExpectSettings, LegSettings
 from surae.base.setting import Setting, checked, settings_of, takes
 from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
+from surae.nerve import Number
 from surae.protocol import (
     DEVICES,
     PROFILES,
@@ -24,6 +25,7 @@ from surae.protocol import (
     read_device,
     read_protocol,
 )
+from surae.protocol.perturbing import telling
 from surae.protocol.planning.design import Design, make_design
 from surae.protocol.planning.expectation import NOISE, Expectation, expected
 from surae.protocol.planning.information import filmed
@@ -31,6 +33,7 @@ from surae.protocol.planning.legs import Legs, fit_legs, population_legs
 from surae.protocol.planning.next import NextTrial, measure_next_of, told_by
 from surae.protocol.planning.ready import ready_protocols, start_for
 from surae.protocol.planning.session import SessionPlan, best_session
+from surae.quality.position import perturbing
 
 #: Legs that a design is searched for, of a rigid and of a compliant model, and those that it is
 #: judged by.
@@ -313,6 +316,11 @@ def expect(
     >>> surae.expect("sine", "muscle", legs=4).parameters["k_tib"].relative_sem
     """
     trajectory = as_trajectory(protocol)
+    if perturbing(trajectory.angle, trajectory.settings.rate_hz):
+        raise InputError(
+            f"{trajectory.settings.profile}: small random perturbations tell nothing of a model of "
+            "muscles; what surae impedance will tell is said by surae protocol prbs"
+        )
     settings, options = parted(ExpectSettings, {"model": model, **keywords})
     rate_hz = trajectory.settings.rate_hz
     who, level = requested_legs(settings, fit, settings.legs, options, rate_hz)
@@ -340,6 +348,9 @@ def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:
     if isinstance(protocol, str) and protocol in ready_protocols():
         device = named_device("achilles")
         return ready_trajectory(protocol, device, allowed_range(device), 256.0)
+    if isinstance(protocol, str) and protocol in TELLING:
+        device = named_device("achilles")
+        return telling(protocol, device, allowed_range(device), 256.0)
     if isinstance(protocol, str) and protocol in PROFILES:
         passive = PROFILES[protocol].duration <= 11.0
         return generate(Protocol(profile=protocol, task="passive" if passive else "part-passive"))
@@ -370,6 +381,13 @@ def ready_trajectory(
     ready = ready_protocols()[name]
     legs = population_legs(ready.model, None, _CHECKED)
     return ready.trajectory(device, range_of_motion, rate_hz, legs)
+
+
+def perturbation_tells(trajectory: Trajectory) -> dict[str, Number]:
+    """Values of a usual ankle and the 95 % intervals that `surae.impedance` would give them."""
+    from surae.nerve.expected import expected as of_perturbation  # scipy.signal
+
+    return of_perturbation(trajectory.time, trajectory.angle)
 
 
 def requested_legs(

@@ -75,8 +75,8 @@ def stretches(
     """Slow and fast stretches of a relaxed ankle: elastic, viscous, inertial and neural torque.
 
     The stretches are found in the recordings. Tissue's torque is fitted to all of them together,
-    beside what the muscles' EMG drives; without EMG to what comes before a reflex can, and to slow
-    ones, and what is beyond it is *probably neural*.
+    beside what the muscles' EMG drives; without EMG only torque that rises again when the foot has
+    stopped is *probably neural*, since relaxed tissue's falls.
 
     Parameters
     ----------

@@ -73,6 +73,8 @@ PROFILES = (
     "isometric",
 )
 DESIGNED = ("compliant-35", "everything-35", "passive-20", "relaxed-35", "tendon-60")
+#: Movements that tell tissue from nerve.
+TELLING = ("prbs", "pralds", "multisine", "stretches")
 #: What a subject can do, where a protocol is designed.
 EFFORTS = ("levels", "none")
 #: Rise of a chirp's frequency where none is given: that of the thesis's factor 0.5, rounded [Hz/s].

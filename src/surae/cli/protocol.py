@@ -1,5 +1,6 @@
 """`surae protocol`."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from surae import api
 from surae.base.errors import InputError
 from surae.base.files import shown
 from surae.base.formatting import listed
-from surae.base.names import DESIGNED, DEVICES, PROFILES
+from surae.base.names import DESIGNED, DEVICES, PROFILES, TELLING
 from surae.base.requests import MotionSettings
 from surae.base.setting import settings_of
 from surae.cli.options import NUMBER, PICTURE, completing, flag_of, settings_options
@@ -38,7 +39,9 @@ def device_options(function: Command) -> Command:
     help=f"""Make a measurement protocol: the motion and the effort to ask for.
 
     NAME is {listed(PROFILES, "or")};
-    or one that was designed: {listed(DESIGNED, "or")}.
+    or one that was designed: {listed(DESIGNED, "or")};
+    or small random perturbations or stretches, which tell tissue from nerve:
+    {listed(TELLING, "or")}.
     The file holds time_s, angle_rad and the target effort 0…1 of the four muscles,
     emg_ta … emg_gm.
     """,
@@ -73,19 +76,20 @@ def command(
 
     limits = api.as_device(limiting)
     options["range_of_motion"] = api.allowed_range(limits, options.get("range_of_motion"))
-    if name in api.ready_protocols():
+    if name in api.ready_protocols() or name in TELLING:
         if own:
             raise InputError(
                 f"{own[0]}: {name} was designed as a whole; leave {', '.join(own)} out, or "
                 "design your own: surae design"
             )
-        with compilation_notice():
-            trajectory = api.ready_trajectory(
-                name, limits, options["range_of_motion"],
-                options.get("rate_hz", api.Protocol(profile="sine").rate_hz),
-            )  # fmt: skip
-        ready = api.ready_protocols()[name]
-        table = [f"{name}: {ready.description}"]
+        how = limits, options["range_of_motion"], options.get("rate_hz", MotionSettings().rate_hz)
+        if name in TELLING:
+            trajectory = api.telling(name, *how)
+            table = _tells(trajectory)
+        else:
+            with compilation_notice():
+                trajectory = api.ready_trajectory(name, *how)
+            table = [f"{name}: {api.ready_protocols()[name].description}"]
     else:
         settings = api.Protocol(profile=name, device=limits, **options)
         trajectory = api.protocol_trajectory(settings)
@@ -108,6 +112,22 @@ def command(
     for line in (*table, *(limit.text for limit in limits_checked)):
         show_line(line)
     show_files({"protocol": output, "figure": figure})
+
+
+def _tells(trajectory: "api.Trajectory") -> list[str]:
+    """What a perturbation, or a series of stretches, is for and will tell."""
+    name, seconds = trajectory.settings.profile, trajectory.time[-1]
+    if name not in api.PERTURBATIONS:
+        speeds = f"up to {math.degrees(abs(trajectory.velocity).max()):.0f} °/s"
+        return [f"{name}: {seconds:.0f} s, {speeds}, of the relaxed leg; then surae stretches."]
+    usual = [
+        f"  {measure} {own.value:g}: {own.low:.3g} to {own.high:.3g}"
+        for measure, own in api.perturbation_tells(trajectory).items()
+    ]
+    return [
+        f"{name}: {seconds:.0f} s about the middle of the range; then surae impedance. "
+        "Of a usual ankle with a reflex it tells, by noise alone:", *usual,
+    ]  # fmt: skip
 
 
 def device_of(name: str, without_limits: str | None) -> str | None:

@@ -26,8 +26,8 @@ _ABOUT = (
 #: What the page of stretches says of itself.
 _STRETCHES = (
     "Elastic is the rise of tissue’s torque, relaxed; viscous and inertial the largest of tissue’s "
-    "and of foot and device; neural the largest beyond them after 30 ms. Without EMG nothing shows "
-    "that it is neural: it is late, and tissue as it is before does not explain it. EMG begins "
+    "and of foot and device; neural the largest beyond them after 30 ms. Without EMG only "
+    "torque that rises when the foot has stopped is taken for neural: tissue’s falls. EMG begins "
     "where it exceeds its rest by three standard deviations for 25 ms (Hodges and Bui 1996); the "
     "threshold is the angle of onset over its velocity, at none (Levin and Feldman 1994). No word "
     "of this is a diagnosis."
