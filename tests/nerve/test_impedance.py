@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import surae
 from surae.base.errors import InputError
 from surae.nerve.impedance import turned
 from surae.nerve.samples import usable
+from surae.nerve.triggered import answering
 from surae.recording import Recording
 
 TRUE = {"intrinsic_stiffness": 60.0, "inertia": 0.015, "reflex_gain": 6.0, "reflex_delay": 45.0}
@@ -84,6 +86,25 @@ def test_a_stiffness_below_zero_claims_nothing(ankle) -> None:
     assert found.reflex.verdict == "cannot tell"
     assert {m.value for m in found.measures.values()} == {None}
     assert "below zero" in found.measures["intrinsic_stiffness"].note
+
+
+@pytest.mark.parametrize("answers", [True, False])
+def test_emg_after_stretches_is_averaged_and_its_latency_said(ankle, answers) -> None:
+    moved, draw = ankle().moved(), np.random.default_rng(3)
+    speed = np.gradient(moved["angle"], moved["time"])
+    emg = 1e-6 * np.abs(draw.standard_normal((len(speed), 4)))
+    if answers:  # 40 ms later, in the calf alone
+        late = np.roll(np.maximum(speed, 0.0), round(0.04 * 500))
+        emg[:, 1:] += 1e-5 * late[:, None]
+    recording = Recording.from_arrays(**moved, emg=emg, emg_kind="envelope", name="ankle")
+    samples = usable("ankle", moved["time"], moved["angle"], moved["torque"])
+    said = answering(recording, samples, 1)
+    assert ("EMG answers stretch" in said) is answers
+    assert ("No EMG" in said) is not answers
+    if answers:
+        latencies = [int(ms) for ms in re.findall(r"(\d+) ms", said)]
+        assert len(latencies) == 3
+        assert latencies == pytest.approx([40] * 3, abs=8)
 
 
 @pytest.mark.slow

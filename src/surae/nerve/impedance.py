@@ -26,6 +26,7 @@ from surae.nerve.piece import Piece
 from surae.nerve.presence import LEAST_SHARE, NATS, NONE_SEEN, OVER_NONE, OVER_OTHER, Weighed
 from surae.nerve.response import lags, predicted, responses
 from surae.nerve.samples import Samples, usable
+from surae.nerve.triggered import answering
 from surae.recording import Recording
 
 ReflexVerdict = Literal["present", "none seen", "cannot tell"]
@@ -222,6 +223,8 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
             "The equations miss something that the torque shows: intervals contain what other "
             "structures say, by their values."
         )
+    if heard := answering(recording, samples, found.direction):
+        notes.append(heard)
     stationarity = _stationarity(found)
     if stationarity.verdict == "changes":
         notes.append("The stiffness changes during the recording: its value is a mean.")

@@ -87,19 +87,20 @@ def stretched(recording: Recording) -> Stretched:
             "more ends in a hold; move the relaxed foot by ramps at several speeds, or use "
             "`surae impedance` for small random movements"
         )
-    emg = {}
-    for muscle in MUSCLES:
-        if (channel := recording.channels.get(f"emg_{muscle}")) is not None:
-            values = np.interp(time, channel.time, channel.values)
-            if recording.emg == "raw":
-                own_rate = channel.rate_hz
-                high = butter(2, 20.0, "high", fs=own_rate, output="sos")
-                whole = np.abs(sosfiltfilt(high, channel.values))
-                values = np.interp(time, channel.time, low(whole, own_rate, 30.0))
-            emg[muscle] = values
+    emg = {m: envelope(recording, m, time) for m in MUSCLES if f"emg_{m}" in recording.channels}
     ramps.sort(key=lambda ramp: ramp.begin)
     name = recording.files[0].name if recording.files else recording.name
     return Stretched(name, rate, time, smooth, torque, emg, tuple(ramps))
+
+
+def envelope(recording: Recording, muscle: str, time: FloatArray) -> FloatArray:
+    """Envelope of a muscle's EMG at times [s], raw EMG rectified and smoothed at 30 Hz."""
+    channel = recording.channels[f"emg_{muscle}"]
+    values, rate = channel.values, channel.rate_hz
+    if recording.emg == "raw":
+        high = butter(2, 20.0, "high", fs=rate, output="sos")
+        values = low(np.abs(sosfiltfilt(high, values)), rate, 30.0)
+    return np.interp(time, channel.time, values)
 
 
 def onset(of: Stretched, ramp: RampSpan, muscle: str, largest: float) -> int | None:
