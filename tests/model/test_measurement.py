@@ -97,12 +97,19 @@ def test_off_is_the_model_as_it_is(name, inputs) -> None:
         np.testing.assert_allclose(more / scale, rows / scale, rtol=0, atol=1e-11, err_msg=group)
 
 
-@every_model
+OFF = dict.fromkeys(VALUES, 0.0) | {"reflex_delay": 0.05}
+
+
 @pytest.mark.parametrize(
-    ("values", "geometry"),
-    [(VALUES, "thesis"), (dict.fromkeys(VALUES, 0.0) | {"reflex_delay": 0.05}, "virtual-work")],
+    ("name", "values", "geometry", "raw"),
+    [
+        *((name, VALUES, "thesis", False) for name in KINDS),
+        *((name, OFF, "virtual-work", False) for name in KINDS),
+        ("muscle", VALUES, "thesis", True),
+    ],
 )
-def test_sensitivities(name, geometry, values, inputs) -> None:
+def test_sensitivities(name, geometry, values, raw, inputs) -> None:
+    inputs = replace(inputs, own_envelopes=raw)
     options = replace(OPTIONS, geometry=geometry)
     own = CURVES if name in WITH_CURVES else {}
     if not any(values[n] for n in ("emg_shape", "plate_give")):
@@ -175,6 +182,23 @@ def test_crosstalk_and_rest_are_taken_out_again(name, inputs) -> None:
     same = torque(name, replace(inputs, emg=heard), **CROSSTALK_VALUES, **RESTS)
     np.testing.assert_allclose(same, torque(name, inputs), rtol=0, atol=1e-9)
     assert mixing[MUSCLES.index("ta"), MUSCLES.index("gl")] == CROSSTALK_VALUES["xt_ta_gl"]
+
+
+def test_powers_of_raw_emg_add_up(inputs) -> None:
+    """An electrode over a strong muscle shows nothing of a neighbour, one over a weak one does."""
+    mixing = np.eye(4)
+    for (hears, of), parameter in CROSSTALK.items():
+        mixing[hears, of] = CROSSTALK_VALUES[parameter]
+    for levels in ((1.0, 1.0, 1.0, 1.0), (1.0, 0.3, 0.2, 0.5), (0.1, 0.0, 1.0, 0.3)):
+        steady = replace(inputs, emg=np.tile(1e-4 * np.array(levels), (inputs.n, 1)))
+        heard = np.sqrt(steady.emg**2 @ (mixing**2).T)
+        raw = replace(steady, emg=heard, own_envelopes=True)
+        same = torque("muscle", raw, **CROSSTALK_VALUES)
+        np.testing.assert_allclose(same, torque("muscle", steady), rtol=0, atol=0.02)
+        added = np.abs(torque("muscle", replace(raw, own_envelopes=False), **CROSSTALK_VALUES))
+        assert np.abs(added - np.abs(same)).max() > 0.2
+    nothing = torque("muscle", raw, **dict.fromkeys(CROSSTALK_VALUES, 0.0))
+    np.testing.assert_allclose(nothing, torque("muscle", raw), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("shape", [-3.0, -1e-9, 1e-3, 0.7])

@@ -13,15 +13,15 @@ than it rises, by ρ (`release`; Zajac 1989):
     u = M⁻¹·(e + λ·de/dt − r)
     ê = u·e_ref/s·(exp(A·s/e_ref) − 1)/(exp(A) − 1)·(s/e_ref)^P + ½·ρ·|dε/dt|
 
-An envelope that lags the EMG as a filter of the first order does is led by its time constant λ
-(`emg_lag`). M is 1 on its diagonal; s is u made of envelopes that are as smooth as effort is
-(`surae.signals.smooth_effort`): rectified EMG fluctuates by as much as itself, and force is curved
-over effort, not over noise. ε is the electrode's own smooth envelope: to first order force is half
-of ρ ahead where it grows, and as much behind where it falls. Nothing
-is clipped: a muscle that is less active than its electrode's rest has a small negative ê. The
-weights keep their unit, for ê = u at s = 0 and at the reference level e_ref
-(`ModelOptions.emg_ref`; 1 for a normalised EMG). A muscle without EMG hears nothing and is not
-heard.
+Of raw EMG powers add up in place of envelopes (`surae.model.crosstalk`). An envelope that lags the
+EMG as a filter of the first order does is led by its time constant λ (`emg_lag`). M is 1 on its
+diagonal; s is u made of envelopes that are as smooth as effort is (`surae.signals.smooth_effort`):
+rectified EMG fluctuates by as much as itself, and force is curved over effort, not over noise. ε is
+the electrode's own smooth envelope: to first order force is half of ρ ahead where it grows, and as
+much behind where it falls. Nothing is clipped: a muscle that is less active than its electrode's
+rest has a small negative ê. The weights keep their unit, for ê = u at s = 0 and at the reference
+level e_ref (`ModelOptions.emg_ref`; 1 for a normalised EMG). A muscle without EMG hears nothing and
+is not heard.
 
 lmt is the muscle-tendon unit's length: with it lengthens the muscle on a rigid tendon, and what a
 compliant tendon leaves to the muscle is not known before the force is. `reflex_delay` is all of the
@@ -43,6 +43,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.model.activation import Drive, shaped
+from surae.model.crosstalk import OfEnvelopes, OfPowers
 from surae.model.movement import LegMovement
 from surae.model.options import ModelOptions
 from surae.model.parameters import CROSSTALK, OPTIONAL
@@ -59,14 +60,13 @@ _RESTS = OPTIONAL["emg_rest"]
 class _Envelopes:
     """Envelopes of the muscles themselves, shape (4, n), and what their derivatives are made of.
 
-    `weighted` are ê, `own` are u and `unmixing` is M⁻¹. `steep` is ∂ê/∂u, `by_shape` is ∂ê/∂A and
-    `by_power` ∂ê/∂P, None where the force grows as EMG does; where it does not, u and `steep` are
-    followed by those of the smooth envelopes, shape (4, 2n).
+    `weighted` are ê, `unmixed` are u. `steep` is ∂ê/∂u, `by_shape` is ∂ê/∂A and `by_power` ∂ê/∂P,
+    None where the force grows as EMG does; where it does not, u and `steep` are followed by those
+    of the smooth envelopes, shape (4, 2n).
     """
 
     weighted: FloatArray
-    own: FloatArray
-    unmixing: FloatArray
+    unmixed: OfEnvelopes | OfPowers
     steep: FloatArray | None = None
     by_shape: FloatArray | None = None
     by_power: FloatArray | None = None
@@ -100,6 +100,11 @@ class Excitation:
         self._at, self._weights = at, [at[name] for name in weights]
         corrections = ("emg_lag", *_RESTS, *CROSSTALK.values())
         self._corrections = {at[name] for name in corrections if name in at}
+        #: Smooth envelopes of electrodes in which powers add up; None where envelopes do.
+        self._smooth: FloatArray | None = None
+        if inputs.own_envelopes and CROSSTALK[0, 1] in at:
+            smooth = smooth_effort(emg[:, : inputs.n], inputs.rate_hz)
+            self._smooth = np.tile(smooth, emg.shape[1] // inputs.n)
         self._present = np.array([m not in inputs.missing_emg for m in MUSCLES], dtype=float)
         self._reference = _reference(inputs, options, self._present) if curved else None
         self.has_reflex = "reflex_delay" in at
@@ -123,31 +128,35 @@ class Excitation:
         return float(values[self._at[name]]) if name in self._at else 0.0
 
     def _envelopes(self, values: FloatArray) -> _Envelopes:
-        own: FloatArray = self._emg
+        heard: FloatArray = self._emg
         if self._rate is not None:
-            own = own + self._value(values, "emg_lag") * self._rate
-        unmixing: FloatArray = np.eye(4)
+            heard = heard + self._value(values, "emg_lag") * self._rate
         if _RESTS[0] in self._at:
             rest = np.array([self._value(values, name) for name in _RESTS])
-            own = own - (self._present * rest)[:, None]
-        if CROSSTALK[0, 1] in self._at:
-            mixing = np.eye(4)
-            for (hears, of), name in CROSSTALK.items():
-                mixing[hears, of] = self._present[hears] * self._value(values, name)
-            unmixing = np.asarray(np.linalg.inv(mixing), dtype=np.float64)
-            own = np.einsum("ij,jn->in", unmixing, own)
+            heard = heard - (self._present * rest)[:, None]
+        unmixed: OfEnvelopes | OfPowers
+        mixing = np.eye(4)
+        for (hears, of), name in CROSSTALK.items():
+            mixing[hears, of] = self._present[hears] * self._value(values, name)
+        if self._smooth is not None:
+            unmixed = OfPowers.of(heard, self._smooth, mixing)
+        elif CROSSTALK[0, 1] in self._at:
+            unmixed = OfEnvelopes.of(heard, mixing)
+        else:
+            unmixed = OfEnvelopes(heard, mixing)
+        own = unmixed.own
         later: FloatArray | float = 0.0
         if self._by_release is not None:
             later = self._value(values, "release") * self._by_release
         if self._reference is None:
-            return _Envelopes(own + later, own, unmixing)
+            return _Envelopes(own + later, unmixed)
         n = own.shape[1] // 2
         curved, by_own, by_smooth, by_shape, by_power = shaped(
             np.ascontiguousarray(own[:, :n]), np.ascontiguousarray(own[:, n:]), self._reference,
             self._value(values, "emg_shape"), self._value(values, "emg_power"),
         )  # fmt: skip
         steep = np.concatenate([by_own, by_smooth], axis=1)
-        return _Envelopes(curved + later, own, unmixing, steep, by_shape, by_power)
+        return _Envelopes(curved + later, unmixed, steep, by_shape, by_power)
 
     def weighted(self, values: FloatArray) -> FloatArray:
         """What each of the four muscles adds to its group's excitation [N], shape (4, n)."""
@@ -175,19 +184,19 @@ class Excitation:
             if by is not None and at.get(name, -1) in wanted:
                 slopes.append((at[name], np.einsum("c,cn->n", weights, by[channels] * grown)))
         if self._corrections.intersection(wanted):
-            # ∂E/∂e of each electrode but for its gain: what takes from it takes so much of E
+            # ∂E/∂u of each muscle
             steep = np.ones((4, n)) if envelopes.steep is None else envelopes.steep
             steep = steep[channels] * np.tile(grown, steep.shape[1] // n)
-            unmixing = weights[:, None] * envelopes.unmixing[channels]
-            heard = np.einsum("ci,cn->in", unmixing, steep)
-            heard *= -self._present[:, None]
-            taken = [(name, heard[i]) for i, name in enumerate(_RESTS)] + [
-                (name, heard[hears] * envelopes.own[of])
-                for (hears, of), name in CROSSTALK.items()
-                if at.get(name, -1) in wanted
-            ]
+            steep *= weights[:, None]
+            heard = envelopes.unmixed.by_electrode(steep, channels) * self._present[:, None]
+            taken = [(name, -heard[i]) for i, name in enumerate(_RESTS)]
             if self._rate is not None:
-                taken.append(("emg_lag", -np.einsum("in,in->n", heard, self._rate)))
+                taken.append(("emg_lag", np.einsum("in,in->n", heard, self._rate)))
+            if CROSSTALK[0, 1] in at:
+                crossed = envelopes.unmixed.by_crosstalk(steep, channels)
+                taken += [
+                    (CROSSTALK[pair], by * self._present[pair[0]]) for pair, by in crossed.items()
+                ]
             # by way of the envelopes and, behind them, of the smooth ones
             slopes += [
                 (at[name], by.reshape(-1, n).sum(axis=0))

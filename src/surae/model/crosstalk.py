@@ -1,0 +1,77 @@
+"""What each muscle shows its own electrode, of what electrodes hear of all of them.
+
+Signals of two muscles have nothing in common, so that in raw EMG their powers add up:
+e² = (M∘M)·u², e and u the envelopes of electrodes and muscles, M the amplitudes that electrodes
+hear, 1 on its diagonal. Over a strong muscle an electrode shows next to nothing of a neighbour that
+it hears with 8 %, over a muscle at rest all of it. Envelopes that were made elsewhere are taken to
+add up themselves, e = M·u.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.base.units import FloatArray
+from surae.model.parameters import CROSSTALK
+
+#: Part of an electrode's power over which that of its own muscle reaches zero, where others are all
+#: that it hears: what rounds off the square root there is 7 % of what others show.
+_SILENT = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class OfEnvelopes:
+    """Muscles' envelopes u = M⁻¹·e, shape (4, n)."""
+
+    own: FloatArray
+    inverse: FloatArray
+
+    @classmethod
+    def of(cls, heard: FloatArray, mixing: FloatArray) -> "OfEnvelopes":
+        """Of what electrodes hear, shape (4, n)."""
+        inverse = np.asarray(np.linalg.inv(mixing), dtype=np.float64)
+        return cls(np.einsum("ij,jn->in", inverse, heard), inverse)
+
+    def by_electrode(self, by_own: FloatArray, muscles: slice) -> FloatArray:
+        """Derivatives by what each electrode hears, shape (4, n), of those by some muscles' u."""
+        return np.asarray(np.einsum("ci,cn->in", self.inverse[muscles], by_own))
+
+    def by_crosstalk(self, by_own: FloatArray, muscles: slice) -> dict[tuple[int, int], FloatArray]:
+        """Derivatives by what electrode i hears of muscle j, shape (n,) each."""
+        heard = self.by_electrode(by_own, muscles)
+        return {(i, j): -heard[i] * self.own[j] for i, j in CROSSTALK}
+
+
+@dataclass(frozen=True, slots=True)
+class OfPowers:
+    """Muscles' envelopes u = e·√(p/s²), p = (M∘M)⁻¹·s², shape (4, n); s are smooth envelopes."""
+
+    own: FloatArray
+    inverse: FloatArray  #: (M∘M)⁻¹.
+    mixing: FloatArray
+    powers: FloatArray  #: p.
+    kept: FloatArray  #: ∂u/∂e.
+    by_power: FloatArray  #: ∂u/∂p.
+
+    @classmethod
+    def of(cls, heard: FloatArray, smooth: FloatArray, mixing: FloatArray) -> "OfPowers":
+        """Of what electrodes hear, shape (4, n), and as smooth as effort is."""
+        inverse = np.asarray(np.linalg.inv(mixing**2), dtype=np.float64)
+        power = smooth**2 + 1e-300
+        powers = np.einsum("ij,jn->in", inverse, power)
+        part = powers / power
+        rounded = np.hypot(part, _SILENT)
+        kept = np.sqrt((part + rounded) / (1.0 + np.hypot(1.0, _SILENT)))
+        own = heard * kept
+        return cls(own, inverse, mixing, powers, kept, own / (2.0 * rounded * power))
+
+    def by_electrode(self, by_own: FloatArray, muscles: slice) -> FloatArray:
+        """Derivatives by what each electrode hears, shape (4, n), of those by some muscles' u."""
+        heard = np.zeros_like(self.own)
+        heard[muscles] = by_own * self.kept[muscles]
+        return heard
+
+    def by_crosstalk(self, by_own: FloatArray, muscles: slice) -> dict[tuple[int, int], FloatArray]:
+        """Derivatives by what electrode i hears of muscle j, shape (n,) each."""
+        heard = np.einsum("ci,cn->in", self.inverse[muscles], by_own * self.by_power[muscles])
+        return {(i, j): -2.0 * self.mixing[i, j] * heard[i] * self.powers[j] for i, j in CROSSTALK}
