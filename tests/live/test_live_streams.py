@@ -158,7 +158,7 @@ def test_crosstalk_of_a_muscle_that_has_not_worked_yet_is_no_effort_of_it() -> N
             showing.show(stream, times, scale * rng.standard_normal((20, 4)))
         return showing.efforts()
 
-    works({})
+    assert max(works({})) < 0.3  # an amplifier's noise is none either
     tibialis, *triceps = works({"ta": 4e-5, "gl": 1e-3, "sol": 1e-3, "gm": 8e-4})
     assert tibialis < 0.25
     assert min(triceps) > 0.7

@@ -29,3 +29,8 @@ def test_folded_emg_is_told_before_a_fit(every: int, filtered: bool, told: bool)
         {"emg_ta", "emg_gl", "emg_sol", "emg_gm"} if told else set()
     )
     assert all(f.severity == "warning" and "folded" in f.message for f in aliased)
+
+
+def test_the_noise_of_an_amplifier_at_rest_tells_nothing() -> None:
+    noise = 2e-6 * np.random.default_rng(4).normal(size=40 * 512)
+    assert not [f for f in check_recording(recorded(noise, 512.0)).findings if "alias" in f.code]

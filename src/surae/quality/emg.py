@@ -27,6 +27,9 @@ CLIPPED_EXCESS = 1.0
 FOLDED, _NYQUIST_PART, _EMG_HZ = 0.65, 0.875, 40.0
 #: Length of the pieces of which the spectrum is taken [s], and the fewest that tell it.
 _PIECE_S, _PIECES = 0.25, 16
+#: Power in the strongest quarter of the pieces over that in the quietest, from which on there is an
+#: effort: twice the level. The noise of an amplifier at rest has no effort to tell of.
+_EFFORT = 4.0
 #: Offset of raw EMG as a part of its standard deviation; the mean of clean EMG is below 0.01.
 OFFSET = 0.15
 #: Level of an envelope at rest as a part of its highest; clean ones, crosstalk included, stay
@@ -165,8 +168,10 @@ def aliased(trial: CheckedTrial) -> Iterator[Finding]:
         if len(pieces) < _PIECES:
             continue
         power = np.abs(np.fft.rfft((pieces - pieces.mean(axis=1)[:, None]) * np.hanning(size))) ** 2
-        strong = np.argsort(power.sum(axis=1))
-        quarter = len(pieces) // 4
+        total = power.sum(axis=1)
+        strong, quarter = np.argsort(total), len(pieces) // 4
+        if total[strong[-quarter:]].mean() < _EFFORT * total[strong[:quarter]].mean():
+            continue
         # of efforts alone: an amplifier's own noise is as loud at all frequencies
         own = power[strong[-quarter:]].mean(axis=0) - power[strong[:quarter]].mean(axis=0)
         at = np.fft.rfftfreq(size) * channel.rate_hz

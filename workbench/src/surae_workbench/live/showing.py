@@ -18,8 +18,9 @@ from surae_workbench.live.stream import Stream
 RATE, _SMOOTH, _DRIFT = 30.0, 0.15, 0.05
 #: What is larger is no measurement, and sums of it are none.
 _HUGE = 1e100
-#: A muscle's largest EMG is at least this part of the strongest muscle's.
-_CROSSTALK = 0.25
+#: A muscle's largest EMG is at least this part of the strongest muscle's, and so many times its own
+#: at rest above that: the noise of an amplifier is no effort.
+_CROSSTALK, _WORKS = 0.25, 1.5
 
 #: Column → role and the factor and offset that bring it to SI.
 Roles = Mapping[str, tuple[str, float, float]]
@@ -97,7 +98,10 @@ class Showing:
         ]
         least = _CROSSTALK * max(spans)
         return [
-            min(max((self._levels.get(role, 0.0) - rest) / max(span, least), 0.0), 1.0)
+            min(
+                max((self._levels.get(role, 0.0) - rest) / max(span, least, _WORKS * rest), 0.0),
+                1.0,
+            )
             if least > 0
             else 0.0
             for role, rest, span in zip(roles, rests, spans, strict=True)
@@ -127,8 +131,9 @@ class Showing:
         """Follow the envelope of an EMG, its rest and its largest."""
         mean = self._means.get(role, float(signal.mean()))
         mean += (float(signal.mean()) - mean) * (1.0 - np.exp(-seconds / _DRIFT))
-        level = self._levels.get(role, 0.0)
-        level += (float(np.abs(signal - mean).mean()) - level) * (1.0 - np.exp(-seconds / _SMOOTH))
+        size = float(np.abs(signal - mean).mean())
+        level = self._levels.get(role, size)  # not from nothing: that would be taken for rest
+        level += (size - level) * (1.0 - np.exp(-seconds / _SMOOTH))
         self._means[role], self._levels[role] = mean, level
         self._largest[role] = max(self._largest.get(role, 0.0), level)
         rest = self._rests.get(role, level)

@@ -59,8 +59,10 @@ function draw() {
     c.fillStyle = colour("muted");
     c.fillText(name, 0, (top + bottom) / 2 + 4);
     c.textAlign = "right";
-    c.fillText((high * factor).toPrecision(2), left - 6, top + 9);
-    c.fillText((low * factor).toPrecision(2), left - 6, bottom);
+    const least = 1e-3 * (high - low);
+    const tick = (v) => `${Math.abs(v) < least ? 0 : Number((v * factor).toPrecision(2))}`;
+    c.fillText(tick(high), left - 6, top + 9);
+    c.fillText(tick(low), left - 6, bottom);
     c.textAlign = "left";
     c.strokeStyle = colour("grid");
     c.lineWidth = 1;
