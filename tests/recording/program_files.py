@@ -194,3 +194,32 @@ def matrix_mat(*, by_rows: bool = False, version73: bool = False, named: bool = 
             file["emg"].attrs["labels"] = list(NAMES[2:])
             file["emg"].attrs["unit"] = ["V"] * 4
     return buffer.getvalue()
+
+
+def acq_file(revision: int = 39) -> bytes:
+    """AcqKnowledge's own format before version 4: headers, then samples channel after channel."""
+    from bioread import headers as form
+
+    def header(kind: type, **fields: object) -> bytes:
+        made = kind.for_revision(revision, "<")
+        filled = made._struct_class()
+        for name, value in fields.items():
+            setattr(filled, name, value)
+        return bytes(filled)
+
+    graph = header(
+        form.GraphHeader, lVersion=revision, nChannels=6, dSampleTime=10.0,
+        lExtItemHeaderLen=len(header(form.GraphHeader)),
+    )  # fmt: skip
+    length = len(header(form.ChannelHeader))
+    channels = [
+        header(
+            form.ChannelHeader, lChanHeaderLen=length, nNum=k, nChanOrder=k, lBufLength=N,
+            szCommentText=name.encode(), szUnitsText=unit.encode(), dAmplScale=1.0,
+            nVarSampleDivider=1,
+        )
+        for k, (name, unit) in enumerate(zip(NAMES, UNITS, strict=True))
+    ]  # fmt: skip
+    foreign = header(form.ForeignHeader, nLength=len(header(form.ForeignHeader)))
+    kinds = header(form.ChannelDTypeHeader, nSize=8, nType=1) * 6
+    return b"".join([graph, *channels, foreign, kinds, DATA.astype("<f8").tobytes()])

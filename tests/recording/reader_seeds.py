@@ -296,6 +296,7 @@ SEEDS: dict[str, tuple[Callable[[], bytes], ...]] = {
     "tdms": (files.tdms_file,),
     "parquet": (files.parquet_file, lambda: files.parquet_file(feather=True)),
     "filelb": (lambda: files.flb_file(cases=2), lambda: files.flb_file(version=2, counts=True)),
+    "acqknowledge": (files.acq_file,),
     "matlab-programs": (
         files.labchart_file,
         files.acqknowledge_mat,

@@ -50,7 +50,13 @@ def test_only_our_errors_come_out(tmp_path, name, seed):
     assert min(outcomes.values()) > 10
 
 
-@pytest.mark.parametrize("reader", SEEDS)
+#: Damage of these headers can keep their library busy for seconds.
+LONG = {"acqknowledge"}
+
+
+@pytest.mark.parametrize(
+    "reader", [pytest.param(r, marks=pytest.mark.slow) if r in LONG else r for r in SEEDS]
+)
 def test_every_reader_reads_or_refuses(tmp_path, reader):
     """Benchmarks/fuzz_readers.py does the same with 10,000 files each and limits on memory."""
     rng = random.Random(4)

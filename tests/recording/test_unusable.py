@@ -61,6 +61,19 @@ def test_one_cell_leaves_its_role_open(tmp_path, cell, says, column, role):
         read(toml)
 
 
+@pytest.mark.parametrize(("lost", "helps"), [(1, True), (40, False)])
+def test_who_reads_a_short_gap_is_told_how_to_bridge_it(tmp_path, lost, helps):
+    time = np.arange(200) / 500.0
+    rows = [[f"{t:.4f}", f"{np.sin(t):.4f}", "1" if k % 2 else "2"] for k, t in enumerate(time)]
+    for row in rows[100 : 100 + lost]:
+        row[2] = ""
+    lines = ["time_s,angle_rad,torque_Nm", *map(",".join, rows)]
+    (tmp_path / "t.csv").write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match="the cell is blank") as refused:
+        read(tmp_path / "t.csv")
+    assert ("bridge_s = 0.004" in str(refused.value)) is helps
+
+
 def test_short_gaps_are_bridged_aloud_when_the_user_says_so(tmp_path):
     rows = table()
     for index in (100, 101, 250):

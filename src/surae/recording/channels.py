@@ -145,7 +145,7 @@ def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channe
         )
     except InputError as error:
         short = gaps_of(times, raw)
-        if short is None or short.longest_s > LONGEST_BRIDGE_S:
+        if short is None or not short.longest_s <= LONGEST_BRIDGE_S:  # of a NaN neither holds
             raise
         raise InputError(
             f"{error}; correct the file, or bridge it in a mapping: bridge_s = {short.bridge_s:g}"
