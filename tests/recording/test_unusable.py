@@ -71,7 +71,7 @@ def test_who_reads_a_short_gap_is_told_how_to_bridge_it(tmp_path, lost, helps):
     (tmp_path / "t.csv").write_text("\n".join(lines) + "\n")
     with pytest.raises(InputError, match="the cell is blank") as refused:
         read(tmp_path / "t.csv")
-    assert ("bridge_s = 0.004" in str(refused.value)) is helps
+    assert ("bridge_s = 0.00" in str(refused.value)) is helps
 
 
 def test_short_gaps_are_bridged_aloud_when_the_user_says_so(tmp_path):
