@@ -1,7 +1,7 @@
 """What one fit brings to a comparison with others: every measure and parameter, as plain data."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -69,9 +69,11 @@ def common_end(results: Iterable[FitResult]) -> float:
 
 def quantities(
     result: FitResult, assessment: Assessment, angles: Sequence[float] = ANGLES,
-    end: float = math.inf,
+    end: float = math.inf, only: Collection[str] = (),
 ) -> Quantities:  # fmt: skip
     """What a fit brings to a comparison; torque and stiffness are those at `angles` [deg].
+
+    `only` names the measures that are computed; without it all are, and all parameters are brought.
 
     At the `end` [deg] of the range that others moved through too, those at the end are compared.
     """
@@ -85,7 +87,8 @@ def quantities(
         inadequate = f"the fit is inadequate: {adequacy.reasons[0]}"
     timing = np.isin(known.names, _TIMING) & problem.has_unheard
     by_name: dict[str, Quantity] = {}
-    for evaluated, m in judged_measures(result, assessment, points(angles, end)):
+    wanted = tuple(p for p in points(angles, end) if not only or p.definition.name in only)
+    for evaluated, m in judged_measures(result, assessment, wanted):
         alone = evaluated.point.definition.alone
         common = m.name in LEADING and math.isfinite(end)
         if common or (alone == ELECTRODES and has_reference):
@@ -105,7 +108,7 @@ def quantities(
             m.name, m.unit, m.meaning, "measure", m.value, *deviations, why,
             from_deg=m.from_deg, to_deg=m.to_deg, is_comparable_between_legs=between,
         )  # fmt: skip
-    for name in known.names:
+    for name in known.names if not only else ():
         if group_of(name) is not None or name not in assessment.parameters:
             continue
         p, why = assessment.parameters[name], ""

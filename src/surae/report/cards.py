@@ -44,17 +44,15 @@ def modelled_stiffness(
     value, span = _.estimate(m.value, m.ci95)
     where = _("{range}, relaxed · 95 %: {span}", range=over(m, _), span=span)
     lines = [block.Text(where, "say", f"{value} Nm/°")]
-    for p in placed(of_fit, known):
+    groups = [norm for norm in known if "healthy" in norm.group] or known
+    for p in placed(of_fit, groups):
         own, _span = _.estimate(p.value, of_fit[p.norm.measure].ci95)
-        text = _(
+        below = p.text if p.ends is None else f"{p.text} ({_.span(*p.ends)})"
+        lines.append(block.Text(_(
             "{measure}: {value} {unit}; {below} of {group} lie below ({reference}).",
             measure=_.measure(p.norm.measure), value=own, unit=p.norm.unit.replace("deg", "°"),
-            below=p.text, group=_(p.norm.group), reference=p.norm.reference,
-        )  # fmt: skip
-        if p.ends is not None:
-            text += " " + _("This is uncertain: from {low} to {high} may lie below.",
-                            low=p.ends[0], high=p.ends[1])  # fmt: skip
-        lines.append(block.Text(text))
+            below=below, group=_(p.norm.group), reference=p.norm.reference,
+        ), "note"))  # fmt: skip
     if slope is not None:
         lines.append(block.Text(_("Measured slope: {slope}.", slope=slope_text(slope, _))))
     return tuple(lines)

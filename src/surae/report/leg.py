@@ -123,9 +123,7 @@ def compared(
 
 def fixed_quantities(fit: AssessedFit, end: float) -> Quantities:
     """What visits are compared in, over the range up to `end` [deg]: few looks find more."""
-    every = quantities(*fit, ANGLES[:1], end)
-    few = ((n, every.by_name[n]) for n in cards.COMPARED if n in every.by_name)
-    return replace(every, by_name=type(every.by_name)(few))
+    return quantities(*fit, ANGLES[:1], end, cards.COMPARED)
 
 
 def visit_angle(fit: AssessedFit | None) -> float:

@@ -50,6 +50,7 @@ const columns = (measures, parameters) => [
 /** A number of so many digits as its interval tells, the interval below. */
 function measured(one) {
   if (!one || one.value === null || one.low === null) return NONE;
+  if (one.verdict === "undetermined") return verdict(one.verdict);
   const half = (one.high - one.low) / 2;
   return [estimate(one.value, half / 2), h("div", { class: "small" }, `${estimate(one.low, half / 2)} … ${estimate(one.high, half / 2)} `, one.verdict !== "identified" && verdict(one.verdict))];
 }
