@@ -24,7 +24,6 @@ LAYERS = (
     ("_lazy", "_version", "base", "processes"),
     ("recording",),
     ("signals",),
-    ("nerve",),
     ("model",),
     ("protocol",),
     ("quality",),
@@ -258,7 +257,7 @@ def test_the_workbench_is_built_on_the_api() -> None:
 
 #: Distributions of their own.
 BUILT_ON_IT = (
-    "surae_cohort", "surae_exchange", "surae_formats", "surae_posterior",
+    "surae_cohort", "surae_exchange", "surae_formats", "surae_nerve", "surae_posterior",
     "surae_thesis", "surae_workbench",
 )  # fmt: skip
 

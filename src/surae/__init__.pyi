@@ -10,7 +10,6 @@ from surae.api import design as design
 from surae.api import example as example
 from surae.api import expect as expect
 from surae.api import fit as fit
-from surae.api import impedance as impedance
 from surae.api import load as load
 from surae.api import load_session as load_session
 from surae.api import measure_next as measure_next
@@ -20,7 +19,6 @@ from surae.api import session as session
 from surae.api import simulate as simulate
 from surae.api import simulate_parts as simulate_parts
 from surae.api import simulate_tendon as simulate_tendon
-from surae.api import stretches as stretches
 from surae.api import validate as validate
 from surae.base.errors import ComputationError as ComputationError
 from surae.base.errors import InputError as InputError
@@ -35,8 +33,6 @@ from surae.measures.change import Change as Change
 from surae.measures.package import measures as measures
 from surae.model import MODELS as MODELS
 from surae.model.options import ModelOptions as ModelOptions
-from surae.nerve import Impedance as Impedance
-from surae.nerve import Stretches as Stretches
 from surae.protocol import Protocol as Protocol
 from surae.protocol import Trajectory as Trajectory
 from surae.protocol import generate as generate
@@ -62,5 +58,9 @@ from surae.studies import virtual_trial as virtual_trial
 from surae_cohort.cohort import cohort as cohort
 from surae_cohort.pooled import Cohort as Cohort
 from surae_exchange.exported import export as export
+from surae_nerve.answer import Impedance as Impedance
+from surae_nerve.api import impedance as impedance
+from surae_nerve.api import stretches as stretches
+from surae_nerve.stretches import Stretches as Stretches
 from surae_posterior.posterior import posterior as posterior
 from surae_posterior.sample import Posterior as Posterior

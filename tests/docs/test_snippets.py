@@ -124,7 +124,7 @@ def _check_other(words: list[str]) -> None:
         assert rest[0] in TARGETS
     elif program == "pip":
         assert rest[0] == "install"
-        own = "(surae(?:-cohort|-exchange|-formats|-posterior|-thesis|-workbench)?)"
+        own = "(surae(?:-cohort|-exchange|-formats|-nerve|-posterior|-thesis|-workbench)?)"
         match = re.fullmatch(rf"{own}(?:\[([a-z,]+)\])?", rest[1])
         assert match, rest
         extras = EXTRAS if match[1] == "surae" else extras_of(f"{match[1].removeprefix('surae-')}/")

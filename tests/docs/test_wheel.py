@@ -42,6 +42,7 @@ def test_it_holds_every_file_of_its_packages(wheel):
         ROOT / "exchange" / "src": ("surae_exchange/joint.py",),
         ROOT / "formats" / "src": ("surae_formats/c3d.py",),
         ROOT / "posterior" / "src": ("surae_posterior/sample.py",),
+        ROOT / "nerve" / "src": ("surae_nerve/page.py",),
         ROOT / "thesis" / "src": ("surae_thesis/claims/tendons.toml",),
         ROOT / "workbench" / "src": ("surae_workbench/web/static/icon.svg",),
         ROOT / "legs" / "src": ("ankle_legs/main.py",),

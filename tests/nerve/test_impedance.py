@@ -10,10 +10,10 @@ from scipy import signal
 
 import surae
 from surae.base.errors import InputError
-from surae.nerve.impedance import turned
-from surae.nerve.samples import usable
-from surae.nerve.triggered import answering
 from surae.recording import Recording
+from surae_nerve.impedance import turned
+from surae_nerve.samples import usable
+from surae_nerve.triggered import answering
 
 TRUE = {"intrinsic_stiffness": 60.0, "inertia": 0.015, "reflex_gain": 6.0, "reflex_delay": 45.0}
 

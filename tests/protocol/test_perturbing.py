@@ -6,11 +6,11 @@ import pytest
 import surae
 from surae.base.errors import InputError
 from surae.base.names import TELLING
-from surae.nerve.expected import USUAL, expected
 from surae.protocol import named_device
 from surae.protocol.device import Device
 from surae.protocol.perturbing import PERTURBATIONS, REPEATS, telling
 from surae.quality.position import perturbing
+from surae_nerve.expected import USUAL, expected
 
 
 @pytest.mark.parametrize("name", TELLING)

@@ -22,10 +22,6 @@ from surae.api.fitting import fit_inputs as fit_inputs
 from surae.api.fitting import inputs_for as inputs_for
 from surae.api.fitting import load as load
 from surae.api.given import AnyRecording as AnyRecording
-from surae.api.nerve import impedance as impedance
-from surae.api.nerve import stretches as stretches
-from surae.api.nerve import write_impedance_page as write_impedance_page
-from surae.api.nerve import write_stretches_page as write_stretches_page
 from surae.api.recordings import check as check
 from surae.api.recordings import check_together as check_together
 from surae.api.recordings import checks_for as checks_for
@@ -77,8 +73,6 @@ from surae.model.options import ModelOptions as ModelOptions
 from surae.model.parameters import OPTIONAL as OPTIONAL
 from surae.model.parameters import OPTIONAL_PARAMETERS as OPTIONAL_PARAMETERS
 from surae.model.registry import PARAMETERS as PARAMETERS
-from surae.nerve import Impedance as Impedance
-from surae.nerve import Stretches as Stretches
 from surae.protocol import DEVICES as DEVICES
 from surae.protocol import PROFILES as PROFILES
 from surae.protocol import TASKS as TASKS

@@ -1,18 +1,19 @@
 """Protocols: what one will tell, designed for a device, and what to measure after a fit."""
 
 from collections.abc import Mapping, Sequence
+from types import FunctionType
 from typing import Any, TypeVar
 
 from surae.api.fitted import Fit
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.names import EFFORTS, TELLING
+from surae.base.plugins import plugins
 from surae.base.progress import SearchProgress
 from surae.base.requests import DesignSettings, ExpectSettings, LegSettings
 from surae.base.setting import Setting, checked, settings_of, takes
 from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
-from surae.nerve import Number
 from surae.protocol import (
     DEVICES,
     PROFILES,
@@ -383,11 +384,13 @@ def ready_trajectory(
     return ready.trajectory(device, range_of_motion, rate_hz, legs)
 
 
-def perturbation_tells(trajectory: Trajectory) -> dict[str, Number]:
-    """Values of a usual ankle and the 95 % intervals that `surae.impedance` would give them."""
-    from surae.nerve.expected import expected as of_perturbation  # scipy.signal
+def perturbation_tells(trajectory: Trajectory) -> dict[str, Any]:
+    """Values of a usual ankle and the 95 % intervals that `surae.impedance` would give them.
 
-    return of_perturbation(trajectory.time, trajectory.angle)
+    The distribution that has it offers them; without it there are none.
+    """
+    tell = plugins("expectations", FunctionType).get("perturbation")
+    return {} if tell is None else dict(tell(trajectory.time, trajectory.angle))
 
 
 def requested_legs(

@@ -124,10 +124,12 @@ def _tells(trajectory: "api.Trajectory") -> list[str]:
         f"  {measure} {own.value:g}: {own.low:.3g} to {own.high:.3g}"
         for measure, own in api.perturbation_tells(trajectory).items()
     ]
+    of_whom = "Of a usual ankle with a reflex it tells, by noise alone:"
+    of_whom = of_whom if usual else "The package surae-nerve says what it will tell."
     return [
-        f"{name}: {seconds:.0f} s about the middle of the range; then surae impedance. "
-        "Of a usual ankle with a reflex it tells, by noise alone:", *usual,
-    ]  # fmt: skip
+        f"{name}: {seconds:.0f} s about the middle of the range; then surae impedance. {of_whom}",
+        *usual,
+    ]
 
 
 def device_of(name: str, without_limits: str | None) -> str | None:

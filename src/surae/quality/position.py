@@ -24,7 +24,7 @@ DEPARTURE = 0.015
 #: Range [rad], time [s] and bandwidth [Hz] of small random perturbations: a held foot trembles by
 #: less.
 PERTURBED, PERTURBED_S, PERTURBED_HZ = (0.01, 0.175), 20.0, 5.0
-#: Least speed [rad/s] and range [rad] of a stretch, and its hold [s], as in `surae.nerve`; speed of
+#: Least speed [rad/s] and range [rad] of a stretch, and its hold [s], as in `surae-nerve`; speed of
 #: a fast one [rad/s] (Tardieu's V3: as fast as possible), and a slow one's part of it.
 RAMP, FAST, SLOWER = (0.035, 0.087, 0.2), 1.7, 0.4
 #: Time before a stretch [s] in which a relaxed muscle shows little more than it mostly does: less

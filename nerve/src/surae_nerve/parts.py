@@ -8,7 +8,7 @@ from scipy.interpolate import BSpline
 from scipy.signal import lfilter
 
 from surae.base.units import FloatArray
-from surae.nerve.ramps import RATE, SMOOTH, RampSpan, Stretched, low
+from surae_nerve.ramps import RATE, SMOOTH, RampSpan, Stretched, low
 
 #: Without EMG: time from a stretch's begin in which no reflex has torque yet, and how long its
 #: torque lasts after the stretch [s].

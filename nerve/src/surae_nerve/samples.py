@@ -8,7 +8,7 @@ from scipy.signal import welch
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
-from surae.nerve.piece import TOP, Piece
+from surae_nerve.piece import TOP, Piece
 
 #: Least range of a movement [rad]: sensors' noise is below a tenth of a degree.
 STILL = 0.002

@@ -8,11 +8,11 @@ import numpy as np
 from scipy.special import stdtrit
 
 from surae.base.units import FloatArray
-from surae.nerve.cascade import Structure, relaxing, relaxing_slope
-from surae.nerve.fitting import Fitted, Noise, Problem, noise_of, regressors, slopes, solved
-from surae.nerve.piece import Piece
-from surae.nerve.presence import Weighed, bound, first_shape, shapes, weigh
-from surae.nerve.response import faster, free_noise, lagged
+from surae_nerve.cascade import Structure, relaxing, relaxing_slope
+from surae_nerve.fitting import Fitted, Noise, Problem, noise_of, regressors, slopes, solved
+from surae_nerve.piece import Piece
+from surae_nerve.presence import Weighed, bound, first_shape, shapes, weigh
+from surae_nerve.response import faster, free_noise, lagged
 
 #: Sums of whitened squares by which a structure must be better to be taken in (z of 4 or 3), and
 #: by which one that is worse is still possible (z of 2).

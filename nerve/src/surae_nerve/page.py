@@ -3,17 +3,18 @@
 from datetime import datetime
 
 from surae.base.formatting import NO_NUMBER, percentage
-from surae.nerve import Impedance, Perturbed, Stretches
-from surae.nerve.answer import measure_rows
 from surae.report import block
 from surae.report.figures import Figure
-from surae.report.figures.nerve import (
+from surae.report.output import Report
+from surae_nerve.answer import Impedance, measure_rows
+from surae_nerve.figures import (
     effort_figure,
     frequency_figure,
     impulse_figure,
     stretches_figure,
 )
-from surae.report.output import Report
+from surae_nerve.impedance import Perturbed
+from surae_nerve.stretches import Stretches
 
 #: What the page says of itself.
 _ABOUT = (

@@ -6,7 +6,7 @@ import numpy as np
 from scipy import fft
 
 from surae.base.units import ComplexArray, FloatArray
-from surae.nerve.cascade import stretched, stretched_slope
+from surae_nerve.cascade import stretched, stretched_slope
 
 #: Highest frequency that is fitted [Hz]: reflexes end by 15 Hz, inertia is known by 40.
 TOP = 45.0

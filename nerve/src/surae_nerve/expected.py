@@ -3,10 +3,10 @@
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.nerve.cascade import Structure
-from surae.nerve.fitting import Fitted, Problem, noise_of, regressors
-from surae.nerve.identify import INTRINSIC, REFLEX, Judged, Number
-from surae.nerve.piece import TOP, Piece
+from surae_nerve.cascade import Structure
+from surae_nerve.fitting import Fitted, Problem, noise_of, regressors
+from surae_nerve.identify import INTRINSIC, REFLEX, Judged, Number
+from surae_nerve.piece import TOP, Piece
 
 #: A relaxed to moderately tense ankle with a reflex (Kearney 1997, Mirbagheri 2000).
 USUAL = {

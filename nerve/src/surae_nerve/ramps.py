@@ -8,8 +8,8 @@ from scipy.signal import butter, sosfiltfilt
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
-from surae.nerve.samples import on_one_clock, runs
 from surae.recording import MUSCLES, Recording
+from surae_nerve.samples import on_one_clock, runs
 
 #: A movement [rad/s], the range [rad] that makes it a stretch, and its hold afterwards [s].
 MOVING, RANGE, HOLD = np.deg2rad(2.0), np.deg2rad(5.0), 0.2

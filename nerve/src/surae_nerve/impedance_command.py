@@ -37,7 +37,9 @@ def command(
 
     api.check_report(report)
     with work() as progress:
-        impedance = api.impedance(
+        from surae_nerve.api import impedance as impedance_of
+
+        impedance = impedance_of(
             recordings, empty=empty, mapping=mapping,
             progress=partial(progress.parts, "recordings"), **corrections,
         )  # fmt: skip
@@ -45,5 +47,7 @@ def command(
         impedance.save(output)
     show_answer(impedance.as_table())
     if report is not None:
-        api.write_impedance_page(report, impedance)
+        from surae_nerve.api import write_impedance_page
+
+        write_impedance_page(report, impedance)
     show_files({"impedance": output, "report": report})

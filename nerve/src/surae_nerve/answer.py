@@ -10,8 +10,8 @@ from surae.base.formatting import NO_NUMBER, of_interval, percentage
 from surae.base.frozen import FrozenDict
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
-from surae.nerve.identify import Number
-from surae.nerve.impedance import MEASURES, NerveMeasure, Perturbed, ReflexPath, number_of
+from surae_nerve.identify import Number
+from surae_nerve.impedance import MEASURES, NerveMeasure, Perturbed, ReflexPath, number_of
 
 
 @dataclass(frozen=True, slots=True, repr=False)

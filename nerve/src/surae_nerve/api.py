@@ -8,8 +8,10 @@ from surae.api.given import AnyRecording, read_in, several
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.progress import Progress
-from surae.nerve import Impedance, Stretches, answers, inertia_of_empty, joined, perturbed
 from surae.recording import Recording, leaving_gaps, read
+from surae_nerve.answer import Impedance, joined
+from surae_nerve.impedance import inertia_of_empty, perturbed
+from surae_nerve.stretches import Stretches, answers
 
 
 def impedance(
@@ -109,14 +111,14 @@ def stretches(
 
 def write_stretches_page(path: PathLike, stretches: Stretches) -> None:
     """Write the page of stretches, HTML or by its ending PDF."""
-    from surae.report.nerve import stretches_report  # matplotlib
+    from surae_nerve.page import stretches_report  # matplotlib
 
     stretches_report(stretches, created=datetime.now().astimezone()).write(path)
 
 
 def write_impedance_page(path: PathLike, impedance: Impedance) -> None:
     """Write the page of perturbed recordings, HTML or by its ending PDF."""
-    from surae.report.nerve import impedance_report  # matplotlib
+    from surae_nerve.page import impedance_report  # matplotlib
 
     impedance_report(impedance, created=datetime.now().astimezone()).write(path)
 

@@ -3,9 +3,9 @@
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.nerve.ramps import envelope
-from surae.nerve.samples import Samples, runs
 from surae.recording import MUSCLE_NAMES, MUSCLES, Recording
+from surae_nerve.ramps import envelope
+from surae_nerve.samples import Samples, runs
 
 #: Speed as a part of the fastest at which a stretch begins, and what is slow before [s].
 BEGINS, SLOW_BEFORE = 0.3, 0.03

@@ -32,11 +32,15 @@ def command(
 
     api.check_report(report)
     with work() as progress:
+        from surae_nerve.api import stretches as stretches_of
+
         progress.describe("taking stretches apart")
-        found = api.stretches(recordings, mapping=mapping, **corrections)
+        found = stretches_of(recordings, mapping=mapping, **corrections)
     if output is not None:
         found.save(output)
     show_answer(found.as_table())
     if report is not None:
-        api.write_stretches_page(report, found)
+        from surae_nerve.api import write_stretches_page
+
+        write_stretches_page(report, found)
     show_files({"stretches": output, "report": report})

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from surae.base.units import ComplexArray, FloatArray
-from surae.nerve.cascade import BOUNDS, Structure, muscle, muscle_slopes, relaxing, relaxing_slope
-from surae.nerve.piece import Piece
+from surae_nerve.cascade import BOUNDS, Structure, muscle, muscle_slopes, relaxing, relaxing_slope
+from surae_nerve.piece import Piece
 
 #: Scale of the curvature's regressor [rad].
 _BEND = 0.02

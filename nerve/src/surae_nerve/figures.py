@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from surae.base.units import FloatArray
-from surae.nerve import NerveMeasure, Perturbed, StretchAnswer
 from surae.report import figures
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED
+from surae_nerve.impedance import NerveMeasure, Perturbed
+from surae_nerve.stretches import StretchAnswer
 
 
 def frequency_figure(recording: Perturbed) -> Figure:

@@ -14,10 +14,10 @@ from surae.base.frozen import FrozenDict
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
-from surae.nerve.impedance import DIRECTIONS
-from surae.nerve.parts import FAST, LATE, NOT_YET, Parts, TissueTorque
-from surae.nerve.ramps import RampSpan, Stretched, low, onset, stretched
 from surae.recording import Recording
+from surae_nerve.impedance import DIRECTIONS
+from surae_nerve.parts import FAST, LATE, NOT_YET, Parts, TissueTorque
+from surae_nerve.ramps import RampSpan, Stretched, low, onset, stretched
 
 #: Muscles that a movement in each direction stretches.
 OPPOSED = {1: ("gl", "sol", "gm"), -1: ("ta",)}

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.nerve.cascade import Structure, muscle
-from surae.nerve.fitting import Fitted, Problem
-from surae.nerve.piece import Piece
-from surae.nerve.response import faster
+from surae_nerve.cascade import Structure, muscle
+from surae_nerve.fitting import Fitted, Problem
+from surae_nerve.piece import Piece
+from surae_nerve.response import faster
 
 #: Shapes of a reflex from which a search begins: delay [s], frequency [rad/s], damping.
 DELAYS, OMEGAS, ZETAS = np.arange(0.024, 0.0961, 0.008), (8.0, 14.0, 24.0, 40.0), (0.6, 1.0)

@@ -10,9 +10,10 @@ from surae.base.errors import InputError
 from surae.base.frozen import Comparable, FrozenDict, freeze
 from surae.base.records import FileName
 from surae.base.units import FloatArray
-from surae.nerve.cascade import BOUNDS, muscle
-from surae.nerve.fitting import Fitted, Problem, noise_of
-from surae.nerve.identify import (
+from surae.recording import Recording
+from surae_nerve.cascade import BOUNDS, muscle
+from surae_nerve.fitting import Fitted, Problem, noise_of
+from surae_nerve.identify import (
     CHANGING,
     INTRINSIC,
     MISFIT,
@@ -22,12 +23,11 @@ from surae.nerve.identify import (
     Number,
     identify,
 )
-from surae.nerve.piece import Piece
-from surae.nerve.presence import LEAST_SHARE, NATS, NONE_SEEN, OVER_NONE, OVER_OTHER, Weighed
-from surae.nerve.response import lags, predicted, responses
-from surae.nerve.samples import Samples, usable
-from surae.nerve.triggered import answering
-from surae.recording import Recording
+from surae_nerve.piece import Piece
+from surae_nerve.presence import LEAST_SHARE, NATS, NONE_SEEN, OVER_NONE, OVER_OTHER, Weighed
+from surae_nerve.response import lags, predicted, responses
+from surae_nerve.samples import Samples, usable
+from surae_nerve.triggered import answering
 
 ReflexVerdict = Literal["present", "none seen", "cannot tell"]
 #: Of directions of movement, by their sign.

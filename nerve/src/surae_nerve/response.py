@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from surae.base.units import ComplexArray, FloatArray
-from surae.nerve.fitting import Noise, noise_of, solved, stacked
-from surae.nerve.piece import SLOW, Piece
+from surae_nerve.fitting import Noise, noise_of, solved, stacked
+from surae_nerve.piece import SLOW, Piece
 
 #: Half width of the intrinsic response [s] (Kearney 1997: two-sided, ± 40 ms).
 WIDTH = 0.04
