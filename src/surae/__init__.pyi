@@ -14,7 +14,6 @@ from surae.api import load as load
 from surae.api import load_session as load_session
 from surae.api import measure_next as measure_next
 from surae.api import plan_session as plan_session
-from surae.api import profile as profile
 from surae.api import session as session
 from surae.api import simulate as simulate
 from surae.api import simulate_parts as simulate_parts
@@ -26,7 +25,6 @@ from surae.base.errors import SuraeError as SuraeError
 from surae.inference import Adequacy as Adequacy
 from surae.inference import ParameterEstimate as ParameterEstimate
 from surae.inference import Prediction as Prediction
-from surae.inference.likelihood.profiles import Profiles as Profiles
 from surae.measures import Measure as Measure
 from surae.measures import Measures as Measures
 from surae.measures.change import Change as Change
@@ -63,4 +61,6 @@ from surae_nerve.api import impedance as impedance
 from surae_nerve.api import stretches as stretches
 from surae_nerve.stretches import Stretches as Stretches
 from surae_posterior.posterior import posterior as posterior
+from surae_posterior.profile import profile as profile
+from surae_posterior.profiles import Profiles as Profiles
 from surae_posterior.sample import Posterior as Posterior

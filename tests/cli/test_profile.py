@@ -94,7 +94,7 @@ def test_wrong_use_is_one_line(run, files, arguments, message) -> None:
 
 
 def test_ctrl_c_keeps_what_is_complete(run, files, monkeypatch) -> None:
-    from surae import api
+    from surae_posterior import profile as home
 
     def interrupted(fit, names, *, progress, **options):
         def pressed(name: str, done: int, total: int) -> None:
@@ -103,8 +103,8 @@ def test_ctrl_c_keeps_what_is_complete(run, files, monkeypatch) -> None:
 
         return real(fit, names, progress=pressed, **options)
 
-    real = api.profile
-    monkeypatch.setattr(api, "profile", interrupted)
+    real = home.profile
+    monkeypatch.setattr(home, "profile", interrupted)
     done = run("profile", "fit.json", "m", "g1", "beta", "--workers", "1", "--output", "p.json")
     assert done.code == 130
     assert done.err == (

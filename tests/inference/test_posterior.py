@@ -9,10 +9,10 @@ import pytest
 import surae
 from surae.base.errors import InputError
 from surae.inference import assess, fit_problem, make_problem
-from surae.inference.likelihood.profiles import profiles
 from surae.inference.residuals import Residuals
 from surae.signals import thinned
 from surae.studies import virtual_trial
+from surae_posterior.profiles import profiles
 from surae_posterior.sample import sample
 
 FEW = {"draws": 250, "evaluations": 1200}

@@ -11,9 +11,9 @@ from toys import linear, toy_fit, toy_problem
 from surae.base.errors import InputError
 from surae.inference import Prior, fit_problem, make_problem
 from surae.inference.least_squares import compress
-from surae.inference.likelihood.conditional import Conditional, ConditionalMinimum
-from surae.inference.likelihood.profile import profile
 from surae.inference.residuals import Residuals
+from surae_posterior.conditional import Conditional, ConditionalMinimum
+from surae_posterior.one_profile import profile
 
 RNG = np.random.default_rng(7)
 N = 200

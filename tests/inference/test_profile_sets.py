@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from surae.base.errors import InputError
-from surae.inference.likelihood.profile import profile
-from surae.inference.likelihood.profiles import profiles
+from surae_posterior.one_profile import profile
+from surae_posterior.profiles import profiles
 
 NAMES = ("m", "f0", "l0_tib", "g1")
 

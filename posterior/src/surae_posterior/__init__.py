@@ -1,1 +1,1 @@
-"""Draws from the posterior of a named model, by adaptive importance sampling."""
+"""Beyond the covariance of a fit: profiles, and draws from a named model's posterior."""

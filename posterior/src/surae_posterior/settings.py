@@ -1,9 +1,33 @@
-"""What may be asked of a posterior."""
+"""What may be asked of profiles and of a posterior."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from surae.base.setting import Request, setting
+
+_INFLATION = "Factor on the variance of the noise.  [default: from the residual's correlation]"
+
+
+def _at_once(what: str) -> Any:
+    return setting(
+        None, f"{what} at a time, by default one for each processor; the numbers do not depend on "
+        "it.", least=1, most=1000, metavar="N",
+        help=f"{what} at a time.  [default: all processors]",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileSettings(Request):
+    """How parameters are profiled; see `surae.profile`."""
+
+    variance_inflation: float | Mapping[str, float] | None = setting(
+        None, "Divides Δχ², of all or of each parameter. By default what the assessment asks for: "
+        "each parameter's own (sem_robust/sem)² where its interval is robust, as for a residual "
+        "that is correlated over time, and 1 otherwise; see `surae.inference.assessment`.",
+        above=0.0, metavar="F", help=_INFLATION,
+    )  # fmt: skip
+    workers: int | None = _at_once("Profiles")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,10 +59,6 @@ class PosteriorSettings(Request):
         "number, since the likelihood has one noise: parameters for which the correlation matters "
         "more than for most get too narrow an interval, which their profile or `ci95` does not.",
         above=0.0, metavar="F",
-        help="Factor on the variance of the noise.  [default: from the residual's correlation]",
+        help=_INFLATION,
     )  # fmt: skip
-    cores: int | None = setting(
-        None, "Evaluations at a time, by default one for each processor; the numbers do not depend "
-        "on it.", least=1, most=1000, metavar="N",
-        help="Evaluations at a time.  [default: all processors]",
-    )  # fmt: skip
+    cores: int | None = _at_once("Evaluations")

@@ -3,7 +3,6 @@
 from surae.api.answers import change as change
 from surae.api.answers import fit_of as fit_of
 from surae.api.answers import predictions_part as predictions_part
-from surae.api.answers import profile as profile
 from surae.api.answers import validate as validate
 from surae.api.answers import visits_blocks as visits_blocks
 from surae.api.answers import write_change_page as write_change_page
@@ -44,8 +43,6 @@ from surae.inference import Prediction as Prediction
 from surae.inference import make_problem as make_problem
 from surae.inference import solve as solve
 from surae.inference.assessment import assess as assess
-from surae.inference.likelihood.profile import check_profiled as check_profiled
-from surae.inference.likelihood.profiles import Profiles as Profiles
 from surae.inference.parameter import ParameterEstimate as ParameterEstimate
 from surae.inference.population import population_priors as population_priors
 from surae.inference.residual import centred_r2 as centred_r2

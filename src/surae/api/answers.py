@@ -1,7 +1,6 @@
-"""Answers of fits: profiles, predictions and changes."""
+"""Answers of fits: predictions and changes."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, replace
 from datetime import date, datetime
 from pathlib import Path
 from typing import Any
@@ -12,12 +11,8 @@ from surae.api.given import AnyRecording, several
 from surae.api.recordings import as_in_fit
 from surae.base.errors import InputError
 from surae.base.files import PathLike
-from surae.base.progress import NamedProgress
-from surae.base.requests import ChangeSettings, ProfileSettings
+from surae.base.requests import ChangeSettings
 from surae.base.setting import takes
-from surae.inference.assessment import variance_inflation
-from surae.inference.likelihood.profile import profiled
-from surae.inference.likelihood.profiles import Profiles, profiles
 from surae.inference.validation import Prediction, predict_others
 from surae.measures.change import Change, compare_sessions
 from surae.measures.quantity import common_end, quantities
@@ -126,54 +121,6 @@ def _file_of(place: PathLike) -> Path:
     """A file of a fit, or that of the folder of a session."""
     path = Path(place)
     return fit_in(path) if path.is_dir() else path
-
-
-@takes(ProfileSettings)
-def profile(
-    fitted: Fit,
-    names: str | Sequence[str] | None = None,
-    *,
-    progress: NamedProgress | None = None,
-    **settings: Any,
-) -> Profiles:
-    """Profile likelihood: intervals that need not be symmetric, nor end where the data set no end.
-
-    Parameters
-    ----------
-    fitted : Fit
-        The fit.
-    names : str or sequence of str, optional
-        Parameters that it estimated; all of them by default.
-    progress : callable, optional
-        Called after every profile with (parameter, profiles done, all profiles).
-    {settings}
-
-    Returns
-    -------
-    Profiles
-        Ctrl-C keeps the profiles that are complete; `missing` names the others.
-
-    Raises
-    ------
-    InputError
-        A parameter is unknown, fixed or given twice, or the fit has nothing to profile.
-
-    Examples
-    --------
-    >>> surae.profile(surae.load("fit.json"), "f0")["f0"].interval
-    """
-    request = ProfileSettings(**settings)
-    wanted = profiled(fitted.result) if names is None else names
-    wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
-    reason = "given"
-    if request.variance_inflation is None:
-        inflation = variance_inflation(fitted.assessment)
-        reason = inflation.reason
-        factors = {n: factor for n, factor in inflation.factors.items() if n in wanted}
-        request = replace(request, variance_inflation=factors)
-    return profiles(
-        fitted.result, wanted, **asdict(request), inflation_reason=reason, progress=progress
-    )
 
 
 def validate(

@@ -9,34 +9,11 @@ from surae.base.setting import Request, setting
 
 #: More fits or threads than these are slips of the keyboard.
 _MOST_FITS, _MOST_WORKERS = 1_000_000, 1000
-#: What `--variance-inflation` says of itself.
-_INFLATION = "Factor on the variance of the noise.  [default: from the residual's correlation]"
-
-
-def _workers(what: str) -> Any:
-    return setting(
-        None, f"{what} at a time, by default one for each processor; the numbers do not depend on "
-        "it.", least=1, most=_MOST_WORKERS, metavar="N",
-        help=f"{what} at a time.  [default: all processors]",
-    )  # fmt: skip
 
 
 def _seed(what: str, most: int | None = None) -> Any:
     text = f"Seed of the {what}; the numbers depend on nothing else that is random."
     return setting(0, text, least=0, most=most, help=f"Seed of the {what}.")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProfileSettings(Request):
-    """How parameters are profiled; see `surae.profile`."""
-
-    variance_inflation: float | Mapping[str, float] | None = setting(
-        None, "Divides Δχ², of all or of each parameter. By default what the assessment asks for: "
-        "each parameter's own (sem_robust/sem)² where its interval is robust, as for a residual "
-        "that is correlated over time, and 1 otherwise; see `surae.inference.assessment`.",
-        above=0.0, metavar="F", help=_INFLATION,
-    )  # fmt: skip
-    workers: int | None = _workers("Profiles")
 
 
 def _model(default: str, what: str) -> Any:

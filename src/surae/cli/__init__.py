@@ -41,7 +41,7 @@ COMMANDS = {
     "export": ("surae-exchange", "Write the leg as a model of OpenSim or MuJoCo."),
     "change": ("surae.cli.change", "Compare a leg between two sessions."),
     "cohort": ("surae-cohort", "Compare groups of legs, and every leg with its group."),
-    "profile": ("surae.cli.profile", "Compute profile likelihoods and their intervals."),
+    "profile": ("surae-posterior", "Compute profile likelihoods and their intervals."),
     "posterior": ("surae-posterior", "Sample the posterior of the parameters."),
     "simulate": ("surae.cli.simulate", "Compute the torque that a model gives for a recording."),
     "protocol": ("surae.cli.protocol", "Make a measurement protocol for a device."),

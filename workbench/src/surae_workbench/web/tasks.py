@@ -140,13 +140,15 @@ def _estimate(told: "api.Measure | api.ParameterEstimate", sem: float | None) ->
 
 def profile(task: Task) -> dict[str, Any]:
     """Profile parameters of a fit, and write them."""
+    from surae_posterior.profile import profile as profile_of
+
     fitted = api.load(_file(task, "fit", task["fit"]))
 
     def progress(name: str, done: int, total: int) -> None:
         tell({"parameter": name, "done": done, "total": total})
 
     with _compiling():
-        profiles = api.profile(fitted, task["parameters"], workers=1, progress=progress)
+        profiles = profile_of(fitted, task["parameters"], workers=1, progress=progress)
     missing = ", ".join(profiles.missing)
     return {
         "message": f"stopped before {missing}" if missing else f"{len(profiles.profiles)} profiles",

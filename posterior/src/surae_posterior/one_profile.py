@@ -20,10 +20,10 @@ from surae.base.frozen import Comparable, read_only
 from surae.base.records import Listed
 from surae.inference import FitResult
 from surae.inference.identifiability.identified import unexplained
-from surae.inference.likelihood.conditional import ConditionalMinimum, Surface, surface_of
 from surae.inference.uncertainty.combined import information_root
 from surae.inference.uncertainty.covariance import half_width
 from surae.model import adapted
+from surae_posterior.conditional import ConditionalMinimum, Surface, surface_of
 
 Status = Literal["closed", "open", "lower-minimum"]
 #: Points between the minimum and the threshold, in steps of equal √Δχ², and how far beyond the

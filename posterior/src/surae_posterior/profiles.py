@@ -17,8 +17,8 @@ from surae.base.threads import cores, one_blas_thread
 from surae.base.versions import versions
 from surae.inference import FitResult
 from surae.inference.assessment import described
-from surae.inference.likelihood.conditional import surface_of
-from surae.inference.likelihood.profile import ParameterProfile, check_profiled, profile, profiled
+from surae_posterior.conditional import surface_of
+from surae_posterior.one_profile import ParameterProfile, check_profiled, profile, profiled
 
 #: How often to look for Ctrl-C where it does not end a wait [s].
 _LOOK = 0.5

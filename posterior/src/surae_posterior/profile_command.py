@@ -5,11 +5,11 @@ from typing import Any
 import click
 
 from surae import api
-from surae.base.requests import ProfileSettings
 from surae.cli.options import settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_answer, show_files
+from surae_posterior.settings import ProfileSettings
 
 
 @click.command("profile")
@@ -30,8 +30,10 @@ def command(
 
     fit = api.load(fitted)
     with work() as progress, compilation_notice():
+        from surae_posterior.profile import profile
+
         progress.describe("profiles")
-        profiles = api.profile(
+        profiles = profile(
             fit, names or None, **options,
             progress=lambda name, done, total: progress.describe(
                 f"profiles: {done} of {total} done, {name} last"

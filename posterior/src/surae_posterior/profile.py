@@ -1,0 +1,61 @@
+"""Profiles of a fit, as users ask for them."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from typing import Any
+
+from surae.api import Fit
+from surae.base.progress import NamedProgress
+from surae.base.setting import takes
+from surae.inference.assessment import variance_inflation
+from surae_posterior.one_profile import profiled
+from surae_posterior.profiles import Profiles, profiles
+from surae_posterior.settings import ProfileSettings
+
+
+@takes(ProfileSettings)
+def profile(
+    fitted: Fit,
+    names: str | Sequence[str] | None = None,
+    *,
+    progress: NamedProgress | None = None,
+    **settings: Any,
+) -> Profiles:
+    """Profile likelihood: intervals that need not be symmetric, nor end where the data set no end.
+
+    Parameters
+    ----------
+    fitted : Fit
+        The fit.
+    names : str or sequence of str, optional
+        Parameters that it estimated; all of them by default.
+    progress : callable, optional
+        Called after every profile with (parameter, profiles done, all profiles).
+    {settings}
+
+    Returns
+    -------
+    Profiles
+        Ctrl-C keeps the profiles that are complete; `missing` names the others.
+
+    Raises
+    ------
+    InputError
+        A parameter is unknown, fixed or given twice, or the fit has nothing to profile.
+
+    Examples
+    --------
+    >>> surae.profile(surae.load("fit.json"), "f0")["f0"].interval
+    """
+    request = ProfileSettings(**settings)
+    wanted = profiled(fitted.result) if names is None else names
+    wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
+    reason = "given"
+    if request.variance_inflation is None:
+        inflation = variance_inflation(fitted.assessment)
+        reason = inflation.reason
+        factors = {n: factor for n, factor in inflation.factors.items() if n in wanted}
+        request = replace(request, variance_inflation=factors)
+    return profiles(
+        fitted.result, wanted, **asdict(request), inflation_reason=reason, progress=progress
+    )

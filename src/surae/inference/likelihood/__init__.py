@@ -1,1 +1,0 @@
-"""Which values of a parameter the data still allow: the profile likelihood."""
