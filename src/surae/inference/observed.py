@@ -9,6 +9,7 @@ an addition that no parameter moves, so that the derivatives of all else stay ex
 
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -22,6 +23,7 @@ from surae.inference.interrupt import checkpoint
 from surae.inference.latent import TAIL_S, Latents
 from surae.inference.residuals import simulators
 from surae.model.activation import IntArray
+from surae.model.muscle_tendon import Tangent
 from surae.signals import ModelInputs
 
 #: Points that are kept of each recording: the best one, and the one that is tried.
@@ -81,6 +83,15 @@ class SensorRows:
         return border
 
 
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    """A recording at a point: the model, its parameters, and what moves it, as in `SensorRows`."""
+
+    tangent: Tangent
+    values: FloatArray
+    rows: list[FloatArray]  #: By coordinates and gains, of the torque and of each film's muscle.
+
+
 class Observed:
     """The recordings of a problem, and their latents."""
 
@@ -101,6 +112,8 @@ class Observed:
         #: Where a descent began, of recordings whose fast gains are known noise.
         self._noise: list[list[SensorRows]] = []
         self._kept: list[deque[tuple[bytes, list[SensorRows]]]] = []
+        #: What was simulated last, from which other latents and another descent are made too.
+        self._seen = [deque[tuple[bytes, _Seen]](maxlen=_KEPT) for _ in self._inputs]
         self.anew()
 
     @property
@@ -182,25 +195,46 @@ class Observed:
         kept.append((key, self._rows(z, c, w, number)))
         return kept[-1][1]
 
-    def _rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
+    def _simulated(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> "_Seen":
+        """A recording at a point, but for what latents add to it."""
+        moved = (
+            z,
+            c[self._latents[number].slices["gain"]],
+            w[: 0 if self._is_noise(number) else None],
+        )
+        key = b"".join(x.tobytes() for x in moved)
+        for known, seen in self._seen[number]:
+            if known == key:
+                return seen
         checkpoint()
         self.calls[0] += 1
-        at = self._at
         simulator, recording, latents, values = self._set(z, c, w, number)
         with np.errstate(over="ignore", invalid="ignore"):
-            columns = [*at.columns, *at.own_columns]
+            columns = [*self._at.columns, *self._at.own_columns]
             tangent = simulator.tangent(values, columns, lengths=bool(latents.films))
-        q, n, scale = len(z), recording.n, at.scale(z)[:, None]
-        whole = np.zeros((q + latents.size + 1, n))
-        whole[: len(scale)] = tangent.jacobian[: len(scale)] * scale
-        whole[at.own_of(number)] = tangent.jacobian[len(scale) :]
+        scale, n = self._at.scale(z)[:, None], recording.n
+        each = []
+        for group in (None, *(film.group for film in latents.films)):
+            own = tangent.jacobian if group is None else tangent.length_jacobian[group]
+            rows = np.zeros((len(z) + latents.size + 1, n))
+            rows[: len(scale)] = own[: len(scale)] * scale
+            rows[self._at.own_of(number)] = own[len(scale) :]
+            self._gain_rows(tangent.response, number, rows[len(z) : -1], group)
+            each.append(rows)
+        self._seen[number].append((key, _Seen(tangent, values, each)))
+        return self._seen[number][-1][1]
+
+    def _rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
+        at, recording, latents = self._at, self._inputs[number], self._latents[number]
+        seen = self._simulated(z, c, w, number)
+        tangent, values, q, n = seen.tangent, seen.values, len(z), recording.n
+        whole = seen.rows[0].copy()
         own = whole[q:-1]
         added = self._added[number]
         if added is None:
             added = self._added[number] = latents.of_active(*tangent.active)
         own[latents.slices["misfit"]] = added
         own[latents.slices["drift"]] = latents.drift
-        self._gain_rows(tangent.response, number, own)
         drift = latents.slices["drift"].start
         whole[-1] = tangent.torque - measured(recording) + c[drift:] @ own[drift:]
         response = tangent.response
@@ -212,22 +246,18 @@ class Observed:
             fast = fast * root[np.minimum(first[:, None] + np.arange(fast.shape[1]), n - 1)]
         each = [SensorRows(whole, q, fast, first, len(latents.muscles))]
         by_name = at.by_name(z, number)
-        for film, where in zip(latents.films, latents.own_of_films(), strict=True):
+        films = zip(latents.films, latents.own_of_films(), seen.rows[1:], strict=True)
+        for film, where, rows in films:
             names = names_of_film(film.channel)
             grown = 1.0 + by_name.get(names[0], 0.0)
-            whole = np.zeros((q + latents.size + 1, n))
-            rows = tangent.length_jacobian[film.group]
-            whole[: len(scale)] = rows[: len(scale)] * scale
-            whole[at.own_of(number)] = rows[len(scale) :]
-            self._gain_rows(response, number, whole[q:-1], film.group)
-            whole = grown * film.at_frames(whole)
+            whole = grown * film.at_frames(rows)
             length = film.at_frames(tangent.lengths[film.group])
             for name, by in zip(names, (length, np.ones_like(length)), strict=True):
                 if name in at.names:
                     whole[at.names.index(name)] = by
             whole[q + where.start : q + where.stop] = film.drift
-            seen = seen_by(film.channel, by_name, length)
-            whole[-1] = seen + c[where] @ film.drift - film.length
+            shown = seen_by(film.channel, by_name, length)
+            whole[-1] = shown + c[where] @ film.drift - film.length
             fast, first = _NO_COLUMNS
             if moving:
                 short, begins = self._fast_columns(response, values, number, film.group)
