@@ -81,7 +81,8 @@ def test_steps_hold_many_levels_in_either_direction():
 
 
 def test_a_prbs_is_on_and_off_for_every_number_of_clocks_up_to_its_register():
-    runs = [round((b.length - b.rise) / 0.5) for b in task_bursts(TASKS["prbs"], 64.0)]
+    task = TASKS["prbs"]
+    runs = [round((b.length - task.rise) / 0.5) for b in task_bursts(task, 64.0)]
     assert sum(runs[:32]) == pytest.approx(64, abs=3)  # of 127
     assert set(runs[:32]) >= {1, 2, 3, 4, 5}
 

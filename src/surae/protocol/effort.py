@@ -28,6 +28,8 @@ class Task:
     description: str  #: One sentence.
     #: The muscles of each burst in turn, those of one direction together; none: `DIRECTIONS`.
     turns: tuple[tuple[str, ...], ...] = ()
+    #: Time in which an effort rises, and falls [s]; by default half of its length.
+    rise: float | None = None
 
     def with_own(self, passive_seconds: float | None, turns: tuple[str, ...]) -> "Task":
         """The task with a passive part and an order of muscles of one's own, where these are given.
@@ -68,14 +70,25 @@ def _turn(text: str) -> tuple[str, ...]:
     return names
 
 
+#: A step of effort is held for so long, after and before a change [s].
+_HELD, _STEP_RISE = 2.0, 0.3
+#: A PRBS may change every so many seconds, as fast as a person follows a display, within such a
+#: time, between rest and such a level.
+_CLOCK, _CLOCK_RISE, _ON = 0.5, 0.2, 0.5
+
 TASKS: dict[str, Task] = {
     task.name: task
     for task in (
         Task("part-passive", 11.0, "Relaxed to 11 s, then alternating bursts."),
         Task("active", 0.0, "Alternating bursts throughout."),
         Task("passive", np.inf, "Relaxed throughout."),
-        Task("steps", 0.0, "Steps of effort, held for 2 s, one direction after the other."),
-        Task("prbs", 0.0, "Efforts of one level, on and off at random (a PRBS)."),
+        Task(
+            "steps",
+            0.0,
+            "Steps of effort, held for 2 s, one direction after the other.",
+            rise=_STEP_RISE,
+        ),
+        Task("prbs", 0.0, "Efforts of one level, on and off at random (a PRBS).", rise=_CLOCK_RISE),
     )
 }
 
@@ -104,20 +117,12 @@ class Burst(NamedTuple):
     length: float
     level: float  #: Part of the largest effort, 0…1.
     direction: int  #: Of `DIRECTIONS`: 0 plantarflexion, 1 dorsiflexion.
-    rise: float | None = None  #: Time in which it rises, and falls [s]; half its length by default.
-
-
-#: A step of effort is held for so long, after and before a change [s].
-_HELD, _STEP_RISE = 2.0, 0.3
-#: A PRBS may change every so many seconds, as fast as a person follows a display, within such a
-#: time, between rest and such a level.
-_CLOCK, _CLOCK_RISE, _ON = 0.5, 0.2, 0.5
 
 
 def _steps(end: float) -> Iterator[Burst]:
     k, onset, length = 0, 0.5, _HELD + 2.0 * _STEP_RISE
     while onset + length + GAP <= end:
-        yield Burst(onset, length, 0.2 + 0.6 * _sequence(k, 0), k % 2, _STEP_RISE)
+        yield Burst(onset, length, 0.2 + 0.6 * _sequence(k, 0), k % 2)
         onset += length + GAP
         k += 1
 
@@ -134,7 +139,7 @@ def _prbs(end: float) -> Iterator[Burst]:
         if onset + _CLOCK_RISE + GAP > end:
             return
         start = onset - (run + 1) * _CLOCK
-        yield Burst(start, run * _CLOCK + _CLOCK_RISE, _ON, k % 2, _CLOCK_RISE)
+        yield Burst(start, run * _CLOCK + _CLOCK_RISE, _ON, k % 2)
         k += 1
 
 
@@ -162,15 +167,19 @@ def head_share(k: int, head: int) -> tuple[float, float]:
 
 def effort(t: FloatArray, task: Task) -> FloatArray:
     """Effort of TA, GL, SOL, GM, shape (n, 4), as a part of the largest; 0 while passive."""
-    return burst_effort(t, task_bursts(task, float(t[-1])), task.turns)
+    return burst_effort(t, task_bursts(task, float(t[-1])), task.turns, task.rise)
 
 
 def burst_effort(
-    t: FloatArray, bursts: Iterable[Burst], turns: Sequence[tuple[str, ...]] = ()
+    t: FloatArray,
+    bursts: Iterable[Burst],
+    turns: Sequence[tuple[str, ...]] = (),
+    rise: float | None = None,
 ) -> FloatArray:
     """The effort, as of `effort`, of numbered bursts that do not overlap in a direction.
 
     With `turns` burst k is of the muscles of turn k, over and over; else of all of its direction.
+    `rise` is the time in which each rises, and falls [s]; None: half of its length.
     """
     target = np.zeros((len(t), len(MUSCLES)))
     for k, burst in enumerate(bursts):
@@ -181,8 +190,9 @@ def burst_effort(
             onset = burst.onset + GAP * late
             # Beyond its own span a burst is exactly 0.
             first, last = np.searchsorted(t, (onset, onset + burst.length))
-            since, rise = t[first:last] - onset, burst.rise or 0.5 * burst.length
-            bump = smooth_step(np.minimum(since, burst.length - since) / rise)
+            since = t[first:last] - onset
+            inside = np.minimum(since, burst.length - since)
+            bump = smooth_step(inside / (rise or 0.5 * burst.length))
             target[first:last, MUSCLES.index(muscle)] += burst.level * share * bump
     return target
 

@@ -50,7 +50,8 @@ class ProfilePlan:
 
     def effort(self, time: FloatArray) -> FloatArray:
         """The requested effort at increasing times [s], shape (n, 4)."""
-        return burst_effort(time, self.bursts, self.settings.effort_task.turns)
+        task = self.settings.effort_task
+        return burst_effort(time, self.bursts, task.turns, task.rise)
 
 
 #: What can be held to a torque: a designed protocol, or one of the thesis.
