@@ -51,6 +51,8 @@ def vaf_figure(
         for noted, marker, label in (
             (False, "o", "a recording"), (True, "x", "knee moves or ankle misaligned"),
         ):  # fmt: skip
+            if noted and not remarked:
+                continue
             values = [v for (who, _), v in box.points.items() if (who in remarked) == noted]
             places = at + np.linspace(-0.2, 0.2, max(len(values), 1))[: len(values)]
             axes.plot(places, values, marker, color=MUTED, markersize=3.6, label=label,
