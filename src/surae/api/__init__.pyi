@@ -2,6 +2,7 @@
 
 from surae.api.answers import change as change
 from surae.api.answers import fit_of as fit_of
+from surae.api.answers import other_change as other_change
 from surae.api.answers import predictions_part as predictions_part
 from surae.api.answers import validate as validate
 from surae.api.answers import visits_blocks as visits_blocks

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from datetime import date, datetime
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 from surae.api.fitted import Fit
@@ -11,6 +12,7 @@ from surae.api.given import AnyRecording, several
 from surae.api.recordings import as_in_fit
 from surae.base.errors import InputError
 from surae.base.files import PathLike
+from surae.base.plugins import plugins
 from surae.base.requests import ChangeSettings
 from surae.base.setting import takes
 from surae.inference.validation import Prediction, predict_others
@@ -68,6 +70,17 @@ def change(
     end = common_end(fit.result for fit in fits)
     sides = [quantities(fit.result, fit.assessment, angles, end) for fit in fits]
     return compare_sessions(sides[0], sides[1], sides[2:], legs=settings.legs)
+
+
+def other_change(before: PathLike, after: PathLike) -> Any:
+    """What differs between two files that are no fits, by the distribution whose files they are.
+
+    None where no distribution that is installed knows them.
+    """
+    for compare in plugins("changes", FunctionType).values():
+        if (found := compare(before, after)) is not None:
+            return found
+    return None
 
 
 def write_change_page(

@@ -17,8 +17,8 @@ V_co = TypeVar("V_co", covariant=True)
 def plugins(group: str, kind: type) -> dict[str, Any]:
     """What installed distributions offer as entry points of the group ``surae.<group>``, by name.
 
-    The group is "models", "integrators", "readers", "devices", "measures", "checks" or
-    "expectations". Each has to be of a `kind`; its `name`, if it has one, is its entry point's.
+    The group is "models", "integrators", "readers", "devices", "measures", "checks",
+    "expectations" or "changes". Each has to be of a `kind`; its `name`, if it has one, is its entry point's.
     """
     from importlib.metadata import entry_points
 

@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.errors import InputError
 from surae.base.requests import ChangeSettings
 from surae.cli.options import LANGUAGE, settings_options
 from surae.cli.paths import check_outputs
@@ -27,13 +28,23 @@ def command(
 ) -> None:  # fmt: skip
     """Compare a leg between two sessions, or the two legs of a person.
 
-    BEFORE and AFTER are files of fits or folders of sessions. What both sessions of a leg are wrong
+    BEFORE and AFTER are files of fits or folders of sessions, or files of surae impedance or surae
+    stretches. What both sessions of a leg are wrong
     in alike cancels; of two legs (--legs) nothing does. A change is claimed only where it is beyond
     what noise, electrodes and foot mounted anew can do, among all that is looked at.
     """
     outputs = {"--output": output, "--report": report}
     check_outputs(outputs, [before, after, *baselines], spare_fits=True)
 
+    found = api.other_change(before, after)
+    if found is not None:
+        if report is not None or baselines or options:
+            raise InputError("files of tissue and nerve are compared as they are: --output alone")
+        if output is not None:
+            found.save(output)
+        show_answer(found.as_table())
+        show_files({"change": output})
+        return
     api.check_report(report)
     with compilation_notice():
         change = api.change(before, after, baselines=baselines, **options)
