@@ -163,7 +163,25 @@ def check_together(
     joint: Joint | PathLike | None = None,
     exclude: Sequence[Sequence[float]] = (),
 ) -> list[Quality]:
-    """Findings of recordings of one leg, as of `check`: holds at several angles are one set."""
+    """Findings of recordings of one leg: holds at several angles are one set.
+
+    Parameters
+    ----------
+    recordings : iterable of Recording, ModelInputs or path
+        Read one after the other, as they come.
+    commanded, prepared, joint, exclude
+        Of all of them, as of `check`.
+
+    Returns
+    -------
+    list of Quality
+        As of `check`, in the same order; that a hold of a set holds still is for information.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read.
+    """
     every, angles = [], []
     for quality, angle in _checked(recordings, commanded, prepared, joint, exclude):
         every.append(quality)
