@@ -256,6 +256,7 @@ def test_the_workbench_is_built_on_the_api() -> None:
 
 
 #: Distributions of their own.
+BESIDE = sorted(PACKAGE.parents[1].glob("[a-z]*/src/surae_*"))
 BUILT_ON_IT = (
     "surae_cohort", "surae_exchange", "surae_formats", "surae_nerve", "surae_posterior",
     "surae_thesis", "surae_workbench",
@@ -275,7 +276,7 @@ def test_nothing_of_surae_needs_what_is_built_on_it() -> None:
 def test_libraries_that_obey_files_of_the_current_folder_are_imported_where_it_is_ignored() -> None:
     users = {
         source.relative_to(package.parent).as_posix()
-        for package in (PACKAGE, THESIS)
+        for package in (PACKAGE, *BESIDE)
         for source in package.rglob("*.py")
         for node in ast.parse(source.read_text(encoding="utf-8")).body
         if isinstance(node, ast.Import | ast.ImportFrom)

@@ -4,9 +4,9 @@ import ast
 from pathlib import Path
 
 import surae
-import surae_workbench
 
-ROOTS = [Path(package.__file__).parent for package in (surae, surae_workbench)]
+PACKAGE = Path(surae.__file__).parent
+ROOTS = [PACKAGE, *sorted(PACKAGE.parents[1].glob("[a-z]*/src/surae_*"))]
 REFUSED = (
     "says nothing of", "the same of", "imperfections: taken in", "say the data",
     "before the data object", "each for itself", "not told", "less noisily",

@@ -2,12 +2,9 @@
 
 from collections.abc import Sequence
 
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-
 from surae.base.normal import NORMAL
 from surae.report import figures
-from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED
+from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, Axes, Figure
 from surae_cohort.pooled import Pooled
 
 _COLOURS = (INK, BLUE, OCHRE, RED)

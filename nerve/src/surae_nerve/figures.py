@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from surae.base.units import FloatArray
 from surae.report import figures
-from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED
+from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, Figure
 from surae_nerve.impedance import NerveMeasure, Perturbed
 from surae_nerve.stretches import StretchAnswer
 

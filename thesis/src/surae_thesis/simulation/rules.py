@@ -266,7 +266,7 @@ def _ipdes(cells: Cells, model: str, names: Sequence[str]) -> dict[str, float]:
     some = grid.along_profile(cells, model, names)
     known = {cell.profile: cell.ipde for cell in some if cell.ipde is not None}
     if len(known) < len(names):
-        raise NotThereError("a fit has no IPDE: a parameter could not be told")
+        raise NotThereError("a fit has no IPDE: a parameter was not determined")
     return known
 
 
