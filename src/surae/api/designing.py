@@ -319,8 +319,8 @@ def expect(
     trajectory = as_trajectory(protocol)
     if perturbing(trajectory.angle, trajectory.settings.rate_hz):
         raise InputError(
-            f"{trajectory.settings.profile}: small random perturbations do not show what a model of "
-            "muscles needs; surae protocol prbs says what surae impedance will find"
+            f"{trajectory.settings.profile}: small random perturbations do not show what a model "
+            "of muscles needs; surae protocol prbs says what surae impedance will find"
         )
     settings, options = parted(ExpectSettings, {"model": model, **keywords})
     rate_hz = trajectory.settings.rate_hz
