@@ -11,7 +11,7 @@ from scipy import optimize, signal
 from surae.base.errors import InputError
 from surae.measures import DEFINITIONS, measures_of_values
 from surae.measures.leg import ZERO, Leg, NotDefinedError
-from surae.measures.passive import tendon_secant
+from surae.measures.passive import end_torque, passive_torque, tendon_secant
 from surae.model import ModelOptions, get_model, with_optional
 from surae.studies import virtual_subject
 
@@ -335,3 +335,27 @@ def test_a_filmed_fascicle_has_an_optimal_length_of_its_own_and_an_unfilmed_one_
         optimal(Leg(spec, ModelOptions(), own), 0.0)
     with pytest.raises(NotDefinedError, match="rigid"):
         tendon_secant(Leg(spec, ModelOptions(), own), 0.0, "tib")
+
+
+def test_the_end_of_a_movement_is_where_the_ankle_was() -> None:
+    """Its torque was measured there: an axis beside the device's turns the ankle by another angle.
+
+    The foot points to its strap, 0.15 m from the device's axis, from wherever the ankle is.
+    """
+    whole = {n: v for n, v in random_leg(2).items() if not n.startswith(("dlt", "pt"))}
+    spec = get_model("muscle")
+    forward, up = 0.01, -0.005
+    leg = Leg(spec, ModelOptions(), whole | {"axis_forward": forward, "axis_up": up},
+              moved=(-30.0, 20.0))  # fmt: skip
+
+    def turned(degrees: float) -> float:
+        strap = 0.15 * np.exp(1j * np.radians(degrees)) - complex(forward, up)
+        return float(np.degrees(np.angle(strap) - np.angle(0.15 - complex(forward, up))))
+
+    low, high = leg.range_to(np.inf)
+    assert (low, high) == pytest.approx((turned(-30.0), turned(20.0)))
+    assert high != pytest.approx(20.0, abs=0.5)
+    assert leg.range_to(10.0)[1] == pytest.approx(turned(10.0))
+    straight = Leg(spec, ModelOptions(), whole, moved=(-30.0, 20.0))
+    assert straight.range_to(np.inf) == (-30.0, 20.0)
+    assert end_torque(leg, np.inf) == pytest.approx(passive_torque(straight, turned(20.0)))

@@ -242,13 +242,14 @@ class Leg:
         moves: Sequence[tuple[int, float]],
     ) -> dict[str, float | None]:
         """Return the measures over what the trials of a visit moved and activated."""
-        own, zero = self.lasting(subject), sum(d.zero() for d in self.departures)
-        moved, drives = [], []
+        own, moved, drives = self.lasting(subject), [], []
         for (number, seconds), kind in zip(moves, kinds, strict=True):
             run = _start(fine_times(seconds), own, mounting, self.rng(3, number), kind)
             for departure in self.departures:
                 departure.excite(run)
-            moved.append(run.plate[::FINE] - zero)
+                if not departure.loops:
+                    departure.turn(run)
+            moved.append(run.ankle[::FINE])  # where the ankle itself was
             drives.append(_drives(run))
         ends = np.percentile(np.concatenate(moved), [1, 99])
         step, active = run.step, []

@@ -163,7 +163,9 @@ def evaluate(
         step = float(steps[j])
         sides = [leg.with_values({name: known.moved(j, by)}) for by in (-step, step)]
         for i, point in enumerate(wanted):
-            outside = not point.definition.of_recordings and group_of(name) in OUTSIDE
+            group, of = group_of(name), point.definition
+            # where the ankle was at the end of the movement depends on its axis
+            outside = group in OUTSIDE and not (of.of_recordings or (of.span and group == "axis"))
             if math.isnan(values[i]) or outside:
                 continue
             (low, below), (high, above) = (point.value(side) for side in sides)

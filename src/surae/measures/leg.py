@@ -19,9 +19,9 @@ from surae.inference.uncertainty.combined import ZERO
 from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model, with_optional
 from surae.model.contraction import FECC, MVSH, force_length
 from surae.model.equilibrium import solve
-from surae.model.geometry import paths
+from surae.model.geometry import JointAxis, paths
 from surae.model.movement import OWN_PATH
-from surae.model.parameters import JOINT_RESTS
+from surae.model.parameters import JOINT_RESTS, OPTIONAL
 from surae.model.tendon import TendonCurve, tendon_curve, tendon_force
 from surae.signals import ModelInputs
 
@@ -160,13 +160,30 @@ class Leg:
         return sum(means) / len(means) if means else None
 
     def range_to(self, end: float) -> tuple[float, float]:
-        """The range that was moved [deg], to a stated end or, of infinity, to its own."""
+        """The range of the ankle that was moved [deg], to an end of the device's or to its own.
+
+        What the device turned by is not quite what the ankle did: its axis lies beside. Where the
+        ankle was at the device's end its torque was measured, wherever the axis is.
+        """
         if self.moved is None:
             raise NotDefinedError("no recording says how far the ankle was moved")
-        low, high = (each - self.values.get(ZERO, 0.0) / _DEGREE for each in self.moved)
-        if min(high, end) - low < _LITTLE:
+        off = self.values.get(ZERO, 0.0) / _DEGREE
+        low, high, stated = self._turned(*self.moved, 0.0 if end == math.inf else end)
+        low, high = low - off, high - off if end == math.inf else stated
+        if high - low < _LITTLE:
             raise NotDefinedError("the ankle was hardly moved")
-        return low, high if end == math.inf else end
+        return low, high
+
+    def _turned(self, *degrees: float) -> tuple[float, ...]:
+        """Angles of the ankle [deg] where the device shows these."""
+        forward, up = (self.values.get(name, 0.0) for name in OPTIONAL["axis"])
+        if not (forward or up):
+            return degrees
+        axis = JointAxis(
+            angle=np.array(degrees) * _DEGREE, forward=forward, up=up,
+            strap=self.options.anatomy.distance,
+        )  # fmt: skip
+        return tuple((axis.joint.angle / _DEGREE).tolist())
 
     def joint_torque(self, degrees: float) -> float:
         """Torque of the joint's own tissue at an angle [Nm]."""

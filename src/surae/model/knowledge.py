@@ -149,7 +149,8 @@ class Knowledge(Request):
     @property
     def groups(self) -> frozenset[str]:
         """Groups of nuisances of which something is known: these are in every fit."""
-        known = {"axis": self.axis_mm, "plate": self.plate, "crosstalk": self.crosstalk}
+        known = {"axis": self.axis_mm, "plate": self.plate, "crosstalk": self.crosstalk,
+                 "arm": self.geometry_sd_percent}  # fmt: skip
         return frozenset(group for group, stated in known.items() if stated)
 
     def nuisances(self) -> dict[str, tuple[float, float]]:

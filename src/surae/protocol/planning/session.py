@@ -55,7 +55,7 @@ _STEPS = (
     SessionStep(EMPTY, "Move the empty device through the trials' movement.", 0.8),
     SessionStep("axis", "Measure how far the malleoli lie from the device's axis (± 3 mm).", 0.5),
     SessionStep(
-        "geometry", "Measure the leg, and scale a model to it (lengths and arms ± 3 %).", 2.0
+        "geometry", "Image the moment arms, or measure the tendon's excursion (± 3 %).", 2.0
     ),
     SessionStep(ALONE, "Contract one muscle after the other, three times each.", 1.05),
 )
