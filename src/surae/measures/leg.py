@@ -160,30 +160,28 @@ class Leg:
         return sum(means) / len(means) if means else None
 
     def range_to(self, end: float) -> tuple[float, float]:
-        """The range of the ankle that was moved [deg], to an end of the device's or to its own.
-
-        What the device turned by is not quite what the ankle did: its axis lies beside. Where the
-        ankle was at the device's end its torque was measured, wherever the axis is.
-        """
+        """The range that was moved [deg], to a stated end or, of infinity, to its own."""
         if self.moved is None:
             raise NotDefinedError("no recording says how far the ankle was moved")
-        off = self.values.get(ZERO, 0.0) / _DEGREE
-        low, high, stated = self._turned(*self.moved, 0.0 if end == math.inf else end)
-        low, high = low - off, high - off if end == math.inf else stated
-        if high - low < _LITTLE:
+        low, high = (each - self.values.get(ZERO, 0.0) / _DEGREE for each in self.moved)
+        if min(high, end) - low < _LITTLE:
             raise NotDefinedError("the ankle was hardly moved")
-        return low, high
+        return low, high if end == math.inf else end
 
-    def _turned(self, *degrees: float) -> tuple[float, ...]:
-        """Angles of the ankle [deg] where the device shows these."""
+    def turned(self, degrees: float) -> float:
+        """Angle of the ankle [deg] at one of the movement, whose axis lies beside the device's.
+
+        Where the ankle was at the device's end its torque was measured, wherever the axis is.
+        """
         forward, up = (self.values.get(name, 0.0) for name in OPTIONAL["axis"])
         if not (forward or up):
             return degrees
+        off = self.values.get(ZERO, 0.0)
         axis = JointAxis(
-            angle=np.array(degrees) * _DEGREE, forward=forward, up=up,
+            angle=np.array([degrees * _DEGREE + off]), forward=forward, up=up,
             strap=self.options.anatomy.distance,
         )  # fmt: skip
-        return tuple((axis.joint.angle / _DEGREE).tolist())
+        return float(axis.joint.angle[0] - off) / _DEGREE
 
     def joint_torque(self, degrees: float) -> float:
         """Torque of the joint's own tissue at an angle [Nm]."""

@@ -34,7 +34,7 @@ def end_torque(leg: Leg, end: float) -> float:
 
     passive_torque at the 99th percentile of the angle.
     """
-    return passive_torque(leg, leg.range_to(end)[1])
+    return passive_torque(leg, leg.turned(leg.range_to(end)[1]))
 
 
 def end_stiffness(leg: Leg, end: float) -> float:
@@ -42,7 +42,7 @@ def end_stiffness(leg: Leg, end: float) -> float:
 
     Mean of passive_stiffness there: the rise of passive_torque to end_torque, by the angle.
     """
-    low, high = last_degrees(leg, end)
+    low, high = map(leg.turned, last_degrees(leg, end))
     return (passive_torque(leg, high) - passive_torque(leg, low)) / (high - low)
 
 
@@ -51,7 +51,7 @@ def end_torque_of(leg: Leg, end: float, group: str) -> float:
 
     passive_torque_{group} there, towards {direction}: a part of end_torque.
     """
-    return passive_torque_of(leg, leg.range_to(end)[1], group)
+    return passive_torque_of(leg, leg.turned(leg.range_to(end)[1]), group)
 
 
 def end_stiffness_of(leg: Leg, end: float, group: str) -> float:
@@ -59,7 +59,7 @@ def end_stiffness_of(leg: Leg, end: float, group: str) -> float:
 
     Mean of passive_stiffness_{group} there: the two and joint_stiffness add up to end_stiffness.
     """
-    low, high = last_degrees(leg, end)
+    low, high = map(leg.turned, last_degrees(leg, end))
     return (leg.hold(group, high).torque - leg.hold(group, low).torque) / (high - low)
 
 
@@ -68,7 +68,7 @@ def torque_rise(leg: Leg, end: float) -> float:
 
     passive_torque at the 99th less at the 1st percentile of the angle: no constant is in it.
     """
-    low, high = leg.range_to(end)
+    low, high = map(leg.turned, leg.range_to(end))
     return passive_torque(leg, high) - passive_torque(leg, low)
 
 
@@ -82,7 +82,7 @@ def slack_before_end(leg: Leg, end: float, group: str) -> float:
 
 def before_end(leg: Leg, end: float, group: str, angle: float) -> float:
     """How far an angle lies before that end of the range which stretches a group [deg]."""
-    low, high = leg.range_to(end)
+    low, high = map(leg.turned, leg.range_to(end))
     return high - angle if group == "tri" else angle - low
 
 
