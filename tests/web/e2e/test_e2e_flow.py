@@ -73,21 +73,6 @@ def test_a_csv_becomes_a_report(desk: Desk, csv: Path) -> None:
     assert "walk-in" in text
 
 
-@pytest.mark.slow  # test_one_request.py keeps it without a browser
-def test_what_was_measured_beforehand_is_kept(desk: Desk) -> None:
-    page = desk.go("/fit")
-    page.get_by_text("More settings").click()
-    page.get_by_label("Ankle’s axis from the device’s ± [mm]").fill("3")
-    page.get_by_label("Ankle’s axis from the device’s ± [mm]").press("Tab")
-    page.get_by_role("button", name=re.compile("Undo: Ankle’s axis")).wait_for()
-    page.get_by_label("Empty device").select_option("tared")
-    page.get_by_role("button", name=re.compile("Undo: Empty device")).wait_for()
-    page.reload()
-    page.get_by_text("More settings").click()
-    expect(page.get_by_label("Empty device")).to_have_value("tared")
-    expect(page.get_by_label("Ankle’s axis from the device’s ± [mm]")).to_have_value("3")
-
-
 @pytest.mark.slow  # test_web_recordings.py imports without a browser
 def test_the_trials_of_a_leg_come_in_at_once(desk: Desk, csv: Path, tmp_path: Path) -> None:
     """One description, a recording each."""
