@@ -1,6 +1,6 @@
 """
-What a measured leg looks like
-==============================
+What does a measured leg look like?
+===================================
 
 Two recordings of real legs: one moved by a dynamometer, one walking. The files are those of
 published data sets; ``SURAE_DATA`` says where they are. Where they are missing nothing is drawn.

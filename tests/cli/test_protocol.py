@@ -155,7 +155,7 @@ def test_a_matlab_file(run, tmp_path) -> None:
     [
         (["zz"], "'zz' is not known; use one of: ramp-and-hold, sine"),
         (["sine", "--device", "zz"], "'zz' is not known; use one of: achilles"),
-        (["sine", "--range", "0.6"], "--range 0.6: write LOW:HIGH in rad"),
+        (["sine", "--range", "0.6"], "--range 0.6: write LOW:HIGH, e.g. --range -0.9:0.6"),
         (["sine", "--chirp-rate", "0.1", "--chirp-factor", "0.5"], "say the same; give one"),
         (["sine", "--duration", "5"], "use a longer duration"),
         (["sine", "--rate", "0"], "three samples or more"),

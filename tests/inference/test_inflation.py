@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import surae
 from surae import api
 from surae.base.frozen import read_only
 from surae.inference import Interval, assess, fit_problem, fit_robust, make_problem
@@ -54,10 +55,12 @@ def test_one_without_a_standard_error_has_the_median_of_the_others(drifting):
 
 def test_a_posterior_takes_the_median_unless_told_otherwise(drifting, monkeypatch):
     asked = []
-    monkeypatch.setattr("surae.api.answers.sample", lambda _, **options: asked.append(options))
+    monkeypatch.setattr(
+        "surae_posterior.posterior.sample", lambda _, **options: asked.append(options)
+    )
     fit = api.fit(drifting, "muscle", prepared=True, starts=1)
-    api.posterior(fit)
-    api.posterior(fit, variance_inflation=2.0)
+    surae.posterior(fit)
+    surae.posterior(fit, variance_inflation=2.0)
     assert asked[0]["variance_inflation"] == variance_inflation(fit.assessment).common > 4
     assert "correlated over time" in asked[0]["inflation_reason"]
     assert asked[0]["inflation_reason"].endswith("the median over the parameters")

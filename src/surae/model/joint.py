@@ -141,12 +141,12 @@ ANKLE = Joint(
                    "plantairflexie|been|benen|voet|voetplaat"),
             ("de", "Sprunggelenk|Sprunggelenks|Wade|Wadenkraft|Tibialis|"
                    "Soleus und beide Gastrocnemii|Dorsalextension|Plantarflexion|dieses Bein|"
-                   "dieses Beins|des Beins|erstes Bein|zweites Bein|Beine|den Fuß|des Fußes|Fuß|"
-                   "Fußplatte"),
+                   "dieses Beins|des Beins|erstes Bein|zweites Bein|das andere Bein|"
+                   "Bein|Beine|den Fuß|des Fußes|Fuß|Fußplatte"),
             ("fr", "la cheville|mollet|du mollet|tibial|du tibial|"
                    "le soléaire et les deux gastrocnémiens|flexion dorsale|de flexion dorsale|"
                    "de flexion plantaire|première jambe|deuxième jambe|les jambes|la jambe|"
-                   "cette jambe|le pied|du pied"),
+                   "cette jambe|l’autre jambe|jambe|le pied|du pied"),
         )
     }),
 )  # fmt: skip

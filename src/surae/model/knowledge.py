@@ -105,7 +105,7 @@ class Knowledge(Request):
     """What is known beforehand, as a session's steps and its `session.toml` give it."""
 
     angle_zero_deg: StatedNumber | None = setting(
-        None, "Angle of the ankle where the recordings say 0 [deg], foot perpendicular to shank."
+        None, "Angle of the ankle, from neutral, where the recordings say 0 [deg]."
     )
     axis_mm: StatedAxis | None = setting(
         None, "How far the ankle's axis lies before the device's [mm], or before and above it."

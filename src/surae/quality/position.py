@@ -100,17 +100,17 @@ def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
 def stretches(trial: CheckedTrial) -> Iterator[Finding]:
     """Slow and fast ramps of a relaxed foot that end in holds: they tell tissue from nerve."""
     speeds: list[float] = []
-    relaxed, usual = (
-        0,
-        [
-            (own, 2.0 * quantile(own, 0.25) + AT_REST * quantile(own, 0.999))
-            for own in trial.fast.values()
-        ],
-    )
+    relaxed = 0
+    usual = [
+        (own, 2.0 * quantile(own, 0.25) + AT_REST * quantile(own, 0.999))
+        for own in trial.fast.values()
+    ]
     velocity = np.gradient(smooth(trial.angle, 3), 1.0 / trial.rate_hz)
     for begin, end in runs(velocity > RAMP[0]):
         held = velocity[end : end + round(RAMP[2] * trial.rate_hz)]
-        if trial.angle[end - 1] - trial.angle[begin] > RAMP[1] and np.all(held < 4.0 * RAMP[0]):
+        if trial.angle[end - 1] - trial.angle[begin] > RAMP[1] and np.all(
+            np.abs(held) < 4.0 * RAMP[0]
+        ):
             speeds.append(float(np.median(velocity[begin:end])))
             before = slice(max(begin - round(RESTS * trial.rate_hz), 0), begin + 1)
             relaxed += all(own[before].mean() <= most for own, most in usual)
