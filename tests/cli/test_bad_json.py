@@ -46,6 +46,12 @@ def test_what_is_no_json_of_parameters(run, files, content, says) -> None:
     refused(done, "p.json: ", *says)
 
 
+def test_a_recording_is_no_fit(run, files) -> None:
+    (files / "notes.txt").write_text("nothing\nat all\n", encoding="utf-8")
+    refused(run("measures", "trial.csv"), "trial.csv: this is a recording; fit it first")
+    refused(run("measures", "notes.txt"), "notes.txt: not JSON")
+
+
 def _set(*keys_and_value):
     *keys, last, value = keys_and_value
 

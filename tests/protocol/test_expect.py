@@ -105,6 +105,10 @@ def test_twice_the_noise_is_twice_the_error_and_the_laboratory_adds_its_own() ->
     )
     assert sum(whole.parameters["f0"].budget.values()) == pytest.approx(1.0)
     assert whole.parameters["f0"].budget["delay"] > 0.2
+    assert quiet.caution in repr(quiet)
+    assert quiet.caution
+    assert not whole.caution
+    assert "caution" not in repr(whole)
 
 
 def test_nothing_is_claimed_where_nothing_is_told() -> None:

@@ -152,6 +152,11 @@ def row(number: int, old: str, new: str) -> str:
         (row(1, "time_s,", "t_end,"), ["row 1", "missing column time_s", "time_ms", "'angle_rad'"]),
         (row(1, "time_s", "time_min"), ["'time_min'", "row 1", "'min'", "time_s or time_ms"]),
         (row(1, "time_s", "time"), ["'time'", "row 1", "time_s or time_ms"]),
+        (row(1, "time_s", "Zeit [ms]"), ["'Zeit [ms]'", "row 1", "time_s or time_ms"]),
+        (
+            "Zeit [ms];Winkel [deg];Moment [Nm]\n0;1,5;2\n1;2,5;3\n",
+            ["'Winkel [deg]'", "which is the angle", "surae inspect"],
+        ),
         (row(1, "emg_ta_V", "time_ms"), ["row 1", "'time_s', 'time_ms'", "keep one"]),
         (row(1, "angle_rad", "hoek"), ["row 1", "missing column angle_rad", "'hoek'", "TOML"]),
         (row(1, "angle_rad", "angle_grad"), ["'angle_grad'", "row 1", "'grad'", "rad, deg"]),

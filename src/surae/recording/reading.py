@@ -81,6 +81,18 @@ def is_mapping(source: Source) -> bool:
     return recognises(source) and not opensim.recognises(source)
 
 
+def is_recording(path: PathLike) -> bool:
+    """Whether a file is a recording, or a mapping that says how one is read."""
+    try:
+        source = open_source(path)
+        if is_mapping(source) or hdf5.recognises(source):
+            return True
+        table = open_table(source)
+    except InputError:
+        return False
+    return table.header is None or bool(table.time_name)
+
+
 def open_mapping(path: PathLike) -> Source:
     """Open a TOML mapping's file.
 
@@ -106,8 +118,10 @@ def mapped_recording(path: PathLike) -> MappedRecording:
 def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = ()) -> Recording:
     """The recording of columns with our names, called `name` unless a note says otherwise."""
     if table.header is not None and table.time_name not in TIMES:
+        if not any(plain(column) in NAMES for column in table.names):
+            raise InputError(_no_angle(table))
         raise InputError(
-            f"{_where(table, table.time_name)}: the unit is missing; write {' or '.join(TIMES)}"
+            f"{_where(table, table.time_name)}: call it {' or '.join(TIMES)}, whichever it is in"
         )
     columns_of: dict[str, str] = {}
     units: dict[str, str] = {}
@@ -147,7 +161,7 @@ def _where(table: Table, name: str) -> str:
 
 def _no_angle(table: Table) -> str:
     """Why a table without a column of ours for the angle is refused."""
-    if table.header is not None:
+    if table.header is not None and table.time_name in TIMES:
         return (
             f"{table.file}: row {table.header}: missing column angle_rad (or angle_deg); columns "
             f"found: {some((table.time_name, *table.names))}; rename them, or describe the file "

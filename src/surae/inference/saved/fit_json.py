@@ -34,6 +34,7 @@ from surae.inference.parameter import Interval, ParameterEstimate
 from surae.model import ModelOptions, check_value, get_model, with_optional
 from surae.model.sources import SOURCES
 from surae.quality.finding import Quality
+from surae.recording.reading import is_recording
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
 
@@ -151,7 +152,15 @@ class _File:
 
 def load_saved(path: PathLike) -> SavedFit:
     """Read the fit that `save_fit` wrote; equal to the one saved, to the last bit."""
-    data = read_json(path)
+    try:
+        data = read_json(path)
+    except InputError:
+        if not is_recording(path):
+            raise
+        raise InputError(
+            f"{shown(path)}: this is a recording; fit it first, `surae fit {shown(path)} --output "
+            "FIT.json`, and give FIT.json"
+        ) from None
     check_format(data, path)
     try:
         bound_arrays(data)

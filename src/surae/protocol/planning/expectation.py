@@ -91,6 +91,16 @@ class Expectation(Tabular, Comparable):
         return of_leg if self.load is None else self.load.text + f"; {of_leg}" * self.of_fit
 
     @property
+    def caution(self) -> str:
+        """What this leaves out, a sentence; empty where real legs' departures are counted."""
+        if self.nuisances:
+            return ""
+        return (
+            "with caution: a model by name knows of no departures, such as a wrong zero, crosstalk "
+            "or the muscles' shape; auto counts them, and then fewer are identified"
+        )
+
+    @property
     def worst(self) -> float | None:
         """The largest relative standard error; None where a parameter has none."""
         sems = [p.relative_sem for p in self.parameters.values()]
@@ -141,6 +151,7 @@ class Expectation(Tabular, Comparable):
             below=(
                 f"largest standard error: {part(self.worst)} ({self.weakest}); geometric mean: "
                 f"{part(self.geometric_mean)}; identified: {self.identified} of {len(rows)}",
+                *filter(None, [self.caution]),
                 self.asks,
             ),
         )  # fmt: skip

@@ -99,7 +99,8 @@ def post_preview(body: ProtocolPreview) -> dict[str, Any]:
         "seconds": float(trajectory.time[-1]),
         "limits": limits(trajectory),
         "adaptation": None if adaptation is None else list(adaptation.steps),
-        "prediction": expectation.to_json() | {"identified": expectation.identified},
+        "prediction": expectation.to_json()
+        | {"identified": expectation.identified, "caution": expectation.caution},
         "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
     }
 

@@ -100,7 +100,7 @@ function show(seen) {
   ];
   replace(byId("figures"), figures(entries));
   replace(byId("prediction"), predicted(Object.entries(prediction.parameters)));
-  byId("said").textContent = `Worked out in ${number(seen.milliseconds / 1000, 2)} s, over ${prediction.legs}.`;
+  byId("said").textContent = [`Worked out in ${number(seen.milliseconds / 1000, 2)} s, over ${prediction.legs}`, prediction.caution].filter(Boolean).join("; ") + ".";
 }
 
 const part = (x) => (x === null ? "—" : percent(100 * x, 2));
