@@ -83,10 +83,12 @@ def stretches_report(found: Stretches, *, created: datetime) -> Report:
         figures.append((way, stretches_figure(own)))
         caption = f"Largest torque of each part in stretches to {way}; bars are 95 % intervals."
         pictures.append(block.Picture(way, f"Torque over speed, {way}", caption))
-    numbers = tuple(k for k, head in enumerate(table.heads) if head in table.numbers)
-    grid = block.Grid(
-        "Stretches", block.columns(*table.heads, numbers=numbers), block.rows(table.rows)
-    )
+    # which recording is told where there are several
+    first = 1 if len({s.recording for s in found.stretches}) == 1 else 0
+    heads, rows = table.heads[first:], [row[first:] for row in table.rows]
+    numbers = tuple(k for k, head in enumerate(heads) if head in table.numbers)
+    columns = block.columns(*heads, numbers=numbers, wide=(len(heads) - 1,))
+    grid = block.Grid("Stretches", columns, block.rows(rows), look="small")
     document = block.Document(
         kicker="How much is nerve?",
         heading="Slow and fast stretches",

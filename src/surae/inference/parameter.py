@@ -92,9 +92,9 @@ def percent(part: float) -> str:
     """A part in percent to two digits, or as many as tell it from the threshold of a verdict."""
     if part >= 0.995:
         return f"{100 * part:.0f} %"
-    text = f"{100 * part:.2g} %"
-    same = text == f"{100 * IDENTIFIED:.2g} %"
-    return f"{100 * part:.4g} %" if same and part != IDENTIFIED else text
+    texts = (f"{100 * part:.{digits}g} %" for digits in (2, 3, 4))
+    same = f"{100 * IDENTIFIED:.2g} %"
+    return next((text for text in texts if text != same or part == IDENTIFIED), same)
 
 
 class Interval(StrEnum):
