@@ -29,6 +29,17 @@ def test_a_reflex_is_found_with_its_direction_and_its_numbers(ankle, direction) 
         assert found.measures[name].value == pytest.approx(true, rel=0.1)
 
 
+def test_tissue_that_relaxes_at_two_rates_is_not_sure_of_its_viscosity(ankle) -> None:
+    moved = ankle(branch=40.0, time=0.01, noise=0.02).moved()
+    s = 2j * np.pi * np.fft.rfftfreq(len(moved["time"]), 0.002)
+    slow = 30.0 * s * 0.1 / (1.0 + s * 0.1) * np.fft.rfft(moved["angle"] - 0.1)
+    moved["torque"] += np.fft.irfft(slow, len(moved["time"]))
+    found = surae.impedance(Recording.from_arrays(**moved)).measures
+    for name, true in {"intrinsic_viscosity": 0.8 + 0.4 + 3.0, "reflex_gain": 6.0}.items():
+        low, high = found[name].ci95
+        assert low < true < high
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_tissue_alone_is_no_reflex(ankle, seed) -> None:
     found = surae.impedance(ankle(gain=0.0, branch=40.0, seconds=60.0).recording(seed))

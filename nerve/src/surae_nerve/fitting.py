@@ -14,6 +14,8 @@ from surae_nerve.piece import Piece
 _BEND = 0.02
 #: Length of the blocks whose scores are taken to be independent [s].
 BLOCK = 1.0
+#: The same of a number [blocks]: the second where the leg, and not only its noise, changes.
+JOINED = (1, 5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,21 +197,26 @@ class Problem:
         )  # fmt: skip
         return Fitted(structure, values, 2.0 * float(found.cost), ends)
 
-    def covariance(self, fitted: Fitted) -> tuple[FloatArray, int]:
-        """Covariance of all parameters, and the degrees of freedom of the blocks behind it.
+    def covariance(self, fitted: Fitted) -> tuple[FloatArray, int, list[FloatArray]]:
+        """Covariance of all parameters, the degrees of freedom of the blocks behind it, their pull.
 
         The larger of the model's and of a sandwich over blocks of time, by parameter, with the
-        model's correlations: what is left need be neither white nor the same all the time.
+        model's correlations: what is left need be neither white nor the same all the time. The
+        pull is by how much each block moves the parameters, (blocks, k) for each of `JOINED`.
         """
         e, j = self.jacobian(fitted.structure, fitted.values)
         (n, k), size = j.shape, np.sqrt(np.sum(j**2, axis=0)) + 1e-100
         inverse = np.linalg.pinv((j / size).T @ (j / size), rcond=1e-12) / np.outer(size, size)
         model = inverse * float(e @ e) / (n - k)
-        scores = np.concatenate(self.blocks(e, j))
-        m = len(scores)
+        of_pieces = self.blocks(e, j)
+        scores = np.concatenate(of_pieces)
+        m, pulls = len(scores), []
+        for n in JOINED:
+            sums = [s[: len(s) // n * n].reshape(-1, n, k).sum(axis=1) for s in of_pieces]
+            pulls.append(np.concatenate(sums) @ inverse)
         sandwich = inverse @ (scores.T @ scores) @ inverse * m / max(m - k, 1)
         wider = np.sqrt(np.maximum(np.diag(sandwich) / (np.diag(model) + 1e-300), 1.0))
-        return model * np.outer(wider, wider), max(m - k, 5)
+        return model * np.outer(wider, wider), max(m - k, 5), pulls
 
     def blocks(self, e: FloatArray, j: FloatArray) -> list[FloatArray]:
         """Scores Jᵀe of each block of time, (blocks, k) of each piece."""

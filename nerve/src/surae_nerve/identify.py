@@ -26,6 +26,8 @@ CHANGING = 3.0
 #: What filters of the channels, which no equation has, may do over the band, as parts of the value:
 #: of a torque that is filtered, inertia was off by 1 to 1.6 %, viscosity by 2 % (`legs`, qd to qf).
 CHANNELS = {"intrinsic_stiffness": 0.01, "intrinsic_viscosity": 0.02, "inertia": 0.02}
+#: Blocks from which their scatter is told.
+LEAST_BLOCKS = 5
 #: Length of the parts whose stiffness is compared [s].
 PART = 10.0
 PLAIN = Structure("inertia, viscosity, stiffness")
@@ -109,7 +111,7 @@ class Judged:
 
     def __init__(self, problem: Problem, fitted: Fitted, floor: float = 0.0) -> None:
         self.fitted = fitted
-        self.covariance, self.freedom = problem.covariance(fitted)
+        self.covariance, self.freedom, self.pulls = problem.covariance(fitted)
         self.quantile = float(stdtrit(self.freedom, 0.975))
         self.biases = _biases(problem, fitted, floor) if floor else None
 
@@ -118,6 +120,10 @@ class Judged:
         value, by = of(self.fitted)
         gradient = np.array([by.get(each, 0.0) for each in self.fitted.structure.names])
         half = self.quantile * float(np.sqrt(gradient @ self.covariance @ gradient))
+        for pull in self.pulls:
+            if (m := len(pull)) > LEAST_BLOCKS:
+                scatter = float(np.sum((pull @ gradient) ** 2)) * m / (m - 1)
+                half = max(half, float(stdtrit(m - 1, 0.975) * np.sqrt(scatter)))
         if self.biases is not None:
             noise, jumps = np.abs(self.biases @ gradient)
             half = float(np.hypot(half, noise) + jumps)
@@ -262,15 +268,20 @@ def _spread(
     describe it better than chance by their values with the interval of the chosen one: their own is
     endless where a branch is hardly seen. Where the equations are known to miss something, good
     description no longer tells which is true: then named ones count by their values alone.
+
+    True equations give the same numbers however frequencies are weighed: by what they differ from
+    those of equal weights, beyond chance, every number may be wrong to both sides (Hausman 1978).
     """
     widened, said = dict(numbers), {chosen.structure.name: numbers["intrinsic_stiffness"]}
     branches, own = chosen.structure.branches, chosen.structure
+    both = INTRINSIC | REFLEX | {"reflex_share": lambda f: share(problem.pieces, f)}
 
     def admit(fitted: Fitted, by: Problem, label: str, counts: Counts) -> None:
         judged = Judged(by, fitted)
-        reflex = counts != "value" and fitted.structure.direction and own.direction
-        tables = INTRINSIC | REFLEX if reflex else INTRINSIC
-        if fitted.structure.branches > 1:  # its slow branch is viscosity of another frequency
+        reflex = fitted.structure.direction and own.direction
+        tables = both if reflex else INTRINSIC
+        # a slow branch that is hardly seen is viscosity of another frequency
+        if fitted.structure.branches > 1 and chosen.loss - fitted.loss < BETTER:
             tables = {"intrinsic_stiffness": INTRINSIC["intrinsic_stiffness"]}
         for name, of in tables.items():
             other, half = judged.number(name, of), numbers[name].high - numbers[name].value
@@ -302,9 +313,17 @@ def _spread(
         again = problem.fit(rival.structure, rival.values)
         if chosen.loss - again.loss > CHANCE and again.values["gain"] > 0.0:
             admit(again, problem, "with a reflex that is not shown", "whole")
+    alike = Problem(problem.pieces, Noise(problem.noise.f, problem.noise.f**2))
+    again = alike.fit(own, chosen.values)
     if misfit > MISFIT:
-        alike = Problem(problem.pieces, Noise(problem.noise.f, problem.noise.f**2))
-        admit(alike.fit(own, chosen.values), alike, "all frequencies weighed alike", "value")
+        admit(again, alike, "all frequencies weighed alike", "value")
+    judged = Judged(alike, again)
+    for name, number in numbers.items():
+        other = judged.number(name, both[name])
+        apart = abs(other.value - number.value)
+        chance = 0.5 * (other.high - other.low)
+        beyond = float(np.sqrt(max(apart**2 - chance**2, 0.0)))
+        widened[name] = widened[name].allowing(beyond / max(abs(number.value), 1e-12))
     return widened, said
 
 
