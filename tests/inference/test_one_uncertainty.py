@@ -12,7 +12,9 @@ from surae.base.normal import NORMAL
 from surae.inference import assess, make_problem, solve
 from surae.inference.identifiability.identified import identifiability
 from surae.inference.residuals import simulators
+from surae.inference.uncertainty.combined import combined
 from surae.measures.compute import evaluate, points
+from surae.model.knowledge import Knowledge, StatedAxis, StatedNumber
 from surae.model.sources import SOURCES
 from surae.protocol.planning.legs import fit_legs
 from surae.report.parameters import parameters_section
@@ -134,3 +136,21 @@ def test_draws_are_within_bounds_and_each_has_its_opposite(fit) -> None:
     one, *_, other = away.draw(2, seed=4)
     straight = np.isnan(known.origin)
     assert (one + other)[straight] == pytest.approx(2.0 * known.values[straight])
+
+
+def test_what_somebody_stated_is_as_unsure_as_a_deviation_of_five_readings(auto) -> None:
+    """Student's t of JCGM 100:2008: the axis counts for more where its sd was said, not else."""
+    known = Knowledge(axis_mm=StatedAxis(0.0, 3.0), angle_zero_deg=StatedNumber(0.0, 1.0))
+
+    def uncertainty(**settings):
+        own = replace(auto.problem, settings=replace(auto.problem.settings, **settings))
+        return combined(replace(auto, problem=own), auto.family.spread)
+
+    before, told = uncertainty(angle_zero_sd=1.0), uncertainty(knowledge=known)
+    for source, rows in before.rows.items():
+        wider = 2.776 / NORMAL if source in {"axis", "angle_zero"} else 1.0
+        assert told.rows[source] == pytest.approx(wider * rows, rel=1e-6), source
+    assert told.half_width(told.along("m")) > before.half_width(before.along("m"))
+    # nobody said it where another keyword has it
+    asked = uncertainty(knowledge=known, angle_zero_sd=1.0)
+    assert np.array_equal(asked.rows["angle_zero"], before.rows["angle_zero"])

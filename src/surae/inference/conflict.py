@@ -16,9 +16,10 @@ from surae.inference.evidence import LaplaceApproximation
 from surae.model.laboratory import group_of
 from surae.model.sources import Gaussian
 
-#: Probability of a statement that is right to look as wrong, from which on it is doubted; five
-#: groups are tested, so that one right session in twenty is.
-_RARE = 0.01
+#: Probability of a statement that is right to look as wrong, from which on it is doubted: two
+#: standard deviations. Five groups are tested, so that up to one right session in five is doubted;
+#: what one statement carries is else wrong in many measures at once.
+_RARE = 0.05
 #: Standard deviation, in parts of that of a laboratory that knows nothing, below which the torque
 #: has something of its own to say.
 _TOLD = 0.7

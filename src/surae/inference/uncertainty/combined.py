@@ -20,10 +20,15 @@ from surae.inference.residuals import stiffness_valleys
 from surae.inference.result import FitResult
 from surae.inference.uncertainty.covariance import Covariance, inverse_root
 from surae.inference.uncertainty.robust import RobustCovariance
-from surae.model.sources import SOURCES
+from surae.model.sources import NUISANCES, SOURCES
+from surae.settings import FitSettings
 
 #: The angle of the fit at which the ankle has its own zero [rad], of which measures alone are made.
 ZERO = "zero_of_angle"
+#: By how much wider what was stated beforehand is taken: its standard deviation is itself known
+#: only to a third, like that of five readings (JCGM 100:2008, E.4.3 and G.3), so that 95 % are
+#: Student's 2.78 of it. One statement that is off moves many measures alike.
+_STATED = 2.776 / NORMAL
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,11 +191,23 @@ def combined(
         lower, upper = np.append(lower, -1.0), np.append(upper, 1.0)
         rows = {source: np.pad(by, ((0, 0), (0, 1))) for source, by in rows.items()}
         rows["angle_zero"] = np.array([[0.0] * (len(names) - 1) + [zero]])
+    for source in rows.keys() & _stated(problem.settings):
+        rows[source] = _STATED * rows[source]
     return Uncertainty(
         names, values, lower, upper, origin,
         FrozenDict({source: read_only(by) for source, by in rows.items()}), moved, dof,
         result.at_bound, lost,
     )  # fmt: skip
+
+
+def _stated(settings: FitSettings) -> frozenset[str]:
+    """Sources of which somebody said how far they may be off."""
+    known = settings.knowledge
+    if known is None:
+        return frozenset()
+    sources = {NUISANCES[group].name for group in known.groups & settings.known}
+    of_angle = known.angle_zero_deg is not None and settings.angle_zero_sd is None
+    return frozenset(sources | ({"angle_zero"} if of_angle else set()))
 
 
 def of_least_squares(
