@@ -11,7 +11,8 @@ from scipy import signal
 import surae
 from surae.base.errors import InputError
 from surae.recording import Recording
-from surae_nerve.impedance import turned
+from surae_nerve.identify import Number
+from surae_nerve.impedance import number_of, turned
 from surae_nerve.samples import usable
 from surae_nerve.triggered import answering
 
@@ -256,3 +257,11 @@ def test_measured_ankles_show_a_reflex_to_dorsiflexion(shared, name, least) -> N
     low, high = found.measures["intrinsic_stiffness"].ci95
     for value, *_ in recording.structures.values():
         assert low <= value <= high
+
+
+def test_no_number_of_a_reflex_is_identified_while_its_law_is_assumed() -> None:
+    narrow = Number(40.0, 39.5, 40.5)
+    told = number_of("reflex_delay", narrow)
+    assert (told.verdict, told.ci95) == ("weak", (39.5, 40.5))
+    assert "other laws" in told.note
+    assert number_of("intrinsic_stiffness", narrow).verdict == "identified"
