@@ -12,13 +12,16 @@ OTHERS := $(sort $(wildcard [a-z]*/pyproject.toml))
 # Compiled files are kept: else every worker, and every process that a test starts, compiles anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-all check bench messages docs release wheel lock browser clean
+.PHONY: demo test test-long test-all check bench messages docs release wheel lock browser clean
 
 demo: $(READY)          ## fit the embedded virtual subject, write demo/report.html
 	@$(BIN)/surae demo --output demo
 
 test: $(READY) browser  ## the fast suite
 	$(BIN)/pytest $(SHARED)
+
+test-long: $(READY) browser  ## what the fast suite leaves to CI: longer tests, and the pages in a browser
+	$(BIN)/pytest $(SHARED) -m "long and not slow"
 
 test-all: $(READY) browser  ## everything, recovery and statistics too
 	$(BIN)/pytest $(SHARED) -m ""

@@ -51,11 +51,21 @@ settings.load_profile("repeatable")
 FIRST = ("/e2e/", "/web/", "/live/", "/recording/", "/signals/", "/model/")
 
 
+#: Tests that take longer than most, a name a line: CI and ``make test-all`` run them. Renew it by
+#: ``pytest --durations=0`` with what takes over half a second alone.
+LONG = Path(__file__).with_name("long.txt")
+
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Tests of the workbench come first: one worker has them, others work while they wait.
 
     Else their servers, windows, child processes and projects would be made twice or thrice.
     """
+    long = set(LONG.read_text(encoding="utf-8").split())
+    for item in items:
+        if item.nodeid.partition("[")[0] in long:
+            item.add_marker("long")
 
     def place(item: pytest.Item) -> int:
         return next((i for i, part in enumerate(FIRST) if part in item.nodeid), len(FIRST))

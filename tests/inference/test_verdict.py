@@ -12,7 +12,7 @@ from surae.inference.uncertainty.covariance import Covariance
     [
         (0.002, Verdict.IDENTIFIED, "±0.2 %"),
         (0.0996, Verdict.IDENTIFIED, "±9.96 %"),
-        (0.1031, Verdict.WEAK, "±10.31 %"),
+        (0.1031, Verdict.WEAK, "±10.3 %"),
         (1.6, Verdict.UNDETERMINED, "wider than its value"),
     ],
 )
