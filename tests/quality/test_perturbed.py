@@ -7,7 +7,7 @@ import surae
 from perturbed_ankle import Ankle, ramps
 from surae.base.errors import InputError
 from surae.quality import finding
-from surae.quality.position import perturbing
+from surae.quality.position import is_perturbed, perturbing
 
 
 def test_a_perturbed_recording_names_the_command() -> None:
@@ -33,3 +33,19 @@ def test_a_slow_movement_a_still_foot_and_noise_are_none(hz) -> None:
     assert not perturbing(0.05 * np.sin(2.0 * np.pi * hz * t), 100.0)
     assert not perturbing(1e-4 * np.sin(2.0 * np.pi * 8.0 * t), 100.0)
     assert not perturbing(0.02 * np.random.default_rng(1).standard_normal(len(t)), 100.0)
+
+
+@pytest.mark.parametrize("kind", ["active", "isometric", "passive"])
+def test_legs_of_another_generator_are_neither_perturbed_nor_stretched(kind, tmp_path) -> None:
+    make = pytest.importorskip("ankle_legs.make")
+    for path in make.make("f", 962, tmp_path, kind=kind):
+        recording = surae.read(path)
+        assert not is_perturbed(recording)
+        assert "stretch-series" not in {f.code for f in surae.check(recording).findings}
+
+
+@pytest.mark.parametrize("name", ["gait/walk36.toml", "dynamometer/PL_50_01.toml"])
+def test_measured_trials_are_neither(shared, name) -> None:
+    recording = surae.read(shared / name)
+    assert not is_perturbed(recording)
+    assert "stretch-series" not in {f.code for f in surae.check(recording).findings}

@@ -1,4 +1,4 @@
-"""Recordings as they are given: read, prepared or as files, one or several; checks; an example."""
+"""Checks of recordings, what a model takes of them, and an example."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence

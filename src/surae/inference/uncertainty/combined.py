@@ -28,7 +28,7 @@ ZERO = "zero_of_angle"
 #: By how much wider what was stated beforehand is taken: its standard deviation is itself known
 #: only to a third, like that of five readings (JCGM 100:2008, E.4.3 and G.3), so that 95 % are
 #: Student's 2.78 of it. One statement that is off moves many measures alike.
-_STATED = 2.776 / NORMAL
+STATED = 2.776 / NORMAL
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,7 +192,7 @@ def combined(
         rows = {source: np.pad(by, ((0, 0), (0, 1))) for source, by in rows.items()}
         rows["angle_zero"] = np.array([[0.0] * (len(names) - 1) + [zero]])
     for source in rows.keys() & _stated(problem.settings):
-        rows[source] = _STATED * rows[source]
+        rows[source] = STATED * rows[source]
     return Uncertainty(
         names, values, lower, upper, origin,
         FrozenDict({source: read_only(by) for source, by in rows.items()}), moved, dof,

@@ -21,6 +21,7 @@ from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.inference.laplace import DYNAMICS, ORDER
 from surae.inference.parameter import IDENTIFIED
+from surae.inference.uncertainty.combined import STATED
 from surae.model.knowledge import GEOMETRY_SD, Knowledge, Plate, StatedAxis
 from surae.model.laboratory import laboratory
 from surae.model.parameters import CROSSTALK
@@ -202,10 +203,10 @@ class _Judge:
             geometry_sd_percent=GEOMETRY_SD if geometry else None,
         ).nuisances()  # fmt: skip
         priors = laboratory(stated, measured=bool(geometry))
-        sds = {n: priors[n].sd if n in stated or geometry else b.sd
-               for n, b in self._legs.priors.items()}  # fmt: skip
-        if alone:
-            sds |= {name: _CROSSTALK for name in CROSSTALK.values() if name in sds}
+        sds = {n: priors[n].sd if geometry else b.sd for n, b in self._legs.priors.items()}
+        crosstalk = dict.fromkeys(CROSSTALK.values(), (0.0, _CROSSTALK)) if alone else {}
+        # as much wider as a fit takes what was stated beforehand
+        sds |= {n: STATED * sd for n, (_, sd) in {**stated, **crosstalk}.items() if n in sds}
         known = np.diag([sds[n] ** -2.0 if n in sds else 0.0 for n in self._names])
         total = sum(n * each for n, each in zip(trials, self._matrices, strict=True)) + known
         scale = 1.0 / np.sqrt(np.maximum(np.diagonal(total, axis1=1, axis2=2), 1e-300))
