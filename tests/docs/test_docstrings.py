@@ -4,6 +4,7 @@ import ast
 import inspect
 import textwrap
 from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass
 from importlib import import_module
 from types import FunctionType
 
@@ -106,8 +107,8 @@ def test_a_class_names_what_it_is_made_of():
         if not doc["Summary"]:
             wrong.append(f"{name}: no summary")
         given = _named(doc["Parameters"]) + _named(doc["Attributes"])
-        fields = set(getattr(kind, "__dataclass_fields__", {}))
-        if given and (unsaid := fields - set(given) - _undocumented(kind)):
+        own = {field.name for field in fields(kind)} if is_dataclass(kind) else set()
+        if given and (unsaid := own - set(given) - _undocumented(kind)):
             wrong.append(f"{name}: not said: {unsaid}")
         wrong += [
             f"{name}.{member}: no docstring"

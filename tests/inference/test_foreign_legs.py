@@ -110,7 +110,7 @@ def test_nothing_false_is_claimed_where_envelopes_lag_their_emg(tmp_path) -> Non
 def test_envelopes_that_are_made_here_do_not_lag(tmp_path) -> None:
     for raw in (True, False):
         path = make("a", 46, tmp_path / str(raw), (1,), seconds=20.0, raw=raw)
-        beliefs = surae.fit(path, quality=()).result.family.beliefs
+        beliefs = surae.fit(path, quality=()).result.found.beliefs
         assert ("emg_lag" in beliefs) == (not raw)
 
 
@@ -136,4 +136,4 @@ def test_foreign_legs_that_stayed_as_they_were_have_not_changed(tmp_path) -> Non
 def test_the_noise_of_raw_emg_is_no_error_of_the_drive(tmp_path, family, raw, errs) -> None:
     """Rectified noise is loud under effort too; each size is judged with the noise it leaves."""
     fit = surae.fit(make(family, 741, tmp_path, (1,), raw=raw), quality=())
-    assert (fit.result.family.sizes["drive"] > 0.0) == errs
+    assert (fit.result.found.sizes["drive"] > 0.0) == errs

@@ -144,7 +144,7 @@ def test_what_somebody_stated_is_as_unsure_as_a_deviation_of_five_readings(auto)
 
     def uncertainty(**settings):
         own = replace(auto.problem, settings=replace(auto.problem.settings, **settings))
-        return combined(replace(auto, problem=own), auto.family.spread)
+        return combined(replace(auto, problem=own), auto.found.spread)
 
     before, told = uncertainty(angle_zero_sd=1.0), uncertainty(knowledge=known)
     for source, rows in before.rows.items():

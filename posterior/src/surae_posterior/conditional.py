@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.inference import FitResult, fit_problem
+from surae.inference import FitResult, PosteriorMode, fit_problem
 from surae.inference.family import resumed
 from surae.inference.least_squares import Outcome, column_norms, minimise, sum_of_squares
 from surae.inference.posterior import LogPosterior, Point
@@ -166,13 +166,13 @@ Surface = Callable[[str, Callable[[], bool]], Conditional | ConditionalPosterior
 
 def surface_of(result: FitResult) -> Surface:
     """What profiles of a fit go over: its sum of squares, or the posterior of its family."""
-    if result.family is not None:
+    if isinstance(result.found, PosteriorMode):
         posterior, mode = resumed(result)
         return lambda name, stopped: ConditionalPosterior(result, posterior, mode, name, stopped)
     problem, noise = result.problem, 0.0
     if problem.priors:  # they are weighed against what a fit without them leaves
         plain = fit_problem(replace(problem, priors={}), starts=1)
-        if plain.starts[-1].outcome == Outcome.INTERRUPTED:
+        if plain.found.is_interrupted:
             raise KeyboardInterrupt
         noise = float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
     return lambda name, stopped: Conditional(result, noise, name, stopped)

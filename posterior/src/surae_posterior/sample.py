@@ -22,7 +22,7 @@ from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.base.versions import versions
-from surae.inference import FitResult
+from surae.inference import FitResult, LeastSquares
 from surae.inference.assessment import described
 from surae.inference.uncertainty.covariance import Covariance, covariance, half_width
 from surae.model import adapted
@@ -216,7 +216,7 @@ def sample(
     noise for white, its variance `variance_inflation` times what it is, for the reason given. All
     else is as of `surae.posterior`.
     """
-    if result.family is not None:
+    if not isinstance(result.found, LeastSquares):
         raise InputError(
             "a fit of auto is a posterior already, of which `ci95` is the interval: profile the "
             "parameters to see more of it, or fit with a named model (model='muscle-tendon')"

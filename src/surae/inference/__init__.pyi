@@ -19,9 +19,10 @@ from surae.inference.residual import rmse as rmse
 from surae.inference.residual import vaf as vaf
 from surae.inference.residual import whiteness as whiteness
 from surae.inference.result import Candidate as Candidate
-from surae.inference.result import Family as Family
 from surae.inference.result import FitResult as FitResult
+from surae.inference.result import LeastSquares as LeastSquares
 from surae.inference.result import Outliers as Outliers
+from surae.inference.result import PosteriorMode as PosteriorMode
 from surae.inference.result import Start as Start
 from surae.inference.solver import solve as solve
 from surae.inference.uncertainty.covariance import Covariance as Covariance

@@ -167,14 +167,12 @@ def _bounds(result: FitResult) -> Iterator[_Reason]:
 
 def _laboratory(result: FitResult) -> Iterator[_Reason]:
     """A laboratory that is odder than laboratories are stands for what the model leaves out."""
-    if result.family is None:
-        return
-    own = result.family.each
+    own = result.found.each
     meanings = {p.name: p.meaning for p in result.problem.spec.parameters}
     stated = result.problem.settings.known
     odd = [
         f"{meanings[name]} ({name})"
-        for name, belief in result.family.beliefs.items()
+        for name, belief in result.found.beliefs.items()
         if group_of(name) not in stated
         and any(_is_odd(value, belief) for value in own.get(name, (result.values[name],)))
     ]
@@ -192,10 +190,8 @@ def _stated(result: FitResult) -> Iterator[_Reason]:
     known = result.problem.settings.knowledge
     for doubt in () if known is None else known.doubts:
         yield False, doubt
-    if result.family is None:
-        return
-    values, told = result.values, result.family.contradicted
-    odd = {group_of(n) for n, b in result.family.beliefs.items() if _is_odd(values[n], b)}
+    values, told = result.values, result.found.contradicted
+    odd = {group_of(n) for n, b in result.found.beliefs.items() if _is_odd(values[n], b)}
     for group in sorted(result.problem.settings.known & {*odd, *told}):
         label = NUISANCES[group].label
         yield (

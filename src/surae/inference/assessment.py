@@ -9,7 +9,7 @@ from surae.base.filed import filed
 from surae.base.formatting import chance
 from surae.base.frozen import Comparable
 from surae.base.threads import one_blas_thread
-from surae.inference import FitResult
+from surae.inference import FitResult, PosteriorMode
 from surae.inference.adequacy import Adequacy, Grade, judge_adequacy
 from surae.inference.contradiction import Contradiction, contradiction
 from surae.inference.fascicles import FascicleQuality, fascicles_of
@@ -123,7 +123,7 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
         )
         for recording, (torque, residual, weight) in zip(problem.inputs, pairs, strict=True)
     )
-    laboratory = {} if result.family is None else result.family.beliefs
+    found, laboratory = result.found, result.found.beliefs
     of_leg = np.array([name not in laboratory for name in estimated.names], dtype=bool)
     leg = replace(
         estimated,
@@ -139,17 +139,17 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
     residuals = np.concatenate([residual for _, residual, _ in pairs])
     adequacy = judge_adequacy(result)
     against = contradiction(result) if alternatives else None
-    if result.family is None:
+    if isinstance(found, PosteriorMode):
+        known = combined(result, found.spread)
+    else:
         believed = robust if interval is Interval.ROBUST else None
         known = of_least_squares(result, estimated, believed, against)
-    else:
-        known = combined(result, result.family.spread)
     table = _parameters(result, estimated, robust, known, interval, adequacy, against)
+    if isinstance(found, PosteriorMode):
+        table |= marginal(found, problem, known, adequacy, table)
     if against is not None:
         missing = ", ".join(against.missing)
         why += f"; they cover what models with {missing} give"
-    if result.family is not None:
-        table |= marginal(result.family, problem, known, adequacy, table)
     return Assessment(
         vaf=vaf(np.concatenate([torque for torque, _, _ in pairs]), residuals),
         rmse=rmse(residuals),
@@ -173,14 +173,14 @@ def _believed(
     result: FitResult, robust: RobustCovariance | None, white: Sequence[Whiteness]
 ) -> tuple[Interval, str]:
     """Which standard errors to believe: the thesis's where all residuals are white; and why."""
-    if result.family is not None:
+    if isinstance(result.found, PosteriorMode):
         return Interval.MARGINAL, (
             "they contain the correlated noise, the measurement errors, and the models that the "
             "data do not reject"
         )
     if robust is None:
         return Interval.THESIS, "no estimate has a variance"
-    if result.outliers is not None:
+    if result.found.outliers is not None:
         return Interval.ROBUST, "outliers count less than their square"
     if any(recording.emphasised for recording in result.problem.inputs):
         return Interval.ROBUST, "some samples count more than others"
@@ -221,7 +221,7 @@ def _parameters(
             note += "outside the bounds, or the data do not constrain it"
         elif name in variances:
             sem = float(np.sqrt(variances[name]))
-            if result.family is not None:
+            if interval is Interval.MARGINAL:
                 sem = known.sd(known.along(name))
             if robust is not None:
                 j = robust.names.index(name)

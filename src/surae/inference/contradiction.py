@@ -20,7 +20,7 @@ from surae.inference.evidence import LaplaceApproximation
 from surae.inference.noise import NoiseModel, noise_behind, whitened
 from surae.inference.observed import measured
 from surae.inference.problem import FitProblem
-from surae.inference.result import FitResult, is_at_bound
+from surae.inference.result import FitResult, LeastSquares, is_at_bound
 from surae.model import adapted, get_model, with_optional
 from surae.model.laboratory import COMPLIANT, RIGID, group_of, laboratory
 from surae.model.sources import Gaussian
@@ -69,7 +69,8 @@ def contradiction(result: FitResult) -> Contradiction | None:
         for n, belief in laboratory(joint=problem.options.anatomy).items()
         if group_of(n) in _HELD_AGAINST and n not in problem.free and n not in known
     }
-    if result.family is not None or result.status == "failed" or problem.settings.loss is not None:
+    named = isinstance(result.found, LeastSquares) and problem.settings.loss is None
+    if not named or result.status == "failed":
         return None
     try:
         spec = with_optional(get_model(name), [*beliefs, *problem.spec.optional])
@@ -89,10 +90,10 @@ def contradiction(result: FitResult) -> Contradiction | None:
         base[name] = stiff
         tendons[name] = Gaussian(float(np.log(stiff)), float(np.exp(tendons[name].mean)) / stiff)
     inputs = tuple(sharpened(trial) for trial in problem.inputs)
-    named = replace(problem, inputs=inputs)
-    richer = named.of_model(spec, free, base, problem.limits)
+    sharp = replace(problem, inputs=inputs)
+    richer = sharp.of_model(spec, free, base, problem.limits)
     with np.errstate(all="ignore"):  # a damaged file may hold anything; it is found out below
-        own = _Linear(named, result.values, {})
+        own = _Linear(sharp, result.values, {})
         target = _Linear(richer, base, {**beliefs, **tendons})
         try:
             noise = own.noise()

@@ -41,7 +41,7 @@ from surae.inference.observed import Observed
 from surae.inference.population import WIDENED, wide_priors
 from surae.inference.posterior import LogPosterior, Point
 from surae.inference.problem import MASSES, FitProblem
-from surae.inference.result import TENDONS, FitResult, Stage, Start
+from surae.inference.result import TENDONS, FitResult, PosteriorMode, Stage, Start
 from surae.inference.summed import summed
 from surae.model import get_model, with_optional
 from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
@@ -95,7 +95,7 @@ def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -
 
     The problem is of the family's compliant model; which nuisances may be in, its settings say.
     `progress` is called with stages that are done, how many there are, and −2 ln p. Ctrl-C keeps
-    the rigid model, without `family`.
+    the rigid model by least squares.
     """
     begin = time.perf_counter()
     search = _Search(problem, progress)
@@ -109,8 +109,8 @@ def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -
 
 def resumed(result: FitResult) -> tuple[LogPosterior, Point]:
     """The posterior that a fit of `fit_family` chose, and its mode."""
-    family = result.family
-    assert family is not None
+    family = result.found
+    assert isinstance(family, PosteriorMode)
     with one_blas_thread():
         search = _Search(result.problem, None)
         if family.sizes["gain"] == _NEARLY_NONE["gain"]:
@@ -177,20 +177,22 @@ class _Search:
     def result(self) -> FitResult:
         """Search, choose, and sum up."""
         values, noise = self._first()
-        self._stage("from each start, without departures", 1, min(cost for cost, _ in self._met))
+        self._stage("starts", 1, min(cost for cost, _ in self._met))
         simplest, most = self._simplest()
         chosen = self._choose(values, noise)
-        self._stage("with the departures that the data ask for", 2, chosen[1].cost)
+        self._stage("departures", 2, chosen[1].cost)
         share = self._followed(chosen[:2])
         if share < most - _LESS:
             # latents have taken what parameters can follow: without them, and from where these do
             self._hold()
             again = self._choose(simplest, noise)
-            self._stage("again, from the simplest member", 2, again[1].cost)
+            self._stage("again", 2, again[1].cost)
             if (other := self._followed(again[:2])) > share:
                 chosen, share = again, other
-        result = summed(*chosen, self._inputs, self._original, self._met, self._stages)
-        if self._moved >= _RESTS:
+        rests = self._moved < _RESTS
+        outcome = str(Outcome.CONVERGED if rests else Outcome.ITERATIONS)
+        result = summed(*chosen, self._inputs, self._original, self._met, self._stages, outcome)
+        if not rests:
             more = (
                 f"; it has not come to rest: the last round still moved {self._moved:.2g} standard"
             )
@@ -234,7 +236,7 @@ class _Search:
             plain,
             message=f"stopped by the user: the rigid model alone{without} is kept; fit again for "
             "the whole",
-            starts=(replace(plain.starts[0], outcome=str(Outcome.INTERRUPTED)),),
+            found=replace(plain.found, outcome=str(Outcome.INTERRUPTED)),
         )
 
     @property

@@ -17,7 +17,7 @@ from surae.inference.interrupt import postponed_interrupt
 from surae.inference.least_squares import Minimum, Outcome, minimise
 from surae.inference.problem import FitProblem
 from surae.inference.residuals import Residuals
-from surae.inference.result import FitResult, Start, at_bounds
+from surae.inference.result import FitResult, LeastSquares, Start, at_bounds
 from surae.inference.starts import Follow, from_start, stopped
 from surae.settings import STARTS
 
@@ -71,7 +71,7 @@ def fit_problem(
     begin = time.perf_counter()
     if noise is None and problem.priors:
         plain = fit_problem(replace(problem, priors={}), starts=1, seed=seed)
-        if plain.starts[-1].outcome == Outcome.INTERRUPTED:
+        if plain.found.is_interrupted:
             return replace(plain, problem=problem, message=f"{plain.message}, before the priors")
         noise = float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
     residuals = Residuals(problem, noise or 0.0)
@@ -137,7 +137,7 @@ def _result(
     best = min(rested, key=_finite_sum, default=best)
     agreeing = sum(m.sse <= limit for m in minima)
     status, message = _status(problem, best, minima, agreeing, len(initials))
-    left = residuals.of(best.x)
+    left, last = residuals.of(best.x), minima[-1].outcome
 
     def of_free(x: FloatArray) -> dict[str, float]:
         return dict(zip(problem.free, x.tolist(), strict=True))
@@ -150,11 +150,15 @@ def _result(
         residuals=tuple(read_only(residual) for residual in left),
         sse=residuals.sse(left),
         R=read_only(best.R),
-        starts=tuple(
-            Start(of_free(initial), of_free(m.x), m.sse, str(m.outcome), m.iterations)
-            for initial, m in zip(initials, minima, strict=False)
+        found=LeastSquares(
+            starts=tuple(
+                Start(of_free(initial), of_free(m.x), m.sse, str(m.outcome), m.iterations)
+                for initial, m in zip(initials, minima, strict=False)
+            ),
+            agreeing=agreeing,
+            stages=residuals.stages,
+            outcome=str(last if last is Outcome.INTERRUPTED else best.outcome),
         ),
-        agreeing=agreeing,
         seed=seed,
         seconds=0.0,
         versions=versions(),
@@ -177,7 +181,7 @@ def _status(
             Outcome.NOT_FINITE: "the model overflows at the start; give another start or bounds",
         }[best.outcome]
         return "failed", f"no minimum reached ({best.outcome}): {advice}{suffix}"
-    bound = at_bounds(problem, problem.by_name(best.x), of_family=False)
+    bound = at_bounds(problem, problem.by_name(best.x))
     text = f"{agreeing} of {len(minima)} starts reach the best minimum"
     if len(minima) > 1 and agreeing == 1:
         text += ": it may not be the global one, give more starts"

@@ -27,7 +27,7 @@ from surae.inference.parameter import (
     Verdict,
     percent,
 )
-from surae.inference.result import Family
+from surae.inference.result import PosteriorMode
 from surae.inference.uncertainty.combined import Budget, Uncertainty
 from surae.model.laboratory import group_of
 from surae.model.sources import SOURCES
@@ -42,7 +42,7 @@ _FAR = 2.9
 
 
 def marginal(
-    family: Family, problem: FitProblem, known: Uncertainty, adequacy: Adequacy,
+    found: PosteriorMode, problem: FitProblem, known: Uncertainty, adequacy: Adequacy,
     table: Mapping[str, ParameterEstimate],
 ) -> dict[str, ParameterEstimate]:  # fmt: skip
     """The estimated parameters of the leg with everything that makes them unsure."""
@@ -60,7 +60,7 @@ def marginal(
         again = known.interval(name, NORMAL * budget.repeat)
         repeatable = (again[1] - again[0]) / 2.0 <= IDENTIFIED * abs(p.value) and not withheld
         verdict, note = _judge(p, half, budget, repeatable=repeatable, withheld=withheld)
-        prior = family.population.get(name)
+        prior = found.population.get(name)
         if verdict is Verdict.IDENTIFIED and prior:
             value, scale = p.value, 1.0
             if not is_straight(name):

@@ -17,7 +17,7 @@ from surae.inference.interrupt import postponed_interrupt
 from surae.inference.least_squares import Outcome, minimise
 from surae.inference.problem import FitProblem
 from surae.inference.residuals import Residuals
-from surae.inference.result import FitResult, Outliers
+from surae.inference.result import FitResult, LeastSquares, Outliers
 from surae.inference.starts import Follow
 from surae.settings import STARTS
 
@@ -130,9 +130,9 @@ def fit_robust(
     for _ in range(_PASSES):
         resting = _settled(problem, x, LOSSES[loss])
         if resting is None:
-            stopped = replace(first.starts[-1], outcome=str(Outcome.INTERRUPTED))
             return replace(
-                first, status="failed", starts=(*first.starts[:-1], stopped),
+                first, status="failed",
+                found=replace(first.found, outcome=str(Outcome.INTERRUPTED)),
                 message="stopped by the user before the weights of the outliers were found; "
                 "these are the least squares",
             )  # fmt: skip
@@ -161,7 +161,11 @@ def fit_robust(
             "give more starts"
         )  # fmt: skip
     seconds = time.perf_counter() - begin
-    return replace(result, status=status, message=message, outliers=outliers, seconds=seconds)
+    found = LeastSquares(
+        result.found.starts, result.found.agreeing, result.found.stages, result.found.outcome,
+        outliers,
+    )  # fmt: skip
+    return replace(result, status=status, message=message, found=found, seconds=seconds)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,9 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.inference.interrupt import checkpoint
-from surae.inference.least_squares import Move
+from surae.inference.least_squares import Move, sum_of_squares
 from surae.inference.problem import FitProblem
+from surae.inference.result import Stage
 from surae.model import Simulator
 from surae.model.geometry import paths
 
@@ -22,10 +23,16 @@ class Residuals:
 
     Priors follow as further residuals, σ·(ln x − ln median)/spread (`Prior.row`), so that the sum
     of squares over σ², of the torque's `noise` [Nm], is −2 ln of the posterior, but for a constant.
+    What is evaluated counts to a stage of the search, of which `within` is another part.
     """
 
-    def __init__(self, problem: FitProblem, noise: float = 0.0) -> None:
+    def __init__(
+        self, problem: FitProblem, noise: float = 0.0, within: "Residuals | None" = None
+    ) -> None:
         self._problem, self.noise = problem, noise
+        rate = max(recording.rate_hz for recording in problem.inputs)
+        self._stage = f"{problem.spec.name} at {rate:.3g} Hz"
+        self._stages: dict[str, Stage] = {} if within is None else within._stages
         self._simulators = simulators(problem)
         self._measured = [r.torque for r in problem.inputs if r.torque is not None]
         self._roots = [
@@ -58,7 +65,16 @@ class Residuals:
             if root is not None:
                 whole[:, begin:end] *= root
             begin = end
-        return whole[:, : self._samples]
+        rows = whole[:, : self._samples]
+        before = self._stages.get(self._stage, Stage(self._stage, 0, np.inf))
+        sse = float(np.fmin(before.cost, sum_of_squares(rows[-1])))
+        self._stages[self._stage] = Stage(self._stage, before.evaluations + 1, sse)
+        return rows
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """What was evaluated so far, by model and rate."""
+        return tuple(self._stages.values())
 
     def rows(self, x: FloatArray) -> FloatArray:
         """Jacobian rows and the residual [Nm], shape (p + 1, n); the next call overwrites them."""

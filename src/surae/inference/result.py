@@ -1,7 +1,8 @@
 """What a fit found, as plain data: no optimiser, no function, nothing that refers back."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -35,9 +36,10 @@ class Start(Comparable):
 class Stage:
     """One stage of a search."""
 
-    name: str  #: What was searched, in words.
+    name: str  #: The model and the rate, or which part of the search of `auto`.
     evaluations: int  #: Of the model and its derivatives, over all recordings.
-    cost: float  #: −2 ln p where it ended, but for a constant of the stage.
+    #: −2 ln p where it ended, but for a constant; of least squares the least sum [Nm²].
+    cost: OrInfinite
 
 
 @filed(scale="scale_Nm", share="share_below_half")
@@ -86,10 +88,53 @@ class OfRecording:
     sem: Mapping[str, float]  #: Their standard errors: noise, and what each trial has anew.
 
 
-@filed(beliefs="priors")
 @dataclass(frozen=True, slots=True, eq=False)
-class Family(Comparable):
-    """How a model was chosen among the family, and what that leaves unsure."""
+class _Found(Comparable):
+    """How a minimum was found."""
+
+    starts: tuple[Start, ...]  #: Every start, the default one first.
+    agreeing: int  #: Number of starts that ended at the best minimum.
+    stages: tuple[Stage, ...]  #: Parts of the search; empty in files of before.
+    outcome: str  #: Why the search ended.
+
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of the model and its derivatives, over all recordings."""
+        return sum(stage.evaluations for stage in self.stages)
+
+    @property
+    def is_interrupted(self) -> bool:
+        """Whether the user stopped it."""
+        return self.outcome == "interrupted"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LeastSquares(_Found):
+    """A named model's least squares: of the laboratory nothing is asked and nothing said."""
+
+    outliers: Outliers | None = None  #: How outliers were let count less; None where all count.
+    #: `candidates`, `beliefs`, `each`, `spread`, `population`, `recordings`, `contradicted`: what
+    #: a posterior has (`PosteriorMode`), and least squares have none of.
+    candidates: ClassVar[tuple[Candidate, ...]] = ()
+    beliefs: ClassVar[Mapping[str, Gaussian]] = FrozenDict()
+    each: ClassVar[Mapping[str, tuple[float, ...]]] = FrozenDict()
+    spread: ClassVar[Mapping[str, FloatArray]] = FrozenDict()
+    population: ClassVar[Mapping[str, Gaussian]] = FrozenDict()
+    recordings: ClassVar[tuple[OfRecording, ...]] = ()
+    contradicted: ClassVar[Mapping[str, float]] = FrozenDict()
+    #: Parameters that may lie at their lower bound without being held by it.
+    may_vanish: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    def is_alone(self) -> bool:
+        """Whether only one of several starts came to the best minimum."""
+        return self.agreeing == 1 < len(self.starts)
+
+
+@filed("starts", "agreeing", "stages", "outcome", beliefs="priors", covariance="covariance")
+@dataclass(frozen=True, slots=True, eq=False)
+class PosteriorMode(_Found):
+    """The mode of a family's posterior: how a model was chosen, and what that leaves unsure."""
 
     candidates: tuple[Candidate, ...]  #: Models that were fitted, the chosen one first.
     beliefs: Mapping[str, Gaussian]  #: Priors of the nuisances that are in the chosen model.
@@ -97,10 +142,9 @@ class Family(Comparable):
     #: What each recording has for itself, by parameter: the torque's zero [Nm] and EMG at rest;
     #: empty where there is one recording.
     each: Mapping[str, tuple[float, ...]]
-    covariance: FloatArray  #: Of the problem's free parameters, everything included, shape (p, p).
-    #: What makes it, by source: rows of shifts of all of them together, in their units, whose outer
-    #: products add up to the source's covariance, shape (r, p).
-    spread: Mapping[str, FloatArray] = field(default_factory=FrozenDict)
+    #: What makes the estimates unsure, by source: rows of shifts of all free parameters together,
+    #: in their units, whose outer products add up to the source's covariance, shape (r, p).
+    spread: Mapping[str, FloatArray]
     #: Standard deviations of what differs from moment to moment, as they were learnt: of gains
     #: [-], the torque's drift [Nm], what no model has [-] and the drive's error [-].
     sizes: Mapping[str, float] = field(default_factory=FrozenDict)
@@ -109,13 +153,21 @@ class Family(Comparable):
     #: Of each recording, in the order of the problem's; empty for a single one.
     recordings: tuple[OfRecording, ...] = ()
     films: tuple[NoiseModel, ...] = ()  #: Noise of the films, recording after recording.
-    stages: tuple[Stage, ...] = ()  #: How the mode was found; empty in files of before.
     #: Groups of nuisances of which what was stated contradicts the torque, with the probability of
     #: a right statement to look so wrong.
     contradicted: Mapping[str, float] = field(default_factory=FrozenDict)
+    outliers: ClassVar[None] = None  #: Its noise is learnt, and no loss is asked for.
+    is_alone: ClassVar[bool] = False  #: The search goes on from the best start's end.
+    #: A tendon that hardly stretches is a limit that a family reaches, and no end of its search.
+    may_vanish: ClassVar[tuple[str, ...]] = TENDONS
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Of the problem's free parameters, everything included, shape (p, p)."""
+        return np.asarray(sum(by.T @ by for by in self.spread.values()))
 
 
-@filed("problem", "values", "residuals")
+@filed("problem", "values", "residuals", "found")
 @dataclass(frozen=True, slots=True, eq=False)
 class FitResult(Comparable):
     """The best minimum found."""
@@ -131,19 +183,15 @@ class FitResult(Comparable):
     #: Triangular factor of the weighted Jacobian by the free parameters: RᵀR = JᵀWJ, of a named
     #: model with what priors add to it, shape (p, p).
     R: FloatArray
-    starts: tuple[Start, ...]  #: Every start, the default one first.
-    agreeing: int  #: Number of starts that ended at the best minimum.
+    found: LeastSquares | PosteriorMode  #: How it was found, and what only that kind of fit knows.
     seed: int  #: Seed of the random starts.
     seconds: float  #: Wall time.
     versions: Mapping[str, str]  #: Versions of surae and of what its numbers depend on.
-    outliers: Outliers | None = None  #: How outliers were let count less; None for least squares.
-    #: How the model was chosen, and what is not known of the laboratory; None for a named model.
-    family: Family | None = None
 
     @property
     def at_bound(self) -> tuple[str, ...]:
         """Free parameters that lie at a bound."""
-        return at_bounds(self.problem, self.values, of_family=self.family is not None)
+        return at_bounds(self.problem, self.values, self.found.may_vanish)
 
     @property
     def bounded(self) -> dict[str, float]:
@@ -153,16 +201,13 @@ class FitResult(Comparable):
 
 
 def at_bounds(
-    problem: FitProblem, values: Mapping[str, float], *, of_family: bool
+    problem: FitProblem, values: Mapping[str, float], may_vanish: Sequence[str] = ()
 ) -> tuple[str, ...]:
-    """Free parameters that lie at a bound.
-
-    A tendon that hardly stretches is a limit that a family reaches, and no end of its search.
-    """
+    """Free parameters that lie at a bound; a lower one does not hold those that may vanish."""
     return tuple(
         name
         for name, (low, high) in problem.limits.items()
-        if is_at_bound(values[name], -np.inf if of_family and name in TENDONS else low, high)
+        if is_at_bound(values[name], -np.inf if name in may_vanish else low, high)
     )
 
 

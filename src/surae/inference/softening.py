@@ -41,9 +41,11 @@ class Softening:
 def softening(result: FitResult) -> tuple[Softening, ...]:
     """Of each recording that is long enough to tell."""
     problem, found = result.problem, []
-    own = {} if result.family is None else result.family.each
     for number, (recording, e) in enumerate(zip(problem.inputs, result.residuals, strict=True)):
-        values = {**result.values, **{name: each[number] for name, each in own.items()}}
+        values = {
+            **result.values,
+            **{name: each[number] for name, each in result.found.each.items()},
+        }
         vector = problem.spec.vector(values, problem.options)
         tissue = problem.spec.simulator(recording, problem.options).parts(vector).tissue
         if (seen := _seen(recording, tissue, e)) is not None:

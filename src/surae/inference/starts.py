@@ -50,13 +50,13 @@ def _direct(problem: FitProblem, residuals: Residuals, follow: Follow | None) ->
     """Descends from the start, or the parent's minimum; others look at thinned data first."""
     descend, again = _descent(problem, residuals, follow), None
     straight = _solved_first(problem, residuals, descend)
-    look = None if problem.spec.parent is None else _first_look(problem, follow)
+    look = None if problem.spec.parent is None else _first_look(problem, residuals, follow)
     if look is None:
         thin = _thinned(problem, _THIN_RATE_RIGID if problem.spec.parent is None else _THIN_RATE)
         if thin.n == problem.n:
             return straight
         # What is known beforehand weighs as much beside fewer samples as beside all of them.
-        few = Residuals(thin, residuals.noise * np.sqrt(thin.n / problem.n))
+        few = Residuals(thin, residuals.noise * np.sqrt(thin.n / problem.n), residuals)
         again = _descent(thin, few, stall=_STALL_THINNED, ftol=_LOOK / thin.n)
         look = _solved_first(thin, few, again)
     first: list[Minimum] = []
@@ -125,7 +125,7 @@ def _with_drives(
     the start's own minimum is tried too.
     """
     own, off = own_columns(problem), drives_off(problem)
-    without = from_start(off, Residuals(off, residuals.noise), follow) if own else None
+    without = from_start(off, Residuals(off, residuals.noise, residuals), follow) if own else None
     descend, rigid = _descent(problem, residuals), problem.spec.parent is None
     followed = _descent(problem, residuals, follow)
 
@@ -166,7 +166,7 @@ def _lowest(best: Minimum, descend: Descent, points: Iterable[FloatArray]) -> Mi
     return best
 
 
-def _first_look(problem: FitProblem, follow: Follow | None) -> FromStart | None:
+def _first_look(problem: FitProblem, whole: Residuals, follow: Follow | None) -> FromStart | None:
     """The minimum of a model with a parent on thinned data; None if nothing is free in that."""
     thin = replace(_thinned(problem, _THIN_RATE), priors={})  # a first look needs none
     assert problem.spec.parent is not None
@@ -176,8 +176,8 @@ def _first_look(problem: FitProblem, follow: Follow | None) -> FromStart | None:
         return None
     parent = thin.of_model(spec, names, thin.by_name(thin.start), thin.limits)
     shared = [problem.free.index(name) for name in names]
-    from_parent = from_start(parent, Residuals(parent), follow)
-    residuals = Residuals(thin)
+    from_parent = from_start(parent, Residuals(parent, within=whole), follow)
+    residuals = Residuals(thin, within=whole)
     descend = _descent(thin, residuals, stall=_STALL_THINNED)
     followed = _descent(thin, residuals, follow, stall=_STALL_THINNED)
 

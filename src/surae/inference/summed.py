@@ -17,14 +17,16 @@ from surae.inference.laplace import (
     dynamics,
     shifts_by_source,
 )
+from surae.inference.least_squares import Outcome
 from surae.inference.posterior import LogPosterior, Point
 from surae.inference.problem import FitProblem
 from surae.inference.residuals import jacobian_root
 from surae.inference.result import (
+    TENDONS,
     Candidate,
-    Family,
     FitResult,
     OfRecording,
+    PosteriorMode,
     Stage,
     Start,
     at_bounds,
@@ -39,7 +41,7 @@ _ALIKE = 2.0
 def summed(
     post: LogPosterior, point: Point, scored: tuple[Subset, ...], names: tuple[str, ...],
     inputs: tuple[ModelInputs, ...], original: FitProblem,
-    met: Sequence[tuple[float, Start]], stages: Sequence[Stage],
+    met: Sequence[tuple[float, Start]], stages: Sequence[Stage], outcome: str,
 ) -> FitResult:  # fmt: skip
     """The fit at a mode, and what makes it unsure.
 
@@ -65,7 +67,7 @@ def summed(
     roots = [1.0 if recording.weight is None else recording.weight for recording in inputs]
     sse = sum(float(np.sum(w * e**2)) for w, e in zip(roots, residuals, strict=True))
     finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
-    bound = [n for n in at_bounds(problem, values, of_family=True) if group_of(n) is None]
+    bound = [n for n in at_bounds(problem, values, TENDONS) if group_of(n) is None]
     status = "failed" if not finite else "at-bounds" if bound else "converged"
     best = min(cost for cost, _ in met)
     kept = [scored[0], *(s for s in scored[1:6] if s.weight > UNSUPPORTED)]
@@ -78,23 +80,23 @@ def summed(
         residuals=residuals,
         sse=sse,
         R=read_only(jacobian_root(problem, values)),
-        starts=tuple(start for _, start in met),
-        agreeing=sum(cost - best < _ALIKE for cost, _ in met),
         seed=original.settings.seed,
         seconds=0.0,
         versions=versions(),
-        family=Family(
+        found=PosteriorMode(
+            starts=tuple(start for _, start in met),
+            agreeing=sum(cost - best < _ALIKE for cost, _ in met),
+            stages=tuple(stages),
+            outcome=outcome if finite else str(Outcome.NOT_FINITE),
             candidates=(replace(chosen, values=FrozenDict(values)), *others),
             beliefs=FrozenDict(post.beliefs),
             noise=post.noise,
             films=tuple(film.noise for each in post.latents for film in each.films),
             each=FrozenDict(zip(post.own, map(tuple, post.each(point.z).T.tolist()), strict=True)),
-            covariance=read_only(covariance),
             spread=FrozenDict(spread),
             sizes=FrozenDict(post.sizes | ({} if post.fast is None else {"drive": post.fast})),
             population=FrozenDict({n: post.priors[n] for n in post.names if not group_of(n)}),
             recordings=_each(post, point, change) if len(inputs) > 1 else (),
-            stages=tuple(stages),
             contradicted=FrozenDict(
                 contradicted(
                     post.laplace(point), post.of, post.beliefs,

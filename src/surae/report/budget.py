@@ -38,7 +38,7 @@ def budget_of(result: FitResult, assessment: Assessment) -> BudgetTable:
     """The budgets of all parameters in one table."""
     known = {p.name: p for p in assessment.parameters.values() if p.budget and p.ci95}
     helps = what_to_measure(assessment)
-    if result.family is None or not known:
+    if assessment.uncertainty.is_of_noise_alone or not known:
         return BudgetTable((), {}, helps)
     met = {source for p in known.values() for source in p.budget if p.budget[source] >= _SHOWN}
     sources = tuple(source for source in SOURCES if source in met)
@@ -93,7 +93,7 @@ def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...
     would narrow its interval by a fifth; none of a fit that is inadequate, for its intervals mean
     nothing, and none of a named model, which knows of noise alone.
     """
-    if result.family is None or assessment.adequacy.grade is Grade.INADEQUATE:
+    if assessment.uncertainty.is_of_noise_alone or assessment.adequacy.grade is Grade.INADEQUATE:
         return ()
     gains: dict[str, dict[str, tuple[float, str]]] = {}
 

@@ -7,7 +7,7 @@ from itertools import chain
 import numpy as np
 
 from surae.base.formatting import NO_NUMBER, estimate, percentage, short, significant
-from surae.inference import Assessment, FitResult, Prediction, Verdict
+from surae.inference import Assessment, FitResult, Interval, Prediction, Verdict
 from surae.inference.parameter import IDENTIFIED, percent
 from surae.model import GeometryTable
 from surae.quality import Quality
@@ -170,7 +170,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> block.KeyFigu
     identified = sum(p.verdict is Verdict.IDENTIFIED for p in parameters)
     failed = result.status == "failed"
     vaf = f"of the whole torque, VAF {percentage(assessment.vaf)} %"
-    if result.family is not None:
+    if assessment.interval is Interval.MARGINAL:
         repeatable = sum(p.repeatable for p in parameters)
         last = (
             "Parameters repeatable",
@@ -178,7 +178,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> block.KeyFigu
             "another trial would give the same",
         )
     else:
-        agreeing = f"{result.agreeing} of {len(result.starts)}"
+        agreeing = f"{result.found.agreeing} of {len(result.found.starts)}"
         last = ("Starts that agree", agreeing, "on the best minimum")
     r2, rmse = percentage(assessment.adequacy.r2), significant(assessment.rmse, 3)
     return block.KeyFigures((

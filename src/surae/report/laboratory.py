@@ -39,23 +39,23 @@ def known_section(result: FitResult) -> tuple[block.Section, ...]:
 
 def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[block.Section, ...]:
     """Errors of the laboratory; nothing for a named model, which takes it for perfect."""
-    family, inputs = result.family, result.problem.inputs
-    if family is None:
+    found, inputs = result.found, result.problem.inputs
+    if not found.candidates:
         return ()
     blocks: list[block.Block] = []
-    if not family.beliefs:
+    if not found.beliefs:
         blocks.append(block.Text(
             "Measurement errors were left out, as requested: the intervals assume a perfect "
             "laboratory."
         ))  # fmt: skip
     else:
-        estimates = [p for name, p in assessment.nuisances.items() if name in family.beliefs]
+        estimates = [p for name, p in assessment.nuisances.items() if name in found.beliefs]
         present = {group_of(p.name) for p in estimates}
         groups = [f"{s.label}: {s.meaning}" for group, s in NUISANCES.items() if group in present]
         heads = block.columns("Imperfection", "Assumed", "Estimate", "95 % interval", "Unit",
                               "Source", numbers=(1, 3), wide=(0, 5),
                               looks={2: "number value", 4: "unit"})  # fmt: skip
-        rows = block.rows(_row(p, family.beliefs[p.name]) for p in estimates)
+        rows = block.rows(_row(p, found.beliefs[p.name]) for p in estimates)
         title = "Imperfections: what was assumed and what came out"
         blocks += [
             block.Text(
@@ -66,7 +66,7 @@ def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[block
             block.Text(f"{'; '.join(groups)}.", "note"),
             block.Grid(title, heads, rows, "laboratory"),
         ]
-        if own := family.each.get("torque_zero"):
+        if own := found.each.get("torque_zero"):
             zeros = ", ".join(
                 f"{recording.name} {significant(zero, 3)} Nm"
                 for recording, zero in zip(inputs, own, strict=True)
@@ -107,11 +107,11 @@ def _origin(p: ParameterEstimate, belief: Gaussian) -> str:
 
 def family_text(result: FitResult, assessment: Assessment) -> str:
     """Which departures the data ask for; empty for a named model."""
-    if result.family is None:
+    if not result.found.candidates:
         return ""
     if assessment.adequacy.grade is Grade.INADEQUATE:
         return "The fit is inadequate: what the data ask for means nothing."
-    chosen = result.family.candidates[0]
+    chosen = result.found.candidates[0]
     departures = ", ".join(NUISANCES[group].label for group in chosen.groups)
     return (
         f"These data fit better with {departures or 'the plain model'} (probability "
@@ -121,9 +121,9 @@ def family_text(result: FitResult, assessment: Assessment) -> str:
 
 def family_section(result: FitResult, assessment: Assessment) -> tuple[block.Section, ...]:
     """The models that were weighed, and what the evidence says; nothing for a named model."""
-    if result.family is None:
+    if not result.found.candidates:
         return ()
-    chosen, *others = result.family.candidates
+    chosen, *others = result.found.candidates
     models = [chosen, *(other for other in others if other.model != chosen.model)]
     variants = [other for other in others if other.model == chosen.model]
     heads = block.columns("Model", "Imperfections in it", "Probability", numbers=(2,), wide=(1,))
@@ -155,15 +155,15 @@ TRIALS = (
 
 def trials_section(result: FitResult, assessment: Assessment) -> tuple[block.Section, ...]:
     """How the trials of a joint fit differ; nothing where that was not looked at."""
-    family, inputs = result.family, result.problem.inputs
-    if family is None or not family.recordings:
+    recordings, inputs = result.found.recordings, result.problem.inputs
+    if not recordings:
         return ()
-    apart = trial_spread(family.recordings)
+    apart = trial_spread(recordings)
     rows: list[block.Row] = []
     for name, p in assessment.parameters.items():
-        if not p.free or any(name not in alone.values for alone in family.recordings):
+        if not p.free or any(name not in alone.values for alone in recordings):
             continue
-        each = [estimate(a.values[name], a.sem[name], (0.0, 0.0)) for a in family.recordings]
+        each = [estimate(a.values[name], a.sem[name], (0.0, 0.0)) for a in recordings]
         likely, most = (100 * sd / abs(p.value) if p.value else np.inf for sd in apart[name])
         rows.append((
             block.Cell(name, kind="code"),

@@ -22,14 +22,14 @@ def emphasis_text(result: FitResult, assessment: Assessment) -> str:
     texts = []
     if any(recording.emphasised for recording in result.problem.inputs):
         texts.append("Some samples count more than others in this fit.")
-    if result.outliers is not None:
-        share = 100 * result.outliers.share
+    if (outliers := result.found.outliers) is not None:
+        share = 100 * outliers.share
         texts.append(
-            f"Outliers count less ({result.outliers.loss} loss): {significant(share, 2)} "
+            f"Outliers count less ({outliers.loss} loss): {significant(share, 2)} "
             "% of the samples count less than half. The plain VAF and error "
             "include them."
         )
-        if result.outliers.share > _MANY_OUTLIERS:
+        if outliers.share > _MANY_OUTLIERS:
             texts.append(
                 "So many are no stray artefacts: the model leaves something out, and a loss that "
                 "spares outliers hides it."
@@ -102,21 +102,30 @@ def prior_span(prior: Prior) -> tuple[float, float, float]:
     return prior.median / factor, prior.median, prior.median * factor
 
 
+#: What the stages of the search of `auto` are called.
+_STAGES = {
+    "starts": "from each start, without departures",
+    "departures": "with the departures that the data ask for",
+    "again": "again, from the simplest member",
+}
+
+
 def fit_settings(result: FitResult) -> list[tuple[str, str]]:
     """What was fitted and how long it took, then every setting that is not its default."""
-    problem = result.problem
-    chosen = "" if result.family is None else ", chosen by model auto"
+    problem, found = result.problem, result.found
+    chosen = ", chosen by model auto" if found.candidates else ""
     facts = [
         ("Model", f"{problem.spec.title} ({problem.spec.name}){chosen}"),
         ("Samples and estimated parameters", f"{problem.n} and {len(problem.free)}"),
         ("Wall time of the fit", f"{significant(result.seconds, 2)} s"),
     ]
-    count = len(result.starts)
-    text = f"{result.agreeing} of {count} reach the best minimum; seed {result.seed}"
+    count = len(found.starts)
+    text = f"{found.agreeing} of {count} reach the best minimum; seed {result.seed}"
     one = "only one: whether its minimum is the best one was not looked into"
     facts.append(("Starts", text if count > 1 else one))
-    for stage in () if result.family is None else result.family.stages:
-        facts.append((f"Search {stage.name}", f"{stage.evaluations} evaluations"))
+    for stage in found.stages:
+        name = _STAGES.get(stage.name, stage.name)
+        facts.append((f"Search {name}", f"{stage.evaluations} evaluations"))
     for request in (problem.settings, problem.options):
         for each, record in settings_of(type(request)):
             value = getattr(request, each.name)

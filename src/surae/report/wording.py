@@ -49,10 +49,10 @@ def summary(result: FitResult, assessment: Assessment) -> tuple[str, ...]:
     if result.status == "failed":
         return (FAILED,)
     texts = [outdated(assessment), emphasis_text(result, assessment)]
-    if result.family is None and len(result.starts) > 1 and result.agreeing == 1:
+    if result.found.is_alone:
         texts.append(
-            f"Only one of {len(result.starts)} starts reached this solution. There may be a better "
-            "one: give more starts before relying on the values."
+            f"Only one of {len(result.found.starts)} starts reached this solution. There may be a "
+            "better one: give more starts before relying on the values."
         )
     return tuple(text for text in texts if text)
 

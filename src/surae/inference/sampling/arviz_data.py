@@ -77,12 +77,11 @@ def of_fit(
     legs = known.draw(draws, seed)
     groups = {"posterior": drawn(legs[:, [known.names.index(name) for name in free]], units)}
     priors = dict(problem.priors)
-    if result.family is not None:
-        for n, p in result.family.population.items():
-            log = not is_straight(n)
-            priors[n] = Prior(float(np.exp(p.mean)) if log else p.mean, p.sd, "population", log)
-        for n, p in result.family.beliefs.items():
-            priors[n] = Prior(p.mean, p.sd, "laboratory", log=False)
+    for n, p in result.found.population.items():
+        log = not is_straight(n)
+        priors[n] = Prior(float(np.exp(p.mean)) if log else p.mean, p.sd, "population", log)
+    for n, p in result.found.beliefs.items():
+        priors[n] = Prior(p.mean, p.sd, "laboratory", log=False)
     if shown := {n: prior for n, prior in priors.items() if n in units}:
         groups["prior"] = prior_draws(shown, units, draws, seed)
     samples = np.concatenate([np.arange(own.n)[own.counts] for own in problem.inputs])

@@ -27,10 +27,11 @@ from surae.base.records import (
     to_plain,
 )
 from surae.base.units import FloatArray
-from surae.inference import LOSSES, FitProblem, FitResult, Start
+from surae.inference import LOSSES, FitProblem, FitResult, LeastSquares, PosteriorMode, Start
 from surae.inference.adequacy import Adequacy
 from surae.inference.assessment import Assessment, assess
 from surae.inference.parameter import Interval, ParameterEstimate
+from surae.inference.result import Stage
 from surae.model import ModelOptions, check_value, get_model, with_optional
 from surae.model.sources import SOURCES
 from surae.quality.finding import Quality
@@ -71,8 +72,8 @@ def as_dict(
     problem, found, judged = result.problem, to_plain(result), to_plain(assessment)
     for recording, white in zip(judged["recordings"], judged.pop("whiteness"), strict=True):
         recording["residual"] = white
-    starts, agreeing = found.pop("starts"), found.pop("agreeing")
-    data = {
+    how = result.found
+    data: dict[str, Any] = {
         "surae": result.versions.get("surae", __version__),
         "format": FORMAT,
         "model": problem.spec.name,
@@ -81,8 +82,19 @@ def as_dict(
         "message": result.message,
         **judged,
         "findings": to_plain(tuple(quality)),
-        "starts": {"n": len(starts), "agreeing": agreeing, "all": starts},
+        "starts": {
+            "n": len(how.starts),
+            "agreeing": how.agreeing,
+            "all": to_plain(how.starts),
+        },
+        "search": {
+            "outcome": how.outcome,
+            "evaluations": how.evaluations,
+            "stages": to_plain(how.stages),
+        },
         **found,
+        "outliers": to_plain(how.outliers),
+        "family": to_plain(how) if isinstance(how, PosteriorMode) else None,
         **to_plain(problem),
         "traces": [
             {**to_plain(recording), "residual": encode(residual)}
@@ -118,6 +130,12 @@ class _Starts:
 
 
 @dataclass(frozen=True, slots=True)
+class _Search:
+    outcome: str
+    stages: tuple[Stage, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class _Left:
     residual: FloatArray
     n: int | None = None  #: Number of samples.
@@ -148,6 +166,7 @@ class _File:
     nuisances: Mapping[str, _Parameter] = field(default_factory=FrozenDict)
     findings: tuple[Quality, ...] = ()
     settings: FitSettings | None = None  #: Format 1 had none.
+    search: _Search | None = None  #: Older files have none.
 
 
 def load_saved(path: PathLike) -> SavedFit:
@@ -244,9 +263,7 @@ def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
         "problem": from_plain(FitProblem, {**data, **problem}),
         "values": values,
         "residuals": tuple(left.residual for left in file.left),
-        "starts": starts,
-        "agreeing": file.starts.agreeing,
-        "family": family_of(data.get("family"), free),
+        "found": _found(file, data, free),
     }
     result = from_plain(FitResult, {**data, **found})
     _check(result)
@@ -273,7 +290,22 @@ def _settings(file: _File, free: Sequence[str], data: Mapping[str, Any]) -> FitS
     return from_plain(FitSettings, settings)
 
 
-def family_of(data: Any, free: Sequence[str]) -> Any:
+def _found(file: _File, data: Any, free: Sequence[str]) -> LeastSquares | PosteriorMode:
+    """How the fit was found; older files say less of it, or have it within the family."""
+    starts, family = file.starts.all, data.get("family")
+    ended = starts[-1] if starts[-1].outcome == "interrupted" else min(starts, key=lambda s: s.sse)
+    search = file.search or _Search(ended.outcome)
+    own = {
+        "starts": starts, "agreeing": file.starts.agreeing, "stages": search.stages,
+        "outcome": search.outcome,
+    }  # fmt: skip
+    if family is None:
+        return from_plain(LeastSquares, {**own, "outliers": data.get("outliers")})
+    known = _family(family, free)
+    return from_plain(PosteriorMode, {**own, **known} if isinstance(known, dict) else known)
+
+
+def _family(data: Any, free: Sequence[str]) -> Any:
     """A family's spread, formerly standard deviations by name, each for itself, as shifts.
 
     Formerly its population was without means, which can't be said afterwards.
@@ -292,7 +324,7 @@ def family_of(data: Any, free: Sequence[str]) -> Any:
 
 def _check(result: FitResult) -> None:
     """Refuse arrays that do not go with each other, and numbers that no fit gives."""
-    problem, outliers, family = result.problem, result.outliers, result.family
+    problem, found, outliers = result.problem, result.found, result.found.outliers
     p, inputs = len(problem.free), problem.inputs
     shapes: list[tuple[str, FloatArray, tuple[int, ...]]] = [("R", result.R, (p, p))]
     shapes.append(("base", problem.base, (len(problem.spec.names),)))
@@ -310,13 +342,11 @@ def _check(result: FitResult) -> None:
         reference = recording.emg_reference
         if reference is not None and not all(v is None or v > 0 for v in reference.values):
             raise InputError(f"traces[{i}].emg_reference.values_V: one is not above zero")
-    if family is not None:
-        if any(len(values) != len(inputs) for values in family.each.values()):
-            raise InputError("family.each: it has not one value for each recording")
-        if other := [source for source in family.spread if source not in SOURCES]:
-            raise InputError(f"family.spread.{other[0]}: no source of uncertainty is called so")
-        shapes += [("family.covariance", family.covariance, (p, p))]
-        shapes += [(f"family.spread.{s}", by, (len(by), p)) for s, by in family.spread.items()]
+    if any(len(values) != len(inputs) for values in found.each.values()):
+        raise InputError("family.each: it has not one value for each recording")
+    if other := [source for source in found.spread if source not in SOURCES]:
+        raise InputError(f"family.spread.{other[0]}: no source of uncertainty is called so")
+    shapes += [(f"family.spread.{s}", by, (len(by), p)) for s, by in found.spread.items()]
     if outliers is not None:
         scales = (outliers.tuning, outliers.scale, outliers.widening)
         between = all(w.size and w.min() > 0 and w.max() <= 1 for w in outliers.weights)

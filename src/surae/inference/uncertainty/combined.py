@@ -17,7 +17,7 @@ from surae.base.units import FloatArray
 from surae.inference.contradiction import Contradiction
 from surae.inference.coordinates import is_straight
 from surae.inference.residuals import stiffness_valleys
-from surae.inference.result import FitResult
+from surae.inference.result import FitResult, PosteriorMode
 from surae.inference.uncertainty.covariance import Covariance, inverse_root
 from surae.inference.uncertainty.robust import RobustCovariance
 from surae.model.sources import NUISANCES, SOURCES
@@ -241,9 +241,9 @@ def information_root(result: FitResult) -> FloatArray:
 
     Of least squares the factor of the Jacobian; a posterior's comes from its covariance.
     """
-    if result.family is None or not np.isfinite(result.sse):
+    if not (isinstance(result.found, PosteriorMode) and np.isfinite(result.sse)):
         return result.R
-    covariance, problem = result.family.covariance, result.problem
+    covariance, problem = result.found.covariance, result.problem
     scale = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     scaled = covariance * scale * scale[:, None]
     if not np.isfinite(scaled).all():

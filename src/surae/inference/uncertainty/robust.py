@@ -20,7 +20,7 @@ import numpy.typing as npt
 from surae.base.frozen import Comparable
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
-from surae.inference import FitResult, Outliers
+from surae.inference import FitResult, LeastSquares, Outliers
 from surae.inference.evidence import root as root_of
 from surae.inference.noise import NoiseModel, autoregressive
 from surae.inference.residual import Whiteness, autocovariance, most_lags, whiteness
@@ -62,7 +62,7 @@ def robust_covariance(
     the noise's correlation in it.
     """
     problem = result.problem
-    if not estimated.names or result.family is not None:
+    if not estimated.names or not isinstance(result.found, LeastSquares):
         return None, tuple(
             whiteness(residual, inputs.rate_hz, inputs.counts)
             for inputs, residual in zip(problem.inputs, result.residuals, strict=True)
@@ -73,7 +73,8 @@ def robust_covariance(
         x = np.array([result.values[name] for name in problem.free])
         rows = Residuals(problem).data_rows(x)
         ends = np.cumsum([inputs.n for inputs in problem.inputs])[:-1]
-        losses = result.outliers.weights if result.outliers else [None] * len(problem.inputs)
+        outliers = result.found.outliers
+        losses = outliers.weights if outliers else [None] * len(problem.inputs)
         parts = zip(problem.inputs, np.split(rows, ends, axis=1), losses, strict=True)
         seen = [
             _Seen(
@@ -86,7 +87,7 @@ def robust_covariance(
             for own, inputs in zip(seen, problem.inputs, strict=True)
         )
         models = _noise_models(seen)
-        robust = _covariance(root, problem.free, seen, models, estimated, result.outliers)
+        robust = _covariance(root, problem.free, seen, models, estimated, outliers)
         return robust if np.isfinite(robust.matrix).all() else None, white
 
 

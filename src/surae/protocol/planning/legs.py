@@ -110,7 +110,7 @@ def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int
     problem = result.problem
     if result.status == "failed":
         raise InputError("the fit failed and describes no leg; name a population instead")
-    priors = {} if result.family is None else dict(result.family.beliefs)
+    priors = dict(result.found.beliefs)
     centre = problem.spec.vector(result.values, problem.options)
     columns = [problem.spec.names.index(name) for name in problem.free]
     rows = np.tile(centre, (count, 1))

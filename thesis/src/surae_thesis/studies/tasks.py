@@ -157,7 +157,7 @@ def _fit(task: FitTask) -> TaskOutcome:
     )  # fmt: skip
     settings = FitSettings(task.model, options, starts=task.starts, seed=task.seed)
     result = solve(make_problem([trial], settings))
-    if result.starts[-1].outcome == "interrupted":
+    if result.found.is_interrupted:
         raise KeyboardInterrupt
     assessment = assess(result)
     truth = subject.truth(task.model, options)
