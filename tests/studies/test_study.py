@@ -6,7 +6,7 @@ import pytest
 
 from surae.base.errors import InputError
 from surae_thesis.studies.study import FACTORS, parse_study, read_study
-from surae_thesis.studies.tasks import FitTask, task_of
+from surae_thesis.studies.tasks import FitTask, _trajectory, task_of
 
 MINIMAL = 'protocol = "sine"\n'
 
@@ -52,6 +52,15 @@ def test_model_options_are_factors_where_they_are_given() -> None:
     assert [dict(t.options)["geometry"] for t in planned(study)] == ["thesis", "virtual-work"]
 
 
+def test_how_long_a_trial_and_its_relaxed_part_are() -> None:
+    study = parse_study(MINIMAL + "duration = 28\npassive_seconds = [7, 11]\n")
+    tasks = list(planned(study))
+    assert [(t.duration, t.passive_seconds) for t in tasks] == [(28.0, 7.0), (28.0, 11.0)]
+    muscle = [_trajectory(task).effort.any(axis=1).argmax() / task.rate_hz for task in tasks]
+    assert muscle[1] - muscle[0] == pytest.approx(4.0, abs=0.05)
+    assert "passive_seconds" not in parse_study(MINIMAL).factors
+
+
 def test_the_grid_of_the_thesis() -> None:
     rates = [round(0.05 + 0.025 * k, 3) for k in range(23)]
     study = parse_study(
@@ -95,6 +104,10 @@ def test_a_factor_of_the_thesis_is_its_rate(tmp_path) -> None:
         (MINIMAL + "name = 3", "name is 3; give a text of one line"),
         (MINIMAL + 'name = "a\\nb"', "give a text of one line"),
         (MINIMAL + "subjects = 99999\nrepeats = 99999", "fits are too many; at most 1,000,000"),
+        (
+            MINIMAL + 'task = "active"\npassive_seconds = 7',
+            "protocol sine: passive seconds 7: task 'active' does not begin relaxed",
+        ),
         ("protocol = {a = 1}", "protocol is {'a': 1}; use one of"),
     ],
 )

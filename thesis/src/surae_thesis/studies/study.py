@@ -66,7 +66,12 @@ FACTORS: dict[str, tuple[Setting, tuple[Value, ...]]] = {
     "starts": (Setting(meaning="Of each fit.", least=1, most=10_000), (2,)),
     "model": (Setting(meaning="What simulates.", choices=SIMULATED_MODELS), ("muscle",)),
 }
-#: Model options may be factors too; left out, they are no columns of the table.
+#: What a protocol has of its own where the file gives it; left out, they are no columns.
+OWN_MOTION: dict[str, Setting] = {
+    "duration": Setting(meaning="Of the trial [s].", above=0.0, most=600.0),
+    "passive_seconds": Setting(meaning="Relaxed at first [s].", least=0.0, most=600.0),
+}
+#: Model options may be factors too; left out, they are no columns either.
 OPTIONS = tuple(field.name for field in fields(ModelOptions))
 #: What may stand in a factor's place, and in its column: the thesis's A·sin(s·t²) has the rate s/π.
 INSTEAD = {"chirp_rate": "chirp_factor"}
@@ -102,7 +107,7 @@ def parse_study(text: str) -> Study:
         As of `read_study`.
     """
     settings = parse_toml(text)
-    known = ("name", *FACTORS, *INSTEAD.values(), *OPTIONS)
+    known = ("name", *FACTORS, *INSTEAD.values(), *OWN_MOTION, *OPTIONS)
     for key in settings:
         if key not in known:
             raise InputError(f"unknown setting {key!r}; known settings: {', '.join(known)}")
@@ -110,8 +115,8 @@ def parse_study(text: str) -> Study:
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
         raise InputError(f"name is {name!r}; give a text of one line")
     factors: dict[str, tuple[Value, ...]] = {}
-    for factor in (*FACTORS, *OPTIONS):
-        record, default = FACTORS.get(factor, (None, ()))
+    for factor in (*FACTORS, *OWN_MOTION, *OPTIONS):
+        record, default = FACTORS.get(factor, (OWN_MOTION.get(factor), ()))
         other = INSTEAD.get(factor, "")
         if other in settings and factor in settings:
             raise InputError(f"{factor} and {other} say the same; give one of them")
@@ -120,7 +125,7 @@ def parse_study(text: str) -> Study:
             factors[_COUNTED.get(key, key)] = _values(key, settings[key], record)
         elif default:
             factors[_COUNTED.get(key, key)] = default
-        elif record is not None:
+        elif factor in FACTORS:
             raise InputError(f'{key} is missing; e.g. {key} = "multiple-holds"')
     study = Study(name, factors, text)
     if study.size > MOST_FITS:
@@ -170,6 +175,8 @@ def motion(combination: Mapping[str, Any]) -> Protocol:
         chirp_amplitude=amplitude,
         chirp_rate=rise(combination) if amplitude > 0.0 else CHIRP_RATE,
         rate_hz=combination["rate_hz"],
+        duration=combination.get("duration"),
+        passive_seconds=combination.get("passive_seconds"),
     )
 
 
@@ -183,7 +190,8 @@ def rise(combination: Mapping[str, Any]) -> float:
 def _check_motions(study: Study) -> None:
     """Refuse a combination whose protocol is impossible, naming it."""
     rate = "chirp_rate" if "chirp_rate" in study.factors else "chirp_factor"
-    names = ("protocol", "chirp_amplitude", rate, "task", "rate_hz")
+    own = [name for name in OWN_MOTION if name in study.factors]
+    names = ("protocol", "chirp_amplitude", rate, "task", "rate_hz", *own)
     for values in itertools.product(*(study.factors[name] for name in names)):
         try:
             motion(dict(zip(names, values, strict=True)))

@@ -16,7 +16,7 @@ import surae
 from surae._version import __version__
 from surae.base.errors import ComputationError
 from surae.base.records import from_plain, to_plain
-from surae.protocol import TASKS, Trajectory, generate
+from surae.protocol import Trajectory, generate
 from surae.protocol.effort import effort
 from surae_thesis.studies.study import OPTIONS, Value, motion, rise
 
@@ -58,6 +58,8 @@ class FitTask:
     chirp_amplitude: float
     chirp_rate: float | None  #: None without a chirp, where it is irrelevant.
     rate_hz: float
+    duration: float | None = None  #: None for the profile's own; `passive_seconds` for the task's.
+    passive_seconds: float | None = None
     population: str  #: Population of the virtual subject.
     subject: int  #: Number of the subject, from 1.
     noise: float  #: Noise of EMG and torque, a fraction of each signal's mean magnitude.
@@ -174,6 +176,6 @@ def _fit(task: FitTask) -> TaskOutcome:
 def _trajectory(task: FitTask) -> Trajectory:
     """The motion, shared by all tasks that have it, with the task's own effort."""
     settings = motion(asdict(task))
-    still = _motion(replace(settings, task="passive"))
-    target = effort(still.time, TASKS[settings.task])
+    still = _motion(replace(settings, task="passive", passive_seconds=None))
+    target = effort(still.time, settings.effort_task)
     return replace(still, settings=settings, effort=target)
