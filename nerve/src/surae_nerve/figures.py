@@ -8,7 +8,6 @@ from surae.base.units import FloatArray
 from surae.report import figures
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, Figure
 from surae_nerve.impedance import NerveMeasure, Perturbed
-from surae_nerve.stretches import StretchAnswer
 
 
 def frequency_figure(recording: Perturbed) -> Figure:
@@ -62,23 +61,6 @@ def effort_figure(recordings: Sequence[Perturbed]) -> Figure:
         for each in of:
             _bar(axes, float(each[at]), each[2])  # type: ignore[arg-type]
         figures.dress(axes, "Stiffness [Nm/rad]" if at == 0 else "", label)
-    return figure
-
-
-def stretches_figure(stretches: Sequence[StretchAnswer]) -> Figure:
-    """Parts of the torque of every stretch of the calf over its speed."""
-    figure = figures.new_figure(3.0, width=7.2)
-    axes = figure.subplots()
-    looks = (("elastic", GREY, "s"), ("viscous", OCHRE, "^"), ("neural", RED, "o"))
-    for name, colour, marker in looks:
-        own = [(s.speed_deg_s, v) for s in stretches if (v := getattr(s, f"{name}_Nm")) is not None]
-        if own:
-            axes.plot(*zip(*own, strict=True), marker, color=colour, markersize=4, label=name)
-    for s in stretches:
-        if s.neural_ci95 is not None:
-            axes.plot([s.speed_deg_s] * 2, s.neural_ci95, color=RED, linewidth=0.8)
-    figures.dress(axes, "Torque [Nm]", "Speed [°/s]")
-    figures.legend(axes, 3)
     return figure
 
 

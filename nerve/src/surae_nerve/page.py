@@ -5,15 +5,13 @@ from datetime import datetime
 from surae.base.formatting import NO_NUMBER, percentage
 from surae.report import block
 from surae.report.figures import Figure
+from surae.report.figures.leg import stretches_figure
+from surae.report.language import words_in
 from surae.report.output import Report
 from surae_nerve.answer import Impedance, measure_rows
-from surae_nerve.figures import (
-    effort_figure,
-    frequency_figure,
-    impulse_figure,
-    stretches_figure,
-)
+from surae_nerve.figures import effort_figure, frequency_figure, impulse_figure
 from surae_nerve.impedance import Perturbed
+from surae_nerve.session import told_of
 from surae_nerve.stretches import Stretches
 
 #: What the page says of itself.
@@ -79,8 +77,8 @@ def stretches_report(found: Stretches, *, created: datetime) -> Report:
     """The report of slow and fast stretches."""
     table, figures, pictures = found.as_table(), list[tuple[str, Figure]](), list[block.Block]()
     for way in dict.fromkeys(s.direction for s in found.stretches):
-        own = [s for s in found.stretches if s.direction == way]
-        figures.append((way, stretches_figure(own)))
+        own = [told_of(s) for s in found.stretches if s.direction == way]
+        figures.append((way, stretches_figure(own, words_in("en"))))
         caption = f"Largest torque of each part in stretches to {way}; bars are 95 % intervals."
         pictures.append(block.Picture(way, f"Torque over speed, {way}", caption))
     # which recording is told where there are several

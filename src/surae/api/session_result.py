@@ -30,6 +30,7 @@ from surae.trials.folder import (
     results_in,
     set_aside,
 )
+from surae.trials.nerve import Nerve
 
 if TYPE_CHECKING:
     from surae.report.output import Report
@@ -55,6 +56,9 @@ class SessionResult:
     #: How the joint fit follows each trial.
     joint_predictions: Mapping[str, Crossed] = field(default_factory=FrozenDict)
     interrupted: bool = False  #: Whether the user stopped it.
+    #: What slow and fast stretches and perturbations say of reflexes; None without such trials, or
+    #: without the package `surae-nerve`.
+    nerve: Nerve | None = None
 
     def __post_init__(self) -> None:
         """Make the mappings read-only."""
@@ -135,7 +139,8 @@ class SessionResult:
         Returns
         -------
         mapping of str to str
-            By question: how stiff, of what, whether it changed, whether to trust it.
+            By question: how stiff, of what, how much is nerve where that was measured, whether it
+            changed, whether to trust it.
         """
         from surae.report.session import answers_in
 
@@ -175,7 +180,7 @@ class SessionResult:
         joint = None if self.joint is None else (self.joint.result, self.joint.assessment)
         leg = FittedLeg(
             self.session, fits, joint, self.joined, self.failed, self.quality, self.predictions,
-            self.joint_predictions, self.interrupted,
+            self.joint_predictions, self.interrupted, self.nerve,
         )  # fmt: skip
         earlier = None if before is None else before.main
         first = None if earlier is None else (earlier.result, earlier.assessment)

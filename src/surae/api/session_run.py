@@ -32,6 +32,7 @@ from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.trials import Crossed, Trial, TrialSet, prepared_for
 from surae.trials.folder import JOINT, claimed, fit_name
+from surae.trials.nerve import Nerve, nerve_of
 
 #: What a joint fit costs, in samples of fits of one trial.
 _JOINT_COST = 1.5
@@ -68,6 +69,7 @@ def run(
         try:
             work.every_trial(beside)
             work.together(beside)
+            work.nerves()
         except KeyboardInterrupt:
             work.interrupted = True
     work.crossed()
@@ -92,6 +94,7 @@ class _Run:
         self.quality: dict[str, Quality] = {}
         self.predictions: dict[str, dict[str, Crossed]] = {}
         self.joint_predictions: dict[str, Crossed] = {}
+        self.nerve: Nerve | None = None
         self.interrupted = False
         self._cost: dict[str, float] = {}
         #: Seconds and cost of the fits that were made now.
@@ -167,6 +170,11 @@ class _Run:
             self.joint, self.joined = fit, names
         self._step("all together", outcome)
 
+    def nerves(self) -> None:
+        """What stretches and perturbations say of reflexes."""
+        self._tell("telling tissue from nerve")
+        self.nerve = nerve_of(self.session.trials)
+
     def crossed(self) -> None:
         """Predict every trial by every fit that has not yet."""
         for name, fit in self.fits.items():
@@ -194,7 +202,7 @@ class _Run:
             quality[name] = replace(checked, findings=findings)
         return SessionResult(
             self.session, self.settings, self.fits, self.joint, self.joined, self.failed,
-            quality, self.predictions, self.joint_predictions, self.interrupted,
+            quality, self.predictions, self.joint_predictions, self.interrupted, self.nerve,
         )  # fmt: skip
 
     def _wrong(self, name: str) -> Finding | None:

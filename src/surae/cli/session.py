@@ -61,7 +61,7 @@ def command(
                 output, settings, progress=lambda step: _tell(progress, step), workers=workers
             )
     _show(result, output)
-    if result.fits or result.joint:
+    if result.fits or result.joint or result.nerve:
         show_line("")
         for question, answer in result.answers(before=earlier, language=language).items():
             show_line(f"{question} {answer}")
@@ -78,7 +78,7 @@ def command(
             "stopped by the user; the fits that are complete are written, and the same command "
             "goes on"
         )
-    if not (result.fits or result.joint):
+    if not (result.fits or result.joint or result.nerve):
         raise ComputationError("no trial could be fitted")
 
 

@@ -1,13 +1,13 @@
 """The angle: unit, range, and whether it follows the profile that was commanded."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from surae.base.units import FloatArray
 from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import quantile, runs, smooth, span_of
-from surae.quality.trial import RATE, CheckedTrial, to_radians
+from surae.quality.trial import RATE, CheckedTrial, Signals, to_radians
 from surae.recording import Recording
 
 #: No ankle goes further than this from neutral [rad]: 63° up, 92° down.
@@ -99,6 +99,17 @@ def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
 
 def stretches(trial: CheckedTrial) -> Iterator[Finding]:
     """Slow and fast ramps of a relaxed foot that end in holds: they tell tissue from nerve."""
+    speeds = relaxed_speeds(trial)
+    if slow_and_fast(speeds):
+        yield make_finding(
+            "stretch-series", "angle", trial.span, np.rad2deg(max(speeds)).item(),
+            f"{len(speeds)} stretches end in holds, at {np.rad2deg(min(speeds)):.0f} to "
+            f"{np.rad2deg(max(speeds)):.0f} °/s.",
+        )  # fmt: skip
+
+
+def relaxed_speeds(trial: Signals) -> list[float]:
+    """Speeds of ramps that end in holds [rad/s]; none without torque or of a leg that is tense."""
     speeds: list[float] = []
     relaxed = 0
     usual = [
@@ -114,15 +125,13 @@ def stretches(trial: CheckedTrial) -> Iterator[Finding]:
             speeds.append(float(np.median(velocity[begin:end])))
             before = slice(max(begin - round(RESTS * trial.rate_hz), 0), begin + 1)
             relaxed += all(own[before].mean() <= most for own, most in usual)
-    fast = [speed for speed in speeds if speed > FAST]
-    slow = [speed for speed in speeds if speed < SLOWER * max(speeds)]
-    passive = relaxed >= 0.9 * len(speeds)
-    if trial.torque is not None and passive and len(fast) >= 2 and len(slow) >= 2:
-        yield make_finding(
-            "stretch-series", "angle", trial.span, np.rad2deg(max(speeds)).item(),
-            f"{len(speeds)} stretches end in holds, at {np.rad2deg(min(speeds)):.0f} to "
-            f"{np.rad2deg(max(speeds)):.0f} °/s.",
-        )  # fmt: skip
+    return speeds if trial.torque is not None and relaxed >= 0.9 * len(speeds) else []
+
+
+def slow_and_fast(speeds: Sequence[float]) -> bool:
+    """Whether two stretches at least are fast, and two much slower [rad/s]."""
+    fast = sum(speed > FAST for speed in speeds)
+    return fast >= 2 and sum(speed < SLOWER * max(speeds) for speed in speeds) >= 2
 
 
 def steps(trial: CheckedTrial) -> Iterator[Finding]:

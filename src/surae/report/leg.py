@@ -28,7 +28,9 @@ from surae.report.cards import AssessedFit
 from surae.report.figures import Figure
 from surae.report.figures.leg import shares_bar, stiffness_figure
 from surae.report.language import Words, words_in
+from surae.report.nerve import nerve_card
 from surae.trials import Trial
+from surae.trials.nerve import Nerve
 
 #: The angle that stiffness is given at where it was measured [deg].
 AT = 10.0
@@ -36,7 +38,7 @@ AT = 10.0
 
 @dataclass(frozen=True, slots=True)
 class LegAnswers:
-    """The four answers as sections, their figures by name, and the measures they rest on."""
+    """The answers as sections, their figures by name, and the measures they rest on."""
 
     cards: tuple[block.Section, ...]
     figures: Mapping[str, Figure]
@@ -47,8 +49,9 @@ class LegAnswers:
 def leg_answers(
     trials: Sequence[Trial], fits: Mapping[str, AssessedFit], joint: AssessedFit | None, _: Words,
     *, contradicted: Sequence[str] = (), before: AssessedFit | None = None,
+    nerve: Nerve | None = None,
 ) -> LegAnswers:  # fmt: skip
-    """Answer the four questions of a leg.
+    """Answer the questions of a leg; how much is nerve where that was measured.
 
     `fits` are of each trial by itself, `joint` of all together or of the only trial that was
     fitted, `before` of an earlier visit; in `contradicted` parameters trials contradict each other.
@@ -89,12 +92,18 @@ def leg_answers(
         figures["made"] = shares_bar([(_(name), value, ci) for name, value, ci in parts])
     picture = cards.stiffness_picture(len(holds), len(stretches), zero, _,
                                       without_weight=model is not None)  # fmt: skip
+    nerves = []
+    if nerve is not None:
+        card, drawn = nerve_card(nerve, _)
+        figures |= drawn
+        nerves = [(_("How much is nerve?"), card, "nerve")]
     sections = (
         (_("How stiff is it?"), (*stiff, picture), "stiff"),
         (_("Tissue, muscle or tendon?"), made, "made"),
         (_("Did it change?"), cards.change_card(change, _), "change"),
         (_("Can I trust it?"), (*cards.trust(joint, contradicted, follows=follows, _=_),
                                 *cards.next_trial(joint, holds, stretches, _)), "trust"),
+        *nerves,
     )  # fmt: skip
     return LegAnswers(tuple(block.Section(*card, "card") for card in sections), figures, of_fit, at)
 

@@ -29,6 +29,7 @@ from surae.report.recordings import film_block
 from surae.report.traces import traces_of
 from surae.report.wording import adequacy_words
 from surae.trials import Crossed, TrialSet, common_errors
+from surae.trials.nerve import Nerve
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +45,7 @@ class FittedLeg:
     predictions: Mapping[str, Mapping[str, Crossed]]  #: How each fit follows each trial.
     joint_predictions: Mapping[str, Crossed]  #: How the joint one does.
     interrupted: bool = False  #: Whether the user stopped before the end.
+    nerve: Nerve | None = None  #: What stretches and perturbations say of reflexes.
 
     @property
     def alone(self) -> dict[str, Assessment]:
@@ -78,11 +80,11 @@ def answers_in(document: block.Document) -> tuple[tuple[str, str], ...]:
 def session_report(
     leg: FittedLeg, *, created: datetime, before: AssessedFit | None = None, language: str = "en"
 ) -> Report:
-    """The leg's page: four answers, then details and research, which are in English alone."""
+    """The leg's page: its answers, then details and research, which are in English alone."""
     _, shown = words_in(language), leg.shown
     contradicted = trials.contradictions(leg.alone, leg.together)
     answers = leg_answers(leg.session.trials, leg.fits, shown, _, contradicted=tuple(contradicted),
-                          before=before)  # fmt: skip
+                          before=before, nerve=leg.nerve)  # fmt: skip
     figures = dict(answers.figures)
     rest: tuple[block.Section, ...] = ()
     if answers.measures is not None:
@@ -254,6 +256,7 @@ def _summary(leg: FittedLeg, _: Words) -> str:
         uses[0] += " " + _("({n} together)", n=str(len(leg.joined)))
     for message, count in (
         (_("{n} held still"), sum(t.use == "hold" for t in leg.session.trials)),
+        (_("{n} perturbed"), sum(t.use == "nerve" for t in leg.session.trials)),
         (_("{n} of maximal effort"), sum(t.effort == "maximal" for t in leg.session.trials)),
         (_("{n} not used"), sum(bool(t.problem) for t in leg.session.trials)),
     ):

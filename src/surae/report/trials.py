@@ -17,6 +17,7 @@ _USES = {
     "reference": "reference for EMG",
     "device": "taken from the torque of the others",
     "crosstalk": "what electrodes hear of other muscles",
+    "nerve": "tissue and reflex",
     "none": "not used",
 }
 

@@ -18,6 +18,7 @@ from surae.base.filed import filed
 from surae.base.records import FileName
 from surae.inference.diagnosis import STILL
 from surae.quality.numeric import quantile, smooth
+from surae.quality.position import perturbing
 from surae.quality.registry import unfit
 from surae.quality.trial import Signals, signals_of
 from surae.recording import MUSCLE_NAMES, MUSCLES, Recording
@@ -43,6 +44,8 @@ LEFT_OUT = "left out by the description"
 _MAXIMAL_WORDS = {"mvc", "mvic", "mvcs", "max", "maximal", "maximum"}
 _EMPTY_WORDS = {"empty", "tare", "unloaded"}
 _USES = {EMPTY: "device", ALONE: "crosstalk"}
+#: What `surae-nerve` is to tell of: no model of muscles is fitted to it.
+PERTURBED = "small random perturbations"
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,9 +83,9 @@ class Trial:
     effort: str
     moves: bool  #: Whether the ankle moved.
     why: str  #: How effort and movement were decided.
-    #: "fit", "hold", "reference", "device", "crosstalk", "none": What it is used for: it is fitted;
-    #: it gives torque at one angle; its EMG is a reference; it shows what the device adds to the
-    #: torque, what electrodes hear of other muscles.
+    #: "fit", "hold", "reference", "device", "crosstalk", "nerve", "none": What it is used for: it
+    #: is fitted; it gives torque at one angle; its EMG is a reference; it shows what the device
+    #: adds to the torque, what electrodes hear of other muscles, what is tissue and what reflex.
     use: str
     hold: Hold | None = None  #: Angle and torque of a trial that holds still.
     #: `condition`, `notes`: as described.
@@ -138,8 +141,9 @@ def sorted_trials(
         step = steps.get(trial.name) or _effort(trial, levels, moving)
         effort, why = (stated, "as described") if stated else step
         use = _USES.get(effort) or (
-            "fit" if trial.moves else "reference" if effort == "maximal" else "hold"
-        )
+            "nerve" if trial.why == PERTURBED
+            else "fit" if trial.moves else "reference" if effort == "maximal" else "hold"
+        )  # fmt: skip
         why = f"{trial.why}; {why}"
         sorted_.append(replace(trial, effort=effort, use=use, why=why, stated=stated is not None))
     return tuple(_isometric(sorted_))
@@ -191,6 +195,8 @@ def _unsorted(reading: Reading) -> Trial:
 def _moved(trial: Trial, signals: Signals) -> Trial:
     low, high = (quantile(signals.angle, share) for share in (0.005, 0.995))
     degrees = f"{np.rad2deg(high - low):.2g}°"
+    if perturbing(signals.angle, signals.rate_hz):
+        return replace(trial, moves=True, why=PERTURBED)
     if high - low >= STILL:
         return replace(trial, moves=True, why=f"moves over {degrees}")
     assert signals.torque is not None

@@ -44,9 +44,10 @@ def post_session(body: SessionRequest, bench: Bench, browser: Browser) -> Job:
     draft = bench.sessions.draft(browser)
     sorted_trials = sorted_as(bench, body.recordings, body.efforts)
     moving = [each["recording"] for each in sorted_trials if each["fitted"]]
-    if not moving:
+    if moving:
+        check_draft(bench, {**draft, "recordings": moving[:1], "mvc": [], "normalise": None})
+    elif not any(each["perturbed"] for each in sorted_trials):
         raise RefusedError(400, "none of these trials moves: nothing can be fitted")
-    check_draft(bench, {**draft, "recordings": moving[:1], "mvc": [], "normalise": None})
     rows = [bench.project.need("recording", id_) for id_ in dict.fromkeys(body.recordings)]
     cut = [row["name"] for row in rows if draft["exclusions"].get(row["id"])]
     if cut:
@@ -204,7 +205,7 @@ def sorted_as(
         what, use = api.trial_words(trial)
         told.append({
             "recording": id_, "name": row["name"], "effort": trial.effort, "stated": trial.stated,
-            "fitted": trial.use == "fit", "what": what, "why": trial.why, "use": use,
+            "fitted": trial.use == "fit", "perturbed": trial.use == "nerve", "what": what, "why": trial.why, "use": use,
             "problem": trial.problem,
         })  # fmt: skip
     return told
