@@ -205,7 +205,8 @@ def sorted_as(
         what, use = api.trial_words(trial)
         told.append({
             "recording": id_, "name": row["name"], "effort": trial.effort, "stated": trial.stated,
-            "fitted": trial.use == "fit", "perturbed": trial.use == "nerve", "what": what, "why": trial.why, "use": use,
+            "fitted": trial.use == "fit", "perturbed": trial.use == "nerve", "what": what,
+            "why": trial.why, "use": use,
             "problem": trial.problem,
         })  # fmt: skip
     return told
