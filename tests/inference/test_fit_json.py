@@ -116,7 +116,8 @@ def test_verdicts_are_those_of_the_file_and_it_is_said_where_they_would_be_other
     data["parameters"][name] |= {"verdict": "undetermined", "note": "as it was"}
     data["parameters"][wide]["ci95"][0] -= 1e9
     other = "doubtful" if grade != "doubtful" else "adequate"
-    data["adequacy"] = {"grade": other, "reasons": ["so it was"], "r2": None}
+    later = [{"code": "of tomorrow", "values": {"x": 1.0}, "is_grave": True}]
+    data["adequacy"] = {"grade": other, "reasons": ["so it was"], "r2": None, "codes": later}
     with pytest.warns(UserWarning, match="by this version"):
         fit = load_text(json.dumps(data), tmp_path)
     assert (fit.parameters[name].verdict, fit.adequacy.grade) == ("undetermined", other)

@@ -10,6 +10,7 @@ import surae
 from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
 from surae.inference import Adequacy, Grade
+from surae.inference.reasons import against
 from surae.measures.change import ChangeVerdict, compare_sessions
 from surae.measures.quantity import Quantities, Quantity
 
@@ -97,7 +98,9 @@ def test_a_doubtful_fit_gets_no_verdict() -> None:
     """The difference and its interval are shown; nothing is claimed of it, however large."""
     sure, moved = side(many()), side({**many(), LEADING: 1000.0})
     assert compare_sessions(sure, moved).changed
-    doubt = replace(moved, adequacy=Adequacy(Grade.DOUBTFUL, ("m lies at a bound",), 99.0))
+    doubt = replace(
+        moved, adequacy=Adequacy(Grade.DOUBTFUL, (against("at-bound", names="m"),), 99.0)
+    )
     for pair in ((sure, doubt), (doubt, sure), (doubt, doubt)):
         told = compare_sessions(*pair)
         d = told.measures[LEADING]
@@ -105,7 +108,7 @@ def test_a_doubtful_fit_gets_no_verdict() -> None:
         assert told.is_withheld
         assert (d.verdict, d.p, d.smallest) == (ChangeVerdict.NOT_COMPARABLE, None, None)
         assert d.ci95[0] < d.difference < d.ci95[1]
-        assert "is doubtful (m lies at a bound)" in d.note
+        assert "is doubtful (at a bound: m)" in d.note
         assert "Holm" not in told.multiplicity
 
 

@@ -8,6 +8,7 @@ from scipy import stats
 from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
 from surae.inference import Adequacy, Grade, Verdict
+from surae.inference.reasons import against
 from surae.measures import DEFINITIONS, Measure, Measures
 from surae.measures.norms import placed, read_norms
 
@@ -51,7 +52,9 @@ def test_what_is_unsure_of_the_leg_draws_it_to_the_middle() -> None:
     "told",
     [
         measures(replace(STIFF, verdict=Verdict.UNDETERMINED)),
-        measures(adequacy=Adequacy(Grade.INADEQUATE, ("it hardly moves",), 99.0)),
+        measures(
+            adequacy=Adequacy(Grade.INADEQUATE, (against("said", text="it hardly moves"),), 99.0)
+        ),
         measures(replace(STIFF, unit="Nm/kg")),
         measures(replace(STIFF, name="passive_torque@10deg")),
     ],

@@ -5,6 +5,7 @@ import pytest
 
 from surae.base.formatting import estimate, percentage, significant, standard_error
 from surae.inference.adequacy import Adequacy, Grade
+from surae.inference.reasons import against
 from surae.report import block
 from surae.report.fit import fit_report
 
@@ -140,7 +141,8 @@ def test_the_starts_are_in_the_settings(plain, content):
 
 
 def test_the_followed_part_is_that_of_the_changes_not_of_the_mean(plain):
-    flat = judged(plain, Grade.INADEQUATE, ("the ankle hardly moves",), r2=-193.0)
+    still = against("still", grave=True, joint="ankle", moved=2.0)
+    flat = judged(plain, Grade.INADEQUATE, (still,), r2=-193.0)
     assert flat.assessment.vaf > 99.0
     assert parts.key(content_of(flat))[0][1] == "−193.00 %"
 
@@ -157,10 +159,15 @@ def test_an_adequate_fit_says_so_and_nothing_else(content):
 
 
 def test_an_inadequate_fit_opens_with_its_reasons_and_counts_nothing(plain):
-    reasons = ("the ankle hardly moves", "f0 lies at a bound")
+    reasons = (
+        against("still", grave=True, joint="ankle", moved=2.0), against("at-bound", names="f0"),
+    )  # fmt: skip
     case = judged(plain, Grade.INADEQUATE, reasons, r2=12.0)
     words = parts.adequacy(content_of(case))
-    assert words.reasons == reasons
+    assert words.reasons == (
+        "the ankle hardly moves (2° in all): nothing tells stiffness from strength",
+        "at a bound: f0",
+    )
     assert words.sentence.startswith("Inadequate: no parameter of this fit counts")
 
 

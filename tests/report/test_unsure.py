@@ -9,6 +9,7 @@ import pytest
 
 from surae.inference import Verdict, assess, fit_problem, make_problem, solve
 from surae.inference.adequacy import Adequacy, Grade
+from surae.inference.reasons import against
 from surae.inference.result import OfRecording
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.sources import SOURCES
@@ -35,7 +36,7 @@ def with_parameters(assessment, **changed):
 
 
 def graded(assessment, grade):
-    return replace(assessment, adequacy=Adequacy(grade, ("a reason",), 50.0))
+    return replace(assessment, adequacy=Adequacy(grade, (against("said", text="a reason"),), 50.0))
 
 
 def test_shares_add_up_and_are_those_of_the_assessment(auto):

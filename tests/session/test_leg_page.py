@@ -18,12 +18,13 @@ import surae.api
 from ankle_legs.make import make, truth_of
 from surae.base.errors import InputError
 from surae.base.names import LANGUAGES
-from surae.inference import Grade, adequacy
+from surae.inference import Grade, reasons
+from surae.inference.reasons import against
 from surae.measures.change import compare_sessions
 from surae.measures.quantity import quantities
 from surae.quality import Finding, Quality
 from surae.report import output
-from surae.report.language import REASONS, catalogue, words_in
+from surae.report.language import catalogue, words_in
 from surae.report.leg import first_answer
 from undrawn import blank_figures
 
@@ -90,12 +91,12 @@ def test_numbers_angles_and_measures_are_written_as_in_the_language() -> None:
 
 
 def test_every_reason_against_a_fit_has_plain_words() -> None:
-    """By a part of its sentence that is written there as one."""
-    text = re.sub(r'"\s+f?"', "", adequacy.__loader__.get_source(adequacy.__name__))
-    for part in REASONS:
-        assert part in text, part
-    said = words_in("nl").reason("something new (0.3)")
-    assert said == "de fit heeft een zwakte, zie de details in het Engels"
+    nl = words_in("nl")
+    for code in reasons._SAID:
+        plain = nl(against(code).plain)
+        assert plain != against(code).plain, code
+    assert nl(against("a code of tomorrow").plain) == nl(against("said").plain)
+    assert nl(against("still").plain) == "de enkel beweegt nauwelijks in deze proeven"
 
 
 @pytest.mark.usefixtures("words_alone")
@@ -241,8 +242,8 @@ def sides(done):
     """Quantities of the leg's fit, as adequate and as doubtful, and the fit."""
     fit = done[1].joint
     one = quantities(fit.result, fit.assessment, [10.0])
-    good = replace(one.adequacy, grade=Grade.ADEQUATE, reasons=())
-    doubt = replace(one.adequacy, grade=Grade.DOUBTFUL, reasons=("why",))
+    good = replace(one.adequacy, grade=Grade.ADEQUATE, against=())
+    doubt = replace(one.adequacy, grade=Grade.DOUBTFUL, against=(against("said", text="why"),))
     return replace(one, adequacy=good), replace(one, adequacy=doubt), fit
 
 

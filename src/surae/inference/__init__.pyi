@@ -14,6 +14,7 @@ from surae.inference.parameter import ParameterEstimate as ParameterEstimate
 from surae.inference.parameter import Verdict as Verdict
 from surae.inference.problem import FitProblem as FitProblem
 from surae.inference.problem import make_problem as make_problem
+from surae.inference.reasons import Reason as Reason
 from surae.inference.residual import Whiteness as Whiteness
 from surae.inference.residual import rmse as rmse
 from surae.inference.residual import vaf as vaf

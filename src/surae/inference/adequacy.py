@@ -11,13 +11,16 @@ from enum import StrEnum
 
 import numpy as np
 
+from surae.base.filed import filed
 from surae.base.records import OrNaN
 from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.fascicles import fascicles_of
+from surae.inference.reasons import Reason, against
 from surae.inference.residual import centred_r2, counted
 from surae.inference.softening import softening
 from surae.inference.uncertainty.combined import Uncertainty
+from surae.model.joint import Joint
 from surae.model.laboratory import group_of
 from surae.model.sources import NUISANCES, Gaussian
 from surae.recording import MUSCLES
@@ -60,14 +63,20 @@ class Grade(StrEnum):
     INADEQUATE = "inadequate"
 
 
+@filed(against="codes", reasons="reasons")
 @dataclass(frozen=True, slots=True)
 class Adequacy:
     """Whether a fit is good enough for its numbers to mean something."""
 
     grade: Grade  #: ``inadequate`` withholds every claim; ``doubtful`` asks for caution.
-    reasons: tuple[str, ...]  #: Sentences, the gravest first; empty for an adequate fit.
+    against: tuple[Reason, ...]  #: The gravest first; empty for an adequate fit.
     #: Centred R² over all recordings, 100·(1 − Σe²/Σ(T − T̄)²) [%]; NaN without a finite torque.
     r2: OrNaN
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """What speaks against it, in sentences, the gravest first."""
+        return tuple(map(str, self.against))
 
 
 def judge_adequacy(result: FitResult) -> Adequacy:
@@ -75,10 +84,10 @@ def judge_adequacy(result: FitResult) -> Adequacy:
     inputs, residuals = result.problem.inputs, result.residuals
     r2 = centred_r2(list(map(counted, inputs, residuals)))
     if result.status == "failed" or not np.isfinite(r2):
-        return Adequacy(Grade.INADEQUATE, ("the fit failed",), r2)
+        return _graded([against("failed", grave=True)], r2)
     reasons = [
         *_goodness(r2),
-        *_movement(inputs),
+        *_movement(inputs, result.problem.options.anatomy),
         *_effort(result),
         *_structure(inputs, residuals, r2),
         *_bounds(result),
@@ -91,25 +100,21 @@ def judge_adequacy(result: FitResult) -> Adequacy:
     return _graded(reasons, r2)
 
 
-#: Whether it is grave, and the sentence.
-_Reason = tuple[bool, str]
-
-
-def _graded(reasons: Iterable[_Reason], r2: float) -> Adequacy:
+def _graded(reasons: Iterable[Reason], r2: float) -> Adequacy:
     """The judgement that reasons lead to, the gravest first."""
-    ordered = sorted(reasons, key=lambda reason: not reason[0])
+    ordered = tuple(sorted(reasons, key=lambda reason: not reason.is_grave))
     grade = Grade.ADEQUATE
     if ordered:
-        grade = Grade.INADEQUATE if ordered[0][0] else Grade.DOUBTFUL
-    return Adequacy(grade, tuple(text for _, text in ordered), r2)
+        grade = Grade.INADEQUATE if ordered[0].is_grave else Grade.DOUBTFUL
+    return Adequacy(grade, ordered, r2)
 
 
-def _goodness(r2: float) -> Iterator[_Reason]:
+def _goodness(r2: float) -> Iterator[Reason]:
     """The torque's changes count, not its offset, which any gravity or zero explains."""
     if r2 < _NOT_FOLLOWED:
-        yield True, f"the model does not follow the torque's changes (centred R² {r2:.1f} %)"
+        yield against("not-followed", grave=True, r2=r2)
     elif r2 < _FOLLOWED:
-        yield False, f"the torque's changes are followed only roughly (centred R² {r2:.1f} %)"
+        yield against("followed-roughly", r2=r2)
 
 
 def _range(inputs: Sequence[ModelInputs]) -> float:
@@ -118,17 +123,17 @@ def _range(inputs: Sequence[ModelInputs]) -> float:
     return float(np.ptp(np.percentile(angle, [1.0, 99.0])))
 
 
-def _movement(inputs: Sequence[ModelInputs]) -> Iterator[_Reason]:
+def _movement(inputs: Sequence[ModelInputs], joint: Joint) -> Iterator[Reason]:
     """An ankle that holds still shows neither stiffness nor an optimal length."""
     moved = _range(inputs)
-    text = f"({np.degrees(moved):.2g}° in all)"
+    degrees = float(np.degrees(moved))
     if moved < _STILL:
-        yield True, f"the ankle hardly moves {text}: nothing tells stiffness from strength"
+        yield against("still", grave=True, joint=joint.name, moved=degrees)
     elif moved < _LITTLE:
-        yield False, f"the ankle moves little {text}"
+        yield against("moves-little", joint=joint.name, moved=degrees)
 
 
-def _effort(result: FitResult) -> Iterator[_Reason]:
+def _effort(result: FitResult) -> Iterator[Reason]:
     """Weights that are free need an EMG that changes."""
     problem = result.problem
     steady = zip(MUSCLES, problem.spec.weights, steady_emg(problem.inputs), strict=True)
@@ -136,39 +141,35 @@ def _effort(result: FitResult) -> Iterator[_Reason]:
         muscle.upper() for muscle, weight, is_so in steady if is_so and weight in problem.free
     ]
     if silent:
-        yield False, f"the EMG of {', '.join(silent)} hardly changes: its weight is a guess"
+        yield against("emg-steady", muscles=", ".join(silent))
 
 
 def _structure(
     inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray], r2: float
-) -> Iterator[_Reason]:
+) -> Iterator[Reason]:
     """What angle, velocity and activation explain of the residual belongs to the leg."""
     share = structure(inputs, residuals)
     left_out = share * (100.0 - r2)
     if share >= _STRUCTURED and left_out >= _LEFT_OUT:
-        yield (
-            left_out > _TOO_MUCH,
-            (
-                f"{100 * share:.0f} % of the residual follow angle, velocity or activation "
-                f"({left_out:.1f} % of the torque's variance): the model leaves something out"
-            ),
-        )
+        grave = left_out > _TOO_MUCH
+        yield against("left-out", grave=grave, share=100.0 * share, left_out=left_out)
 
 
-def _bounds(result: FitResult) -> Iterator[_Reason]:
+def _bounds(result: FitResult) -> Iterator[Reason]:
     """An estimate at its bound is where the search ended, not what the data say."""
     leg = [name for name in result.problem.free if group_of(name) is None]
     if all(_range([recording]) < _STILL for recording in result.problem.inputs):
         leg = [name for name in leg if name not in _OF_MOVEMENT]  # which holds do not tell
     if own := [name for name in leg if name in result.at_bound]:
-        verb = "lies" if len(own) == 1 else "lie"
-        yield len(own) > _MOST_BOUND * len(leg), f"{', '.join(own)} {verb} at a bound"
+        grave = len(own) > _MOST_BOUND * len(leg)
+        yield against("at-bound", grave=grave, names=", ".join(own))
 
 
-def _laboratory(result: FitResult) -> Iterator[_Reason]:
+def _laboratory(result: FitResult) -> Iterator[Reason]:
     """A laboratory that is odder than laboratories are stands for what the model leaves out."""
     own = result.found.each
-    meanings = {p.name: p.meaning for p in result.problem.spec.parameters}
+    joint = result.problem.options.anatomy
+    meanings = {p.name: joint.worded(p.meaning) for p in result.problem.spec.parameters}
     stated = result.problem.settings.known
     odd = [
         f"{meanings[name]} ({name})"
@@ -177,7 +178,7 @@ def _laboratory(result: FitResult) -> Iterator[_Reason]:
         and any(_is_odd(value, belief) for value in own.get(name, (result.values[name],)))
     ]
     if odd:
-        yield False, f"{', '.join(odd)}: implausible; check electrodes and set-up"
+        yield against("implausible", names=", ".join(odd))
 
 
 def _is_odd(value: float, belief: Gaussian) -> bool:
@@ -185,25 +186,22 @@ def _is_odd(value: float, belief: Gaussian) -> bool:
     return abs(value - belief.mean) >= _ODD * belief.sd
 
 
-def _stated(result: FitResult) -> Iterator[_Reason]:
+def _stated(result: FitResult) -> Iterator[Reason]:
     """What was known beforehand, where the torque or its own steps say otherwise."""
     known = result.problem.settings.knowledge
     for doubt in () if known is None else known.doubts:
-        yield False, doubt
+        yield against("said", text=doubt)
     values, told = result.values, result.found.contradicted
     odd = {group_of(n) for n, b in result.found.beliefs.items() if _is_odd(values[n], b)}
     for group in sorted(result.problem.settings.known & {*odd, *told}):
-        label = NUISANCES[group].label
-        yield (
-            told.get(group, 1.0) < _WRONG,
-            f"what was stated of the {label} contradicts the torque: measure it again, or leave "
-            "it out",
-        )
+        label = result.problem.options.anatomy.worded(NUISANCES[group].label)
+        grave = told.get(group, 1.0) < _WRONG
+        yield against("contradicted", grave=grave, label=label)
 
 
 def _agreement(
     inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray], r2: float
-) -> Iterator[_Reason]:
+) -> Iterator[Reason]:
     """Several recordings of a leg should follow one set of parameters alike.
 
     A hold's torque may hardly change: it is held against what the others leave too; in one that is
@@ -213,43 +211,31 @@ def _agreement(
     usual = float(np.median([np.sqrt(np.mean(e**2)) for _, e in pairs]))
     for recording, pair in zip(inputs, pairs, strict=True):
         own = centred_r2([pair])
+        name, grave = recording.name, own < _NOT_FOLLOWED
         error = float(np.sqrt(np.mean(pair[1] ** 2)))
         if _range([recording]) < _STILL and len(inputs) > 1:
             if error > _LEAVES * usual and own < r2 - _CONTRADICTS:
-                yield (
-                    own < _NOT_FOLLOWED,
-                    f"{recording.name} is not followed ({error:.2g} Nm are left, "
-                    f"{usual:.2g} Nm usually)",
+                yield against(
+                    "hold-not-followed", grave=grave, trial=name, error=error, usual=usual
                 )
         elif own < r2 - _CONTRADICTS:
-            yield own < _NOT_FOLLOWED, f"{recording.name} is not followed (R² {own:.1f} %)"
+            yield against("trial-not-followed", grave=grave, trial=name, r2=own)
 
 
-def _films(result: FitResult) -> Iterator[_Reason]:
+def _films(result: FitResult) -> Iterator[Reason]:
     """Trackers drift by 1 to 2 mm: what departs by more is not how the muscle moves."""
     for film in fascicles_of(result):
         away = 1e3 * float(np.std(film.measured - film.modelled))
         if away > _OFF_FILM:
-            why = "its tendon is rigid" if not film.stretch.any() else "or the film is wrong"
-            yield (
-                False,
-                (
-                    f"{film.channel} of {film.recording}: the film shows the muscle move "
-                    f"otherwise than the model, by {away:.1f} mm (standard deviation): {why}"
-                ),
-            )
+            code = "film-differs" if film.stretch.any() else "film-rigid"
+            yield against(code, channel=film.channel, trial=film.recording, away=away)
 
 
-def _softened(result: FitResult) -> Iterator[_Reason]:
+def _softened(result: FitResult) -> Iterator[Reason]:
     """What is told is to hold for the leg as it stays: conditioned, as after several stretches."""
     for each in softening(result):
         if each.is_seen:
-            yield (
-                False,
-                f"{each.recording}: passive tissue was {100.0 * each.size:.0f} % stiffer in the "
-                "first stretches than in the last: it softened within the trial. Stretch it a few "
-                "times before, or leave the first stretches out",
-            )
+            yield against("softened", trial=each.recording, stiffer=100.0 * each.size)
 
 
 def judge_prediction(
@@ -265,18 +251,16 @@ def judge_prediction(
     changes = e - bias
     r2 = centred_r2([(measured, changes)])
     if not np.isfinite(r2):
-        return Adequacy(Grade.INADEQUATE, ("the torque does not change",), r2)
-    reasons = list(_goodness(r2))
+        return _graded([against("unchanging", grave=True)], r2)
+    reasons, joint = list(_goodness(r2)), result.problem.options.anatomy
     if _range([recording]) < _STILL:
-        reasons = [(False, "the ankle holds still there: following it says little")]
+        reasons = [against("held-still", joint=joint.name)]
     promised = _promised(result, known, recording, float(np.std(measured)))
     error = float(np.sqrt(np.mean(changes**2)))
     if not error <= _BEYOND * promised:
-        text = f"it errs by {error:.2g} Nm where the fit promises {promised:.2g} Nm"
-        reasons.append((False, text))
+        reasons.append(against("errs", error=error, promised=promised))
     if not abs(bias) <= _BEYOND * promised:
-        text = f"its mean is off by {bias:+.2g} Nm: another zero of the sensor, or another leg"
-        reasons.append((False, text))
+        reasons.append(against("mean-off", bias=bias, body=joint.body))
     return _graded(reasons, r2)
 
 

@@ -296,8 +296,8 @@ def reason_of(assessment: Assessment, contradicted: Sequence[str], _: Words) -> 
     if bound := sum(p.at_bound and p.free for p in assessment.parameters.values()):
         return _.many("{n} value reached its limit and can’t be trusted",
                       "{n} values reached their limits and can’t be trusted", bound)  # fmt: skip
-    reasons = assessment.adequacy.reasons
-    return _.reason(reasons[0]) if reasons else _("nothing speaks against these numbers")
+    against = assessment.adequacy.against
+    return _(against[0].plain) if against else _("nothing speaks against these numbers")
 
 
 def next_trial(

@@ -40,21 +40,6 @@ PARTS = {
 }
 #: Groups of the norms that come with surae.
 GROUPS = (N_("healthy adults"), N_("spastic ankles after stroke"))
-#: Reasons against a fit, by what their sentence has in any case, in plain words.
-REASONS = {
-    "the fit failed": N_("the fit failed"),
-    "does not follow the torque's changes": N_("the model does not follow the torque"),
-    "are followed only roughly": N_("the model follows the torque only roughly"),
-    "the ankle hardly moves": N_("the ankle hardly moves in these trials"),
-    "the ankle moves little": N_("the ankle moves little in these trials"),
-    "hardly changes: its weight is a guess": N_("the EMG of a muscle hardly changes"),
-    "the model leaves something out": N_("the model leaves something out"),
-    "at a bound": N_("a value lies at the end of what is allowed"),
-    "implausible; check electrodes": N_("a value is implausible; check electrodes and set-up"),
-    "is not followed (R²": N_("the model does not follow one of the trials"),
-    "it softened within the trial": N_("the leg softened during the trial"),
-    "the film shows the muscle move": N_("the film shows the muscle move otherwise than the model"),
-}
 
 
 class Words:
@@ -122,13 +107,6 @@ class Words:
         if at.endswith("deg"):
             return self.angle(float(at.removesuffix("deg")))
         return f"{at.removesuffix('s')} s"
-
-    def reason(self, reason: str) -> str:
-        """A reason against a fit in plain words."""
-        for part, plain in REASONS.items():
-            if part in reason:
-                return self(plain)
-        return self("the fit has a weakness, see the details in English")
 
 
 #: The messages of a language, read once.

@@ -19,6 +19,7 @@ from surae.base.files import PathLike, sha256, shown, write_json
 from surae.base.frozen import FrozenDict
 from surae.base.records import (
     FORMAT,
+    OrNaN,
     bound_arrays,
     check_format,
     encode,
@@ -28,9 +29,10 @@ from surae.base.records import (
 )
 from surae.base.units import FloatArray
 from surae.inference import LOSSES, FitProblem, FitResult, LeastSquares, PosteriorMode, Start
-from surae.inference.adequacy import Adequacy
+from surae.inference.adequacy import Adequacy, Grade
 from surae.inference.assessment import Assessment, assess
 from surae.inference.parameter import Interval, ParameterEstimate
+from surae.inference.reasons import Reason, as_given
 from surae.inference.result import Stage
 from surae.model import ModelOptions, check_value, get_model, with_optional
 from surae.model.sources import SOURCES
@@ -142,11 +144,19 @@ class _Left:
 
 
 @dataclass(frozen=True, slots=True)
+class _Graded:
+    grade: Grade
+    r2: OrNaN
+    reasons: tuple[str, ...]
+    codes: tuple[Reason, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class _Judged:
     """What was judged when the fit was made."""
 
     parameters: Mapping[str, ParameterEstimate]
-    adequacy: Adequacy
+    adequacy: _Graded
     interval: Interval
     interval_note: str
     nuisances: Mapping[str, ParameterEstimate] = field(default_factory=FrozenDict)
@@ -210,7 +220,8 @@ def _as_judged(now: Assessment, data: Mapping[str, Any]) -> Assessment:
     saved = from_plain(_Judged, {**data, **tables})
     if saved.adequacy.grade != now.adequacy.grade:
         differs.append(f"the fit is {now.adequacy.grade}, not {saved.adequacy.grade}")
-    own = {**saved.parameters, **saved.nuisances}
+    graded, own = saved.adequacy, {**saved.parameters, **saved.nuisances}
+    against = as_given(graded.reasons, graded.codes)
     for name, p in {**now.parameters, **now.nuisances}.items():
         if p.verdict != own[name].verdict:
             differs.append(f"{name} is {p.verdict}, not {own[name].verdict}")
@@ -219,7 +230,8 @@ def _as_judged(now: Assessment, data: Mapping[str, Any]) -> Assessment:
     if moved:
         differs.append(f"the intervals of {', '.join(moved)} are others")
     return replace(
-        now, parameters=saved.parameters, nuisances=saved.nuisances, adequacy=saved.adequacy,
+        now, parameters=saved.parameters, nuisances=saved.nuisances,
+        adequacy=Adequacy(graded.grade, against, graded.r2),
         interval=saved.interval, interval_note=saved.interval_note, differs=tuple(differs),
     )  # fmt: skip
 
