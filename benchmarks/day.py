@@ -1,10 +1,11 @@
 """An ordinary day with `surae live`, compressed: restarts, kills, lost streams, a full disk.
 
-    python benchmarks/day.py FOLDER [--trials 24] [--seconds 8]
+    python benchmarks/day.py FOLDER [--trials 24] [--seconds 8] [--minutes 60]
 
 FOLDER is an empty folder on a small disk of its own (mount -t tmpfs -o size=200m tmpfs FOLDER). The
 streams are real ones of LSL, in real time, of virtual legs; a trial lasts seconds instead of
-minutes. Prints a row for each trial, then what was lost.
+minutes. With --minutes the trials are spread over so many, with rest between them as people need.
+Prints a row for each trial, then what was lost.
 """
 
 import argparse
@@ -190,7 +191,7 @@ class Program:
         return self.wait(event)
 
 
-def day(folder, trials, seconds):
+def day(folder, trials, seconds, minutes):
     streams = Streams(seconds)
     from surae.api import write_protocol_csv
 
@@ -204,6 +205,7 @@ def day(folder, trials, seconds):
     losses = {2, 4, 5, 7, 8, 10, 11, 15, 17, 19}
     layouts, kills, full = {6, 12, 18}, {3, 8, 13, 16, 20}, {14, 21}
     for n in range(1, trials + 1):
+        time.sleep(max(0.0, first + 60.0 * minutes * (n - 1) / trials - time.monotonic()))
         program.do("ready", "ready")
         streams.kind = "passive" if n == 1 else "active"
         told = program.do("start", "started", file=str(files[streams.kind]))
@@ -243,14 +245,14 @@ def day(folder, trials, seconds):
             verdict = {"verdict": "", "alarms": []}
         else:
             verdict = program.do("verdict", "verdict", trial=number)
-        alarm = [one for one in program.said if one["event"] == "alarm"]
+        alarm = [one for one in program.said if one["event"] in ("alarm", "disk")]
         late = min((one["clock"] - fault for one in alarm if one["clock"] > fault), default=None)
         rows.append(
             [
                 number,
                 event.strip(),
                 verdict["verdict"],
-                ", ".join(sorted({one["code"] for one in alarm})),
+                ", ".join(sorted({one.get("code", one["event"]) for one in alarm})),
                 "" if late is None else f"{late:.2f}",
             ]
         )
@@ -303,6 +305,7 @@ if __name__ == "__main__":
     parser.add_argument("folder", type=Path)
     parser.add_argument("--trials", type=int, default=24)
     parser.add_argument("--seconds", type=float, default=8.0)
+    parser.add_argument("--minutes", type=float, default=0.0)
     parser.add_argument("--room", action="store_true")
     given = parser.parse_args()
     os.environ.setdefault(SESSION, f"day-{os.getpid()}")
@@ -310,4 +313,4 @@ if __name__ == "__main__":
     if given.room:
         room(given.folder)
     else:
-        day(given.folder, given.trials, given.seconds)
+        day(given.folder, given.trials, given.seconds, given.minutes)
