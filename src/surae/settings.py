@@ -11,6 +11,7 @@ from surae.base.filed import filed
 from surae.base.formatting import listed, nearest
 from surae.base.frozen import FrozenDict
 from surae.base.setting import checked, documented, kind_of, setting, settings_of
+from surae.base.words import N_
 from surae.model.knowledge import Knowledge
 from surae.model.options import ModelOptions, with_files
 
@@ -51,8 +52,8 @@ class FitSettings:
         names.AUTO, '``"auto"``: muscles on compliant tendons with the imperfections of a '
         "laboratory, and the departures of real legs that the data ask for. Or the name of one "
         "model; `surae.model.MODELS` lists them.", type="str", choices=names.FITTED, metavar="M",
-        help=f"auto: what the data support; or {listed(names.FITTED[1:], 'or')}.", label="Model",
-        first=True,
+        help=f"auto: what the data support; or {listed(names.FITTED[1:], 'or')}.",
+        label=N_("Model"), first=True,
     )  # fmt: skip
     options: ModelOptions = setting(
         ModelOptions, "Switches of the model, all at once; each is a keyword of its own too."
@@ -87,9 +88,9 @@ class FitSettings:
     population: str | None = setting(
         None, "Whose default priors stand for the parameters that `priors` does not name.",
         choices=names.POPULATIONS, option="priors",
-        help="Priors of a population; --prior takes precedence.", label="Priors",
-        words={"": "none", "healthy": "healthy population", "patient": "patient population"},
-        first=True,
+        help="Priors of a population; --prior takes precedence.", label=N_("Priors"),
+        words={"": N_("none"), "healthy": N_("healthy population"),
+        "patient": N_("patient population")}, first=True,
     )  # fmt: skip
     weights: "Weighting | tuple[Weighting, ...] | None" = setting(
         None, "What samples count, for all recordings or one for each, e.g. "
@@ -98,22 +99,22 @@ class FitSettings:
     )  # fmt: skip
     loss: str | None = setting(
         None, "Let outliers count less than their square; see `surae.inference.fit_robust`.",
-        choices=names.LOSSES, help="How outliers count.  [default: squares]", label="Outliers",
-        words={"": "count fully", "huber": "Huber", "soft-l1": "soft L1", "tukey": "Tukey"},
+        choices=names.LOSSES, help="How outliers count.  [default: squares]", label=N_("Outliers"),
+        words={"": N_("count fully"), "huber": "Huber", "soft-l1": N_("soft L1"), "tukey": "Tukey"},
         first=True,
     )  # fmt: skip
     normalise: str | None = setting(
         None, "Divide EMG by one number for each muscle, so that weights g come out in N: by the "
         "largest envelope of all recordings, or of `mvc`. `validate` and `Fit.predict` use it "
-        "again.", choices=names.NORMALISATIONS, label="Divide EMG by",
+        "again.", choices=names.NORMALISATIONS, label=N_("Divide EMG by"),
         help="Divide EMG by the largest of all recordings, or of --mvc; g come out in N.",
-        words={"": "nothing", "session": "the session's largest",
-        "mvc": "the contractions' largest"},
+        words={"": N_("nothing"), "session": N_("the session's largest"),
+        "mvc": N_("the contractions' largest")},
     )  # fmt: skip
     prepared: bool = setting(
         False, "Whether the signals are used as they are: filtered and at the model's rate "
-        "already.", help="Use the signals as they are, without filters.", label="Signals",
-        words={"": "filter and resample", "yes": "use as they are"},
+        "already.", help="Use the signals as they are, without filters.", label=N_("Signals"),
+        words={"": N_("filter and resample"), "yes": N_("use as they are")},
     )  # fmt: skip
     preparation: Mapping[str, Any] = setting(
         FrozenDict, 'Settings that differ from those of `surae.Preparation`, e.g. ``{"bessel_hz": '
@@ -127,27 +128,29 @@ class FitSettings:
         '``{"zero": (0.0, 1.0)}``.', type='{"all", "none"} or mapping of str to (mean, sd)',
         choices=names.NUISANCES, needs=f"model={names.AUTO}", first=True,
         help="Imperfections of the laboratory that auto takes in.",
-        label="Account for the laboratory’s imperfections", words={"all": "yes", "none": "no"},
+        label=N_("Account for the laboratory’s imperfections"),
+        words={"all": N_("yes"), "none": N_("no")},
     )  # fmt: skip
     starts: int = setting(
         STARTS, "Number of starts; the first from the default, the others random within the "
-        "bounds.", least=1, most=_MOST_STARTS, help="Number of starts of a fit.", label="Starts",
+        "bounds.", least=1, most=_MOST_STARTS, help="Number of starts of a fit.",
+        label=N_("Starts"),
     )  # fmt: skip
-    seed: int = setting(0, "Seed of the random starts.", least=0, label="Seed")
+    seed: int = setting(0, "Seed of the random starts.", least=0, label=N_("Seed"))
     geometry_of: str = setting(
         names.GEOMETRY_OF[0], "Whose the table of `geometry` is: with the person's own, `auto` "
         "holds moment arms and muscle lengths closer to it.", choices=names.GEOMETRY_OF,
         needs=f"model={names.AUTO}",
         help="Whose the geometry's table is; auto departs less from the person's own.",
-        label="The geometry’s file is", words={"generic": "of a generic model",
-        "person": "of this person"},
+        label=N_("The geometry’s file is"), words={"generic": N_("of a generic model"),
+        "person": N_("of this person")},
     )  # fmt: skip
     angle_zero_sd: float | None = setting(
         None, "How far the angle's zero may be from the ankle's [deg], foot perpendicular to "
         "shank, one standard deviation: every measure at a stated angle has it in its interval. By "
         "default 2.5, or 0 where `angle_zero` is given.", least=0.0, most=20.0, metavar="DEG",
         help="How far the angle's zero may be off, one standard deviation.  [default: 2.5]",
-        label="Zero of the angle ± [°]",
+        label=N_("Zero of the angle ± [°]"),
     )  # fmt: skip
 
     knowledge: Knowledge | None = setting(

@@ -316,7 +316,7 @@ def test_a_designed_protocol_keeps_to_the_device_and_too_much_is_not_loaded(
     try:
         room.load(profile="passive-20")
         assert room.asked["effort"] == "passive"
-        assert all("beyond" not in text for text in room.limits)
+        assert all("beyond" not in limit["text"] for limit in room.limits)
         hard = Protocol(profile="multiple-holds", task="active", chirp_amplitude=0.1, rate_hz=256.0)
         write_protocol_csv(generate(hard), tmp_path / "hard.csv")
         with pytest.raises(InputError, match=r"hard is not loaded: .*torque.* beyond the 80 Nm"):

@@ -37,7 +37,7 @@ MARKS = {"_": None, "N_": None, "self": None, "many": (1, 2)}
 @pytest.fixture(scope="module")
 def messages():
     """Every message that the source marks: singular, and plural where it has one."""
-    methods = [("**.py", "python"), ("**.html.j2", "jinja2")]
+    methods = [("**.py", "python"), ("**.html.j2", "jinja2"), ("**.js", "javascript")]
     found = [
         each
         for package in ("surae", "surae_workbench")
@@ -147,11 +147,11 @@ QUESTIONS = ("How stiff is it?", "Tissue, muscle or tendon?", "Did it change?", 
 
 def test_held_angles_answer_before_any_fit(leg):
     session = surae.session(leg)
-    assert first_answer(session.trials) == ""  # one hold shows no slope
+    assert first_answer(session.trials, words_in("en")) == ""  # one hold shows no slope
     (hold,) = (trial for trial in session.trials if trial.hold is not None)
     moved = replace(hold.hold, angle=hold.hold.angle + 0.2, torque=hold.hold.torque + 2.0)
     both = [replace(each, effort="passive") for each in (hold, replace(hold, hold=moved))]
-    assert "0.17 Nm/° from" in first_answer(both)  # 2 Nm over 11.46°
+    assert "0.17 Nm/° from" in first_answer(both, words_in("en"))  # 2 Nm over 11.46°
 
 
 def test_the_report_answers_four_questions_first(done):

@@ -96,6 +96,7 @@ from surae.protocol.planning.torque import held_to_torque as held_to_torque
 from surae.protocol.planning.torque import requested_limits as requested_limits
 from surae.protocol.profiles import chirp_rate as chirp_rate
 from surae.protocol.profiles import smooth_step as smooth_step
+from surae.quality import KINDS as KINDS
 from surae.quality import Finding as Finding
 from surae.quality import Quality as Quality
 from surae.quality import commanded_file as commanded_file
@@ -135,6 +136,7 @@ from surae.report.figures import png as png
 from surae.report.figures import svg as svg
 from surae.report.figures import write_figure as write_figure
 from surae.report.figures.protocol import protocol_figure as protocol_figure
+from surae.report.language import Words as Words
 from surae.report.language import words_in as words_in
 from surae.report.leg import first_answer as first_answer
 from surae.report.output import write_blocks as write_blocks

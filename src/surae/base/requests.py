@@ -6,6 +6,7 @@ from typing import Any
 
 from surae.base.names import AUTO, CHIRP_RATE, EFFORTS, FITTED, NUISANCES, POPULATIONS, TASKS
 from surae.base.setting import Request, setting
+from surae.base.words import N_
 
 #: More fits or threads than these are slips of the keyboard.
 _MOST_FITS, _MOST_WORKERS = 1_000_000, 1000
@@ -111,7 +112,7 @@ class MotionSettings:
     )
     passive_seconds: float | None = setting(
         None, "How long the subject is relaxed before the bursts of the task `part-passive` [s]; "
-        "None for its 11 s.", least=0.0, most=600.0, metavar="S", label="Relaxed at first [s]",
+        "None for its 11 s.", least=0.0, most=600.0, metavar="S", label=N_("Relaxed at first [s]"),
         needs="task=part-passive",
         help="How long the task part-passive begins relaxed, in s.  [default: 11]",
     )  # fmt: skip
@@ -124,12 +125,12 @@ class MotionSettings:
         0.0, "Amplitude of the added chirp [rad], less than half the range of motion; 0 for none. "
         "Without a device it goes on to the last sample and stops there; a motion that is "
         "filtered for a device ends at rest.", least=0.0, most=3.0, metavar="A",
-        label="Chirp amplitude [rad]", help="Of the added chirp, in rad.",
+        label=N_("Chirp amplitude [rad]"), help="Of the added chirp, in rad.",
     )  # fmt: skip
     chirp_rate: float = setting(
         CHIRP_RATE, "Rise of the chirp's frequency [Hz/s]; irrelevant at amplitude 0. The thesis's "
         "factors are converted by `surae.protocol.chirp_rate`.", least=0.0, most=100.0, metavar="R",
-        label="Chirp rate [Hz/s]", help="Rise of its frequency, in Hz/s.",
+        label=N_("Chirp rate [Hz/s]"), help="Rise of its frequency, in Hz/s.",
     )  # fmt: skip
     range_of_motion: tuple[float, float] = setting(
         (-0.9, 0.6), "The subject's angles of full plantarflexion and full dorsiflexion [rad], "
@@ -140,11 +141,11 @@ class MotionSettings:
     duration: float | None = setting(
         None, "None for the profile's own; another value plays the profile slower or faster, while "
         "the chirp and the task keep their own time [s].", above=0.0, most=600.0, metavar="S",
-        label="Duration [s]", help="In s.  [default: the profile's own]",
+        label=N_("Duration [s]"), help="In s.  [default: the profile's own]",
     )  # fmt: skip
     rate_hz: float = setting(
         256.0, "Sampling rate [Hz].", above=0.0, most=2048.0, option="rate", metavar="HZ",
-        label="Rate [Hz]", help="Samples per second.",
+        label=N_("Rate [Hz]"), help="Samples per second.",
     )  # fmt: skip
     adapt: bool = setting(
         True, "Adapt a motion that the device cannot follow, instead of refusing it.",

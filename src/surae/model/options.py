@@ -14,6 +14,7 @@ from surae.base.filed import filed
 from surae.base.formatting import nearest
 from surae.base.names import CHOICES
 from surae.base.setting import Request, documented, setting
+from surae.base.words import N_
 from surae.model.geometry_table import GeometryTable
 from surae.model.joint import ANKLE, Joint
 
@@ -33,33 +34,34 @@ class ModelOptions(Request):
         "thesis", "Muscle length: equation (9) as printed, the integral of the moment arm, or a "
         "table of lengths and moment arms; as a keyword also its file, see "
         "`surae.model.read_geometry`.", type='{"thesis", "virtual-work"}, path or GeometryTable',
-        choices=CHOICES["geometry"], file=True, label="Geometry",
+        choices=CHOICES["geometry"], file=True, label=N_("Geometry"),
         help="How muscle length is read: as in the thesis, by virtual work, or a table of lengths "
         "and moment arms (CSV, OpenSim's MuscleAnalysis).",
     )  # fmt: skip
     tendon_strain: str = setting(
         "thesis", "ε0 in metres as the printed equations take it, or a strain times the slack "
-        "length.", choices=CHOICES["tendon_strain"], help="How ε0 is read.", label="Tendon strain",
+        "length.", choices=CHOICES["tendon_strain"], help="How ε0 is read.",
+        label=N_("Tendon strain"),
     )  # fmt: skip
     integrator: str = setting(
         "implicit", "How muscle-tendon models are integrated; explicit Euler is the thesis's.",
-        choices=CHOICES["integrator"], label="Integrator",
+        choices=CHOICES["integrator"], label=N_("Integrator"),
     )  # fmt: skip
     theta_foot: float = setting(
         0.0, "Angle of the foot to the horizontal at θ = 0 [rad], equation (7).", metavar="RAD",
-        help="Foot to horizontal at 0 rad.", label="Foot to horizontal at 0° [rad]",
+        help="Foot to horizontal at 0 rad.", label=N_("Foot to horizontal at 0° [rad]"),
     )  # fmt: skip
     vmax_factor: float = setting(
         8.0, "Maximum shortening speed in optimal lengths per second.", above=0.0, metavar="F",
-        label="Maximum shortening speed [optimal lengths/s]",
+        label=N_("Maximum shortening speed [optimal lengths/s]"),
     )  # fmt: skip
     x_ref_tri: float = setting(
         0.080, "Virtual-work geometry: length of the triceps at θ = 0 [m].", above=0.0, metavar="M",
-        label="Virtual work: triceps at 0° [m]",
+        label=N_("Virtual work: triceps at 0° [m]"),
     )  # fmt: skip
     x_ref_tib: float = setting(
         0.100, "Virtual-work geometry: length of the tibialis at θ = 0 [m].", above=0.0,
-        metavar="M", label="Virtual work: tibialis at 0° [m]",
+        metavar="M", label=N_("Virtual work: tibialis at 0° [m]"),
     )  # fmt: skip
     emg_ref: tuple[float, float, float, float] | None = setting(
         None, "EMG levels of TA, GL, SOL, GM [V] at which `emg_shape` changes nothing; the same "

@@ -15,6 +15,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
+from surae.base.words import N_
 from surae.protocol.profiles import smooth_step
 from surae.recording import MUSCLES
 
@@ -79,16 +80,21 @@ _CLOCK, _CLOCK_RISE, _ON = 0.5, 0.2, 0.5
 TASKS: dict[str, Task] = {
     task.name: task
     for task in (
-        Task("part-passive", 11.0, "Relaxed to 11 s, then alternating bursts."),
-        Task("active", 0.0, "Alternating bursts throughout."),
-        Task("passive", np.inf, "Relaxed throughout."),
+        Task("part-passive", 11.0, N_("Relaxed to 11 s, then alternating bursts.")),
+        Task("active", 0.0, N_("Alternating bursts throughout.")),
+        Task("passive", np.inf, N_("Relaxed throughout.")),
         Task(
             "steps",
             0.0,
-            "Steps of effort, held for 2 s, one direction after the other.",
+            N_("Steps of effort, held for 2 s, one direction after the other."),
             rise=_STEP_RISE,
         ),
-        Task("prbs", 0.0, "Efforts of one level, on and off at random (a PRBS).", rise=_CLOCK_RISE),
+        Task(
+            "prbs",
+            0.0,
+            N_("Efforts of one level, on and off at random (a PRBS)."),
+            rise=_CLOCK_RISE,
+        ),
     )
 }
 

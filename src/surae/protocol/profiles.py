@@ -21,6 +21,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
+from surae.base.words import N_
 
 #: Time in which a ramp gains or loses its speed [s].
 BLEND = 0.2
@@ -160,25 +161,25 @@ PROFILES: dict[str, Profile] = {
     for profile in (
         Profile(
             "ramp-and-hold", 18.0, partial(ramps_and_holds, ramps=RAMP_AND_HOLD),
-            "One ramp, a hold and the ramp back.",
+            N_("One ramp, a hold and the ramp back."),
         ),
-        Profile("sine", 30.0, sine, "Sine of 0.20 Hz."),
+        Profile("sine", 30.0, sine, N_("Sine of 0.20 Hz.")),
         Profile(
             "multiple-holds", 35.0, partial(ramps_and_holds, ramps=MULTIPLE_HOLDS),
-            "Holds reached at various speeds.",
+            N_("Holds reached at various speeds."),
         ),
-        Profile("multi-sine", 40.0, multi_sine, "A ramp and hold, then three sines added."),
+        Profile("multi-sine", 40.0, multi_sine, N_("A ramp and hold, then three sines added.")),
         Profile(
             "multi-sine-holds", 40.0, partial(_spanning, _sine_product, duration=40.0),
-            "Products of sines, slow to fast.",
+            N_("Products of sines, slow to fast."),
         ),
         Profile(
             "scaled-chirp", 40.0, partial(_spanning, _half_cosine_chirp, duration=40.0),
-            "A chirp scaled by half a cosine.",
+            N_("A chirp scaled by half a cosine."),
         ),
         Profile(
             "isometric", 120.0, partial(ramps_and_holds, ramps=ISOMETRIC),
-            "Eight angles, each held: for efforts in steps or at random.",
+            N_("Eight angles, each held: for efforts in steps or at random."),
         ),
     )
 }  # fmt: skip

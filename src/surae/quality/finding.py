@@ -5,6 +5,7 @@ from typing import Any, Literal
 
 from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
+from surae.base.words import N_
 from surae.recording import MUSCLES, Channel
 
 Severity = Literal["info", "warning", "error"]
@@ -134,118 +135,130 @@ class FindingKind:
 
 
 _KINDS = (
-    FindingKind("emg-kind", "raw EMG declared an envelope, or the other way round",
-        "Declare what it is: # emg: raw or # emg: envelope.", "error"),
-    FindingKind("as-read", "gaps that were bridged, times that were rounded, a file cut short",
-        "Nothing, if you meant it so; else correct the file or the mapping.", "info", unit=""),
-    FindingKind("emg-missing", "muscles without EMG",
-        "Add the channel, or fix its weight, e.g. with --fixed g1=0.", unit=""),
-    FindingKind("emg-flat", "EMG that is constant, for a while or throughout",
-        "Leave that time out of the fit with --exclude, or record again.", unit="s"),
-    FindingKind("emg-clipped", "EMG at the amplifier’s limit",
-        "Lower the amplifier's gain and record again; efforts beyond that level are "
-        "underestimated."),
-    FindingKind("emg-aliased", "EMG sampled without a filter before",
-        "Sample at 1000 Hz or more, or filter below half the rate before; sizes hold, but hum and "
-        "artefacts can fold to where no filter finds them, and fewer values are identified."),
-    FindingKind("emg-offset", "EMG that does not rest at zero",
-        "Take the offset away in the mapping; rest the muscle for an envelope.", unit="V"),
-    FindingKind("emg-artefact", "spikes and swings of cables and skin",
-        "Fasten cable and electrode; leave that time out with --exclude, or fit with --loss huber.",
+    FindingKind("emg-kind", N_("raw EMG declared an envelope, or the other way round"),
+        N_("Declare what it is: # emg: raw or # emg: envelope."), "error"),
+    FindingKind("as-read", N_("gaps that were bridged, times that were rounded, a file cut short"),
+        N_("Nothing, if you meant it so; else correct the file or the mapping."), "info", unit=""),
+    FindingKind("emg-missing", N_("muscles without EMG"),
+        N_("Add the channel, or fix its weight, e.g. with --fixed g1=0."), unit=""),
+    FindingKind("emg-flat", N_("EMG that is constant, for a while or throughout"),
+        N_("Leave that time out of the fit with --exclude, or record again."), unit="s"),
+    FindingKind("emg-clipped", N_("EMG at the amplifier’s limit"),
+        N_("Lower the amplifier's gain and record again; efforts beyond that level are "
+        "underestimated.")),
+    FindingKind("emg-aliased", N_("EMG sampled without a filter before"),
+        N_("Sample at 1000 Hz or more, or filter below half the rate before; sizes hold, but hum "
+        "and "
+        "artefacts can fold to where no filter finds them, and fewer values are identified.")),
+    FindingKind("emg-offset", N_("EMG that does not rest at zero"),
+        N_("Take the offset away in the mapping; rest the muscle for an envelope."), unit="V"),
+    FindingKind("emg-artefact", N_("spikes and swings of cables and skin"),
+        N_("Fasten cable and electrode; leave that time out with --exclude, or fit with --loss "
+        "huber."),
         unit="V"),
-    FindingKind("mains-hum", "50 or 60 Hz in the EMG",
-        "Improve the reference electrode and keep cables from power lines; the high-pass does not "
-        "remove it.", unit="V"),
-    FindingKind("electrode-off", "an electrode that comes off during the trial",
-        "Fix the electrode, look at its signal while the muscle works, and record again.", "error"),
-    FindingKind("electrode-lag", "one electrode later than the others",
-        "Check the delay of that sensor, a wireless one above all, and shift its channel.",
+    FindingKind("mains-hum", N_("50 or 60 Hz in the EMG"),
+        N_("Improve the reference electrode and keep cables from power lines; the high-pass does "
+        "not "
+        "remove it."), unit="V"),
+    FindingKind("electrode-off", N_("an electrode that comes off during the trial"),
+        N_("Fix the electrode, look at its signal while the muscle works, and record again."),
+        "error"),
+    FindingKind("electrode-lag", N_("one electrode later than the others"),
+        N_("Check the delay of that sensor, a wireless one above all, and shift its channel."),
         unit="s"),
-    FindingKind("emg-torque-lag", "EMG and torque out of step",
-        "Check how the devices are synchronised, and shift the time of one file by that much.",
+    FindingKind("emg-torque-lag", N_("EMG and torque out of step"),
+        N_("Check how the devices are synchronised, and shift the time of one file by that much."),
         "error", "s"),
-    FindingKind("torque-limit", "torque at the device’s limit",
-        "Ask for less effort or a slower motion and record again; at its limit the device no "
-        "longer follows the profile.", "error", "Nm"),
-    FindingKind("torque-artefact", "torque that neither EMG nor angle explain",
-        "Look at that time; leave it out with --exclude, or fit with --loss huber.", unit="Nm"),
-    FindingKind("torque-sign", "torque of the wrong sign",
-        "Write sign = -1 for the torque (positive when the triceps pulls), or for the angle "
-        "(positive in dorsiflexion) if that is turned.", "error"),
-    FindingKind("torque-offset", "torque that gravity does not explain",
-        "Set the sensor to zero with the empty footplate and record again, or give the torque an "
-        "offset in the TOML.", unit="Nm"),
-    FindingKind("angle-units", "degrees for radians, or another zero",
-        "Give the unit in the column's name or in the mapping; 0 is the foot at 90°.",
+    FindingKind("torque-limit", N_("torque at the device’s limit"),
+        N_("Ask for less effort or a slower motion and record again; at its limit the device no "
+        "longer follows the profile."), "error", "Nm"),
+    FindingKind("torque-artefact", N_("torque that neither EMG nor angle explain"),
+        N_("Look at that time; leave it out with --exclude, or fit with --loss huber."), unit="Nm"),
+    FindingKind("torque-sign", N_("torque of the wrong sign"),
+        N_("Write sign = -1 for the torque (positive when the triceps pulls), or for the angle "
+        "(positive in dorsiflexion) if that is turned."), "error"),
+    FindingKind("torque-offset", N_("torque that gravity does not explain"),
+        N_("Set the sensor to zero with the empty footplate and record again, or give the torque "
+        "an "
+        "offset in the TOML."), unit="Nm"),
+    FindingKind("angle-units", N_("degrees for radians, or another zero"),
+        N_("Give the unit in the column's name or in the mapping; 0 is the foot at 90°."),
         "error", "rad"),
-    FindingKind("rom-not-covered", "a small range of motion",
-        "Move through the subject's whole range: stiffness and optimal lengths show at its ends.",
+    FindingKind("rom-not-covered", N_("a small range of motion"),
+        N_("Move through the subject's whole range: stiffness and optimal lengths show at its "
+        "ends."),
         unit="rad"),
-    FindingKind("stretch-series", "slow and fast stretches, which another command takes apart",
-        "Use surae stretches: it tells tissue from nerve.", "info", "deg/s"),
-    FindingKind("position-steps", "steps instead of the profile",
-        "Record again with slower motion or less effort; the device followed steps instead of the "
-        "profile.", "error", "rad"),
-    FindingKind("overshoot", "angles beside the commanded profile",
-        "Generate a protocol for this device with surae protocol --device, or lower its speed.",
+    FindingKind("stretch-series", N_("slow and fast stretches, which another command takes apart"),
+        N_("Use surae stretches: it tells tissue from nerve."), "info", "deg/s"),
+    FindingKind("position-steps", N_("steps instead of the profile"),
+        N_("Record again with slower motion or less effort; the device followed steps instead of "
+        "the "
+        "profile."), "error", "rad"),
+    FindingKind("overshoot", N_("angles beside the commanded profile"),
+        N_("Generate a protocol for this device with surae protocol --device, or lower its speed."),
         unit="rad"),
-    FindingKind("passive-not-passive", "activity while relaxed",
-        "Repeat the passive part with the subject relaxed: passive stiffness would be "
-        "overestimated."),
-    FindingKind("active-not-active", "efforts that were not made",
-        "Repeat the trial, or leave that time out with --exclude."),
-    FindingKind("co-contraction", "both sides active throughout",
-        "Ask for one direction at a time, and look for crosstalk: together, their weights cannot "
-        "be separated."),
-    FindingKind("reflex-suspected", "bursts that follow stretches",
-        "Stretch more slowly for passive parameters; with reflexes, activity and stretch are not "
-        "independent.", unit="s"),
-    FindingKind("time-gap", "samples that are missing",
-        "Use a part without a gap, or record again: signals across a gap are not known.",
+    FindingKind("passive-not-passive", N_("activity while relaxed"),
+        N_("Repeat the passive part with the subject relaxed: passive stiffness would be "
+        "overestimated.")),
+    FindingKind("active-not-active", N_("efforts that were not made"),
+        N_("Repeat the trial, or leave that time out with --exclude.")),
+    FindingKind("co-contraction", N_("both sides active throughout"),
+        N_("Ask for one direction at a time, and look for crosstalk: together, their weights "
+        "cannot "
+        "be separated.")),
+    FindingKind("reflex-suspected", N_("bursts that follow stretches"),
+        N_("Stretch more slowly for passive parameters; with reflexes, activity and stretch are "
+        "not "
+        "independent."), unit="s"),
+    FindingKind("time-gap", N_("samples that are missing"),
+        N_("Use a part without a gap, or record again: signals across a gap are not known."),
         "error", "s"),
-    FindingKind("time-jitter", "time stamps that scatter or go back",
-        "Take the time from the sample counter of the device, not from the computer's clock.",
+    FindingKind("time-jitter", N_("time stamps that scatter or go back"),
+        N_("Take the time from the sample counter of the device, not from the computer's clock."),
         unit="s"),
-    FindingKind("not-used", "samples that no fit reads: another channel has ended",
-        "Nothing, if that is meant: no check looks at them.", "info", "s"),
-    FindingKind("samples-missing", "samples that are not numbers",
-        "Correct the file, bridge gaps of some ms by bridge_s in a mapping, or cut it to a part "
-        "without them; no fit reads it so.", "error"),
-    FindingKind("trial-too-short", "trials too short for the relaxation",
-        "Record longer, with holds, or fix tau_rel and k_rel.", unit="s"),
-    FindingKind("angle-sign", "an angle that is turned, by what a quick fit then explains",
-        "Write sign = -1 for the angle in the TOML.", "error"),
-    FindingKind("electrodes-swapped", "electrodes of two muscles that were exchanged, by the same",
-        'Write swap = ["ta", "sol"] in the TOML, with the two that it says.', "error"),
-    FindingKind("torque-drift", "a torque whose zero drifts through the trial",
-        "Let the sensor warm up, set it to zero and record again; a fit of a part of the trial "
-        "(--exclude) is less wrong.", unit="Nm"),
-    FindingKind("emg-gain", "EMG whose gain changes within the trial",
-        "Look at the electrodes and at the amplifier's gain, and record again; a fit of a part of "
-        "the trial (--exclude) is less wrong."),
-    FindingKind("angle-still", "a static hold",
-        "Record a trial that moves: one hold can’t show stiffness, lengths or relaxation.",
+    FindingKind("not-used", N_("samples that no fit reads: another channel has ended"),
+        N_("Nothing, if that is meant: no check looks at them."), "info", "s"),
+    FindingKind("samples-missing", N_("samples that are not numbers"),
+        N_("Correct the file, bridge gaps of some ms by bridge_s in a mapping, or cut it to a part "
+        "without them; no fit reads it so."), "error"),
+    FindingKind("trial-too-short", N_("trials too short for the relaxation"),
+        N_("Record longer, with holds, or fix tau_rel and k_rel."), unit="s"),
+    FindingKind("angle-sign", N_("an angle that is turned, by what a quick fit then explains"),
+        N_("Write sign = -1 for the angle in the TOML."), "error"),
+    FindingKind("electrodes-swapped",
+        N_("electrodes of two muscles that were exchanged, by the same"),
+        N_('Write swap = ["ta", "sol"] in the TOML, with the two that it says.'), "error"),
+    FindingKind("torque-drift", N_("a torque whose zero drifts through the trial"),
+        N_("Let the sensor warm up, set it to zero and record again; a fit of a part of the trial "
+        "(--exclude) is less wrong."), unit="Nm"),
+    FindingKind("emg-gain", N_("EMG whose gain changes within the trial"),
+        N_("Look at the electrodes and at the amplifier's gain, and record again; a fit of a part "
+        "of "
+        "the trial (--exclude) is less wrong.")),
+    FindingKind("angle-still", N_("a static hold"),
+        N_("Record a trial that moves: one hold can’t show stiffness, lengths or relaxation."),
         "error", "rad"),
-    FindingKind("torque-unit", "mNm, or kNm, for Nm",
-        "Write the torque's unit in the TOML.", "error", "Nm"),
-    FindingKind("emg-unit", "mV or µV for V, in one channel or all",
-        'Write unit = "µV" for the EMG in the TOML.', "error", "V"),
-    FindingKind("film-unit", "fascicle lengths in mm, cm or m that no muscle of the ankle has",
-        "Write the unit of the lengths in the column's name or in the mapping.", "error", "m"),
-    FindingKind("film-lost", "frames in which the tracker lost the fascicle",
-        "Track these frames again; a fit leaves them out."),
-    FindingKind("film-repeated", "frames that repeat the one before",
-        "Export the film at its own rate: repeated frames add no information."),
-    FindingKind("film-jump", "jumps of a fascicle from one frame to the next",
-        "Look at these frames and track them again.", unit="m"),
-    FindingKind("film-clock", "a film that is early or late",
-        "Correct start_s of the film in the mapping, and check how it is synchronised.", "error",
+    FindingKind("torque-unit", N_("mNm, or kNm, for Nm"),
+        N_("Write the torque's unit in the TOML."), "error", "Nm"),
+    FindingKind("emg-unit", N_("mV or µV for V, in one channel or all"),
+        N_('Write unit = "µV" for the EMG in the TOML.'), "error", "V"),
+    FindingKind("film-unit", N_("fascicle lengths in mm, cm or m that no muscle of the ankle has"),
+        N_("Write the unit of the lengths in the column's name or in the mapping."), "error", "m"),
+    FindingKind("film-lost", N_("frames in which the tracker lost the fascicle"),
+        N_("Track these frames again; a fit leaves them out.")),
+    FindingKind("film-repeated", N_("frames that repeat the one before"),
+        N_("Export the film at its own rate: repeated frames add no information.")),
+    FindingKind("film-jump", N_("jumps of a fascicle from one frame to the next"),
+        N_("Look at these frames and track them again."), unit="m"),
+    FindingKind("film-clock", N_("a film that is early or late"),
+        N_("Correct start_s of the film in the mapping, and check how it is synchronised."),
+        "error",
         "s"),
-    FindingKind("film-drift", "a fascicle that drifts away while the movement repeats",
-        "Correct the tracked fascicle at key frames, once in each cycle of the movement.",
+    FindingKind("film-drift", N_("a fascicle that drifts away while the movement repeats"),
+        N_("Correct the tracked fascicle at key frames, once in each cycle of the movement."),
         unit="m"),
-    FindingKind("time-unit", "ms or µs for s",
-        "Give the unit of time in the column's name.", "error", "s"),
+    FindingKind("time-unit", N_("ms or µs for s"),
+        N_("Give the unit of time in the column's name."), "error", "s"),
 )  # fmt: skip
 #: All of them by code.
 KINDS = {kind.code: kind for kind in _KINDS}

@@ -13,6 +13,7 @@ from surae.base.errors import InputError
 from surae.base.formatting import ends, of_interval
 from surae.base.names import LANGUAGES
 from surae.base.words import N_
+from surae.quality.finding import KINDS
 
 #: What measures, and one parameter, are called, in the order in which they are shown.
 MEASURES = {
@@ -52,6 +53,7 @@ class Words:
         self.language = language
         self._decimal = "."
         self._messages = NullTranslations()
+        self.messages: dict[str, str | tuple[str, ...]] = {}
         if language != "en":
             from babel.messages.mofile import write_mo
             from babel.messages.pofile import read_po
@@ -61,7 +63,12 @@ class Words:
             self._decimal = get_decimal_symbol(language)
             compiled = BytesIO()
             with catalogue(language).open("rb") as text:
-                write_mo(compiled, read_po(text, language))
+                messages = read_po(text, language)
+            write_mo(compiled, messages)
+            #: Translations by the English messages, several forms as a list: what scripts read.
+            self.messages = {
+                m.id if isinstance(m.id, str) else m.id[0]: m.string for m in messages if m.id
+            }
             compiled.seek(0)
             self._messages = Translations(compiled)
 
@@ -107,6 +114,12 @@ class Words:
         if at.endswith("deg"):
             return self.angle(float(at.removesuffix("deg")))
         return f"{at.removesuffix('s')} s"
+
+    def finding(self, code: str) -> str:
+        """What a finding of a check is of, and what to do, in sentences."""
+        kind = KINDS[code]
+        text = self(kind.looks_for)
+        return f"{text[:1].upper()}{text[1:]}. {self(kind.advice)}"
 
 
 #: The messages of a language, read once.

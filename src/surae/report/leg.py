@@ -27,7 +27,7 @@ from surae.report import block, cards
 from surae.report.cards import AssessedFit
 from surae.report.figures import Figure
 from surae.report.figures.leg import shares_bar, stiffness_figure
-from surae.report.language import Words, words_in
+from surae.report.language import Words
 from surae.report.nerve import nerve_card
 from surae.trials import Trial
 from surae.trials.nerve import Nerve
@@ -108,13 +108,13 @@ def leg_answers(
     return LegAnswers(tuple(block.Section(*card, "card") for card in sections), figures, of_fit, at)
 
 
-def first_answer(trials: Sequence[Trial]) -> str:
+def first_answer(trials: Sequence[Trial], _: Words) -> str:
     """What held angles say of stiffness before any fit, in a sentence; empty where nothing."""
     holds, _ = _measured(trials, {})
     slope = measured_slope(holds, (), AT)
     if slope is None:
         return ""
-    return f"Measured slope of the relaxed ankle: {cards.slope_text(slope, words_in('en'))}."
+    return _("Measured slope of the relaxed ankle: {slope}.", slope=cards.slope_text(slope, _))
 
 
 def compared(

@@ -7,6 +7,7 @@ from typing import Any
 
 from surae.base.errors import InputError
 from surae.base.setting import Request, documented, parts_of, setting
+from surae.base.words import N_
 
 #: Highest order a filter can have; it runs forward and backward, so this is 20th order in effect.
 MAXIMUM_ORDER = 10
@@ -34,30 +35,30 @@ class Preparation(Request):
 
     rate_hz: float = setting(
         256.0, "Highest sampling rate of the model inputs [Hz]; a slower recording keeps its own "
-        "rate.", above=0.0, label="Highest rate [Hz]",
+        "rate.", above=0.0, label=N_("Highest rate [Hz]"),
     )  # fmt: skip
     emg_highpass_hz: float | None = setting(
         41.0, "Butterworth high-pass of raw EMG before it is rectified [Hz]; None: no high-pass.",
-        above=0.0, label="EMG high-pass [Hz]",
+        above=0.0, label=N_("EMG high-pass [Hz]"),
     )  # fmt: skip
     emg_highpass_order: int = setting(
-        3, "Its order.", least=1, most=MAXIMUM_ORDER, label="EMG high-pass: order"
+        3, "Its order.", least=1, most=MAXIMUM_ORDER, label=N_("EMG high-pass: order")
     )
     emg_lowpass_hz: float | None = setting(
         None, "Butterworth low-pass of rectified EMG [Hz]; None: only the anti-aliasing filter.",
-        above=0.0, label="EMG low-pass [Hz]",
+        above=0.0, label=N_("EMG low-pass [Hz]"),
     )  # fmt: skip
     emg_lowpass_order: int = setting(
-        2, "Its order.", least=1, most=MAXIMUM_ORDER, label="EMG low-pass: order"
+        2, "Its order.", least=1, most=MAXIMUM_ORDER, label=N_("EMG low-pass: order")
     )
     bessel_hz: float | None = setting(
         20.0, "Bessel low-pass of angle and torque [Hz]; None: only the anti-aliasing filter.",
-        above=0.0, label="Angle and torque: low-pass [Hz]",
+        above=0.0, label=N_("Angle and torque: low-pass [Hz]"),
     )  # fmt: skip
     bessel_order: int = setting(
         4, "Its order. The thesis gives none; 4 is the usual order of instrument Bessel filters, "
         "and a higher one hardly changes the pass band: all of them approach the same Gaussian.",
-        least=1, most=MAXIMUM_ORDER, label="Angle and torque: order",
+        least=1, most=MAXIMUM_ORDER, label=N_("Angle and torque: order"),
     )  # fmt: skip
 
     def updated(self, mapping: Mapping[str, Any]) -> "Preparation":

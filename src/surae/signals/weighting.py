@@ -13,6 +13,7 @@ from surae.base.names import ACTIVITIES
 from surae.base.records import OrInfinite, OrMinusInfinite
 from surae.base.setting import Request, documented, setting
 from surae.base.units import FloatArray
+from surae.base.words import N_
 from surae.recording import MUSCLES
 from surae.signals.inputs import ModelInputs
 
@@ -42,12 +43,12 @@ class Weighting(Request):
     )
     peaks: float = setting(
         0.0, "A sample at full activity counts 1 + `peaks` times as much as one at rest; 0: all "
-        "alike.", least=0.0, label="Weight of peaks",
+        "alike.", least=0.0, label=N_("Weight of peaks"),
     )  # fmt: skip
     activity: str = setting(
         "torque", "What a peak is one of: the size of the measured torque, or the mean of the EMG "
-        "envelopes.", choices=ACTIVITIES, label="Peaks are those of",
-        words={"torque": "torque", "emg": "EMG"},
+        "envelopes.", choices=ACTIVITIES, label=N_("Peaks are those of"),
+        words={"torque": N_("torque"), "emg": N_("EMG")},
     )  # fmt: skip
 
     def __post_init__(self) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from surae.base.frozen import Comparable
 from surae.base.records import from_plain, read_json
 from surae.base.units import FloatArray
+from surae.base.words import N_
 from surae.protocol import Device, Trajectory
 from surae.protocol.planning.genes import Genes
 from surae.protocol.planning.legs import Legs
@@ -18,6 +19,14 @@ from surae.protocol.planning.plan import highest_hz, limits_of
 from surae.protocol.planning.torque import within_torque
 
 _FILES = Path(__file__).parent / "ready"
+#: What each file is good for.
+_GOOD_FOR = {
+    "compliant-35": N_("Everything at once on compliant tendons, tendon strain included."),
+    "everything-35": N_("Everything at once: slow and quick movement with efforts at many angles."),
+    "passive-20": N_("Passive stiffness of a relaxed leg: slow ramps and holds, no effort."),
+    "relaxed-35": N_("For a subject who cannot activate: everything that a relaxed leg tells."),
+    "tendon-60": N_("How far tendons stretch: a minute of quick and slow movement with efforts."),
+}
 #: A ready protocol that is this much longer than what is searched is no start: cut off, it is worse
 #: than none. A shorter one is repeated.
 _LIKE = 1.1
@@ -53,8 +62,10 @@ class Ready(Comparable):
 def ready_protocols() -> dict[str, Ready]:
     """The protocols that come with surae, by name."""
     return {
-        path.stem: from_plain(Ready, {"name": path.stem, **read_json(path)})
-        for path in sorted(_FILES.glob("*.json"))
+        name: from_plain(
+            Ready, {"name": name, "description": said, **read_json(_FILES / f"{name}.json")}
+        )
+        for name, said in _GOOD_FOR.items()
     }
 
 

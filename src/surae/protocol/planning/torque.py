@@ -14,6 +14,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
+from surae.base.words import N_
 from surae.model.laboratory import richest
 from surae.protocol import Device, Protocol, Trajectory, generate
 from surae.protocol.effort import GAP, Burst, burst_effort, task_bursts
@@ -162,15 +163,25 @@ def _eased(plan: _Plan, limits: Limits, legs: Legs, limit: float) -> _Plan:
 _LEGS = 20
 
 
+_WITHIN = N_("{what} {value}, within the {limit} of {device}")
+_BEYOND = N_("{what} {value} at {when} s, beyond the {limit} of {device}")
+
+
 @dataclass(frozen=True, slots=True)
 class AskedLimit:
     """One limit of a device, and what a trial asks."""
 
-    text: str  #: Both in words, and when the first is asked where it is more than the second.
+    message: str  #: Both in words, of the catalogue, and when the first is asked for if too much.
+    given: dict[str, str]  #: What fills it in.
     #: `value`, `limit`: what is asked at most, and what the device can do.
     value: float
     limit: float
     exceeded: bool  #: Whether the first is more than the second.
+
+    @property
+    def text(self) -> str:
+        """The message in English."""
+        return self.message.format(**self.given)
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,15 +230,15 @@ def requested_limits(trajectory: Trajectory) -> tuple[AskedLimit, ...]:
     if math.isfinite(device.max_torque):
         torque = np.abs(_of_population(trajectory)).max(axis=0)
     demands = [
-        ("velocity", np.abs(trajectory.velocity), device.max_velocity, "rad/s"),
-        ("acceleration", np.abs(trajectory.acceleration), device.max_acceleration, "rad/s²"),
-        ("torque of virtual legs", torque, device.max_torque, "Nm"),
+        (N_("velocity"), np.abs(trajectory.velocity), device.max_velocity, "rad/s"),
+        (N_("acceleration"), np.abs(trajectory.acceleration), device.max_acceleration, "rad/s²"),
+        (N_("torque of virtual legs"), torque, device.max_torque, "Nm"),
     ]  # fmt: skip
     if device.range_of_motion is not None:
         for end, sign in zip(device.range_of_motion, (-1.0, 1.0), strict=True):
             reached = sign * trajectory.angle
-            demands.append(("plantarflexion" if sign < 0 else "dorsiflexion", reached,
-                          sign * end, "rad"))  # fmt: skip
+            way = N_("plantarflexion") if sign < 0 else N_("dorsiflexion")
+            demands.append((way, reached, sign * end, "rad"))  # fmt: skip
     limits = []
     for name, values, limit, unit in demands:
         if math.isinf(limit):
@@ -235,9 +246,11 @@ def requested_limits(trajectory: Trajectory) -> tuple[AskedLimit, ...]:
         value = float(values.max())
         exceeded = value > limit * (1.0 + 1e-9)
         when = trajectory.time[-1] * int(values.argmax()) / max(len(values) - 1, 1)
-        relation = f" at {when:.1f} s, beyond" if exceeded else ", within"
-        text = f"{name} {value:.3g} {unit}{relation} the {limit:.3g} {unit} of {device.name}"
-        limits.append(AskedLimit(text, value, limit, exceeded))
+        given = {
+            "what": name, "value": f"{value:.3g} {unit}", "limit": f"{limit:.3g} {unit}",
+            "device": device.name, "when": f"{when:.1f}",
+        }  # fmt: skip
+        limits.append(AskedLimit(_BEYOND if exceeded else _WITHIN, given, value, limit, exceeded))
     return tuple(limits)
 
 

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from surae.api import MUSCLE_NAMES, MUSCLES, Device
 from surae.base.units import FloatArray
+from surae.base.words import N_
 from surae_workbench.live.showing import Roles
 from surae_workbench.live.stream import Stream
 
@@ -47,13 +48,51 @@ _BEYOND = 0.035
 _WORKED, _TOO_MUCH, _ASKED, _NONE = 4.0, 0.3, 0.2, 0.05
 _SIDES = (("ta", ("ta",)), ("triceps", ("gl", "sol", "gm")))
 
+_SILENCE = N_(
+    "The electrode of the {muscle} is silent: look at its cable and the amplifier’s channel."
+)
+_CLIPPING = N_("The electrode of the {muscle} is clipped: lower the gain of its amplifier.")
+_CAME_OFF = N_(
+    "The electrode of the {muscle} picks up only mains hum ({mains} Hz): it seems to have come "
+    "off. Stop, fix it, and begin again."
+)
+_HUMS = N_(
+    "The electrode of the {muscle} hums at {mains} Hz: see whether it holds, look at the reference "
+    "electrode, and keep its cable from the mains."
+)
+_LEFT_ZERO = N_("The electrode of the {muscle} has left its zero: look at its contact and cable.")
+_RESTLESS = N_(
+    "The leg should rest now, and the {muscle} works at {percent} % of its largest so far: ask the "
+    "subject to relax."
+)
+_IDLE = {
+    "triceps": N_(
+        "The leg should work now, and the calf does not: ask the subject to push down; else look "
+        "at its electrodes."
+    ),
+    "ta": N_(
+        "The leg should work now, and the tibialis anterior does not: ask the subject to pull up; "
+        "else look at its electrode."
+    ),
+}
+
 
 class Alarm(NamedTuple):
     """What goes wrong now."""
 
     code: str
     role: str | None
-    text: str  #: What, where, and what to do.
+    message: str  #: What, where, and what to do: one of the catalogue.
+    given: dict[str, str]  #: What fills it in.
+
+    @property
+    def text(self) -> str:
+        """It in English."""
+        return self.message.format(**self.given)
+
+    def shown(self) -> dict[str, Any]:
+        """As pages and records have it, in English and by its parts."""
+        return {**self._asdict(), "text": self.text}
 
 
 @dataclass(slots=True)
@@ -164,10 +203,10 @@ class Watch:
         if role == "torque":
             top, most = float(np.abs(last).max()), self._device.max_torque
             if top >= _NEAR * most:
-                yield Alarm("torque-limit", role, (
-                    f"The torque is {top:.0f} Nm, {100 * top / most:.0f} % of what the device may: "
+                yield Alarm("torque-limit", role, N_(
+                    "The torque is {torque} Nm, {percent} % of what the device may: "
                     "ask for less effort, and be ready to stop."
-                ))  # fmt: skip
+                ), {"torque": f"{top:.0f}", "percent": f"{100 * top / most:.0f}"})  # fmt: skip
         elif role == "angle":
             yield from self._moving(last, self._signals[role].rate_hz)
 
@@ -177,16 +216,19 @@ class Watch:
         if len(angle) > step:
             speed = float(np.abs(angle[step:] - angle[:-step]).max()) * rate_hz / step
             if speed >= _NEAR * most and speed >= _FASTER * self.speed:
-                yield Alarm("speed-limit", "angle", (
-                    f"The foot turns at {np.degrees(speed):.0f} °/s, {100 * speed / most:.0f} % of "
-                    "what the device may: stop if nobody wanted that."
-                ))  # fmt: skip
+                given = {
+                    "speed": f"{np.degrees(speed):.0f}", "percent": f"{100 * speed / most:.0f}"
+                }  # fmt: skip
+                yield Alarm("speed-limit", "angle", N_(
+                    "The foot turns at {speed} °/s, {percent} % of what the device may: stop if "
+                    "nobody wanted that."
+                ), given)  # fmt: skip
         if low < self._span[0] - _BEYOND or high > self._span[1] + _BEYOND:
             beyond = low if low < self._span[0] else high
-            yield Alarm("angle-range", "angle", (
-                f"The ankle is at {np.degrees(beyond):.0f}°, beyond the range that was agreed: "
-                "stop, and look at the device's zero."
-            ))  # fmt: skip
+            yield Alarm("angle-range", "angle", N_(
+                "The ankle is at {angle}°, beyond the range that was agreed: stop, and look at the "
+                "device’s zero."
+            ), {"angle": f"{np.degrees(beyond):.0f}"})  # fmt: skip
 
     def _electrode(self, role: str, window: FloatArray) -> Iterator[Alarm]:
         signal, muscle = self._signals[role], MUSCLE_NAMES[role[4:]]
@@ -202,32 +244,25 @@ class Watch:
         alarms = []
         quiet = past is not None and level < _SILENT * np.quantile(past[:, 0], 0.1)
         if (high == low and not signal.varied) or (signal.raw and (high == low or quiet)):
-            alarms.append(("silent", "is silent: look at its cable and the amplifier's channel."))
+            alarms.append(("silent", _SILENCE))
         elif _clipped(window, low, high, both=signal.raw):
-            alarms.append(("clipped", "is clipped: lower the gain of its amplifier."))
+            alarms.append(("clipped", _CLIPPING))
         elif signal.raw and alone and past is not None and hum > _TIMES * np.median(past[:, 1]):
             most, rest = float(past[:, 0].max()), float(np.quantile(past[:, 0], 0.1))
             if hum > most > _WORKED * rest:
-                alarms.append(("electrode-off", (
-                    f"picks up only mains hum ({mains:.0f} Hz): it seems to have come off. "
-                    "Stop, fix it, and begin again."
-                )))  # fmt: skip
+                alarms.append(("electrode-off", _CAME_OFF))
             else:
-                alarms.append(("hum", (
-                    f"hums at {mains:.0f} Hz: see whether it holds, look at the reference "
-                    "electrode, and keep its cable from the mains."
-                )))  # fmt: skip
+                alarms.append(("hum", _HUMS))
         if signal.raw and past is not None and not alarms:
             step = abs(mean - float(np.median(past[:, 2])))
             least = max(
                 _OFFSET * past[:, 0].max(), _OFFSET_REST * float(np.quantile(past[:, 0], 0.1))
             )
             if step > least:
-                alarms.append(("offset", "has left its zero: look at its contact and cable."))
+                alarms.append(("offset", _LEFT_ZERO))
         signal.keep((level, hum, mean), bool(alarms))
-        yield from (
-            Alarm(code, role, f"The electrode of the {muscle} {text}") for code, text in alarms
-        )
+        given = {"muscle": muscle, "mains": f"{mains:.0f}"}
+        yield from (Alarm(code, role, message, given) for code, message in alarms)
 
     def _effort(self, muscle: str) -> float | None:
         """Effort as a part of the largest so far; None where the muscle never worked."""
@@ -249,22 +284,15 @@ class Watch:
                 efforts = [looked[muscle] for looked in self._efforts]
                 least = min((e for e in efforts if e is not None), default=0.0)
                 if None not in efforts and least > _TOO_MUCH and f"emg_{muscle}" not in faulty:
-                    yield Alarm("effort", f"emg_{muscle}", (
-                        f"The leg should rest now, and the {MUSCLE_NAMES[muscle]} works at "
-                        f"{100 * least:.0f} % of its largest so far: ask the subject to relax."
-                    ))  # fmt: skip
+                    given = {"muscle": MUSCLE_NAMES[muscle], "percent": f"{100 * least:.0f}"}
+                    yield Alarm("effort", f"emg_{muscle}", _RESTLESS, given)
                     return
         for side, muscles in _SIDES:
             wanted = asked[:, [MUSCLES.index(m) for m in muscles]].max(axis=1).min()
             heard = [m for m in muscles if f"emg_{m}" not in faulty and f"emg_{m}" in self._signals]
             efforts = [looked[m] for looked in self._efforts for m in heard]
             if wanted >= _ASKED and efforts and all(e is not None and e < _NONE for e in efforts):
-                name, word = ("triceps", "push down") if side == "triceps" else (
-                    MUSCLE_NAMES["ta"], "pull up")  # fmt: skip
-                yield Alarm("effort", f"emg_{heard[0]}", (
-                    f"The leg should work now, and the {name} does not: ask the subject to {word}; "
-                    "else look at its electrodes."
-                ))  # fmt: skip
+                yield Alarm("effort", f"emg_{heard[0]}", _IDLE[side], {})
 
 
 def _hum(window: FloatArray, rate_hz: float) -> tuple[float, float, bool]:

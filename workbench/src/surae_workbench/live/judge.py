@@ -2,7 +2,7 @@
 
 import re
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -26,10 +26,12 @@ from surae.base.errors import SuraeError
 from surae.base.files import write_atomic
 from surae.base.formatting import of_interval
 from surae.base.frozen import read_only
+from surae.base.names import LANGUAGES
+from surae.base.words import N_
 from surae_workbench.live.record import counted
 
 if TYPE_CHECKING:
-    from surae.api import Measure, ParameterEstimate
+    from surae.api import Finding, Measure, ParameterEstimate, Words
 
 #: The model of the first answer: it takes a second. What is identified, the second answer says.
 _QUICK = FitSettings.of("muscle", starts=3)
@@ -44,6 +46,13 @@ _OF_MOVEMENT = (
     "angle-still", "rom-not-covered", "trial-too-short", "position-steps", "overshoot",
     "active-not-active", "torque-sign", "torque-offset", "torque-artefact", "angle-sign",
 )  # fmt: skip
+_WORKED = N_(
+    "The leg should have rested, and muscles worked: record it again relaxed, or keep it as it is."
+)
+_RESTED = N_(
+    "The leg should have worked, and every muscle stayed relaxed: record it again with effort, or "
+    "keep it as it is."
+)
 
 
 def warm() -> None:
@@ -118,12 +127,7 @@ def judge(
         )
     wrong = None
     if asked in ("passive", "active") and judged in ("passive", "active") and asked != judged:
-        wrong = (
-            "The leg should have rested, and muscles worked: record it again relaxed, or keep it "
-            "as it is."
-            if asked == "passive" else "The leg should have worked, and every muscle stayed "
-            "relaxed: record it again with effort, or keep it as it is."
-        )  # fmt: skip
+        wrong = _WORKED if asked == "passive" else _RESTED
     judgement: dict[str, Any] = {
         "findings": quality.as_dict()["findings"],
         "seconds": max(float(c.time[-1] - c.time[0]) for c in recording.channels.values()),
@@ -145,9 +149,41 @@ def judge(
                 "reasons": list(quick.adequacy.reasons),
             }
     said = verdict(quality, judgement)
-    if wrong is not None and said["verdict"] == "keep":
+    doubted = wrong is not None and said["verdict"] == "keep"
+    if doubted:
         said = {"verdict": "look", "advice": wrong}
-    return judgement | said
+    told = {
+        _.language: {"advice": _(wrong) if doubted and wrong else _advice(quality, judgement, _)}
+        for _ in _others()
+    }
+    return judgement | said | {"told": told}
+
+
+def _others() -> Iterator["Words"]:
+    """The languages that pages speak beside English."""
+    return (api.words_in(language) for language in LANGUAGES if language != "en")
+
+
+def _advice(quality: Quality, judgement: Mapping[str, Any], _: "Words") -> str:
+    """What `verdict` advises, in another language: what a finding is of, instead of its numbers."""
+    worst = sorted(quality.findings, key=_causes_first)
+    for severity in ("error", "warning"):
+        if severity == "warning" and judgement["grade"] == "inadequate":
+            break
+        for each in worst:
+            if each.severity == severity:
+                return _.finding(each.code)
+    reasons = "; ".join(dict.fromkeys(map(_.reason, judgement["reasons"])))
+    if judgement["grade"] is None:
+        return _("Nothing to fit in this trial.")
+    if judgement["grade"] == "inadequate" or not reasons:
+        return reasons
+    return _("Alone it leaves open: {what}.", what=reasons)
+
+
+def _causes_first(finding: "Finding") -> bool:
+    """The hum of an electrode that came off is no second fault."""
+    return finding.code != "electrode-off"
 
 
 def verdict(quality: Quality, judgement: Mapping[str, Any]) -> dict[str, str]:
@@ -155,8 +191,7 @@ def verdict(quality: Quality, judgement: Mapping[str, Any]) -> dict[str, str]:
 
     Doubts of the quick fit alone ask for no repetition: the joint fit of the session judges them.
     """
-    # The hum of an electrode that came off is no second fault.
-    causes_first = sorted(quality.findings, key=lambda finding: finding.code != "electrode-off")
+    causes_first = sorted(quality.findings, key=_causes_first)
     errors, warnings = (
         [f"{f.message} {f.advice}" for f in causes_first if f.severity == severity]
         for severity in ("error", "warning")
@@ -182,22 +217,33 @@ def in_words(text: str) -> str:
     return re.sub(r"\b\w+\b", lambda found: known.get(found[0], found[0]), text)
 
 
-def of_leg(measures: Mapping[str, "Measure"]) -> list[str]:
-    """What is known of a leg, stiffness first, and what is not, in sentences."""
+def of_leg(measures: Mapping[str, "Measure"], words: "Words | None" = None) -> list[str]:
+    """What is known of a leg, stiffness first, and what is not, in sentences.
+
+    In another language than English where `words` are given.
+    """
+    _ = words or api.words_in("en")
     told = [m for name in _HEADLINES if (m := measures.get(name)) is not None]
     known = [m for m in told if str(m.verdict) in ("identified", "weak")]
     sentences = []
     for m in known:
         assert m.value is not None
         text = of_interval(m.value, m.ci95)
-        roughly = "roughly " if str(m.verdict) == "weak" else ""
+        weak = str(m.verdict) == "weak"
         unit = m.unit.replace("Nm/deg", "Nm/°").replace("deg", "°")
+        roughly = _("roughly") + " " if weak else ""
         sentences.append(
-            f"{m.meaning.rstrip('.')}: {roughly}{text.value} {unit} (95 %: {text.interval})."
+            f"{_called(m, words)}: {roughly}{_.number(text.value)} {unit} "
+            f"(95 %: {_.number(text.interval)})."
         )
-    unknown = [m.meaning.rstrip(".") for m in told if m not in known]
-    lower = [text[:1].lower() + text[1:] for text in unknown]
-    return [*sentences, *([f"Still unknown: {'; '.join(lower)}."] if lower else [])]
+    unknown = [_called(m, words) for m in told if m not in known]
+    lower = [text if _.language == "de" else text[:1].lower() + text[1:] for text in unknown]
+    return [*sentences, *([_("Still unknown: {what}.", what="; ".join(lower))] if lower else [])]
+
+
+def _called(measure: "Measure", words: "Words | None") -> str:
+    """What a measure is called; in English in full."""
+    return measure.meaning.rstrip(".") if words is None else words.measure(measure.name)
 
 
 def _session(
@@ -233,14 +279,26 @@ def together(
     fit = _session(recordings, efforts).fit()
     fit.save(output)
     measures = fit.measures(angles=(0.0, 10.0))
+    known = fit.adequacy.grade != "inadequate"
+    next_ = _next(fit, target, device, span)
     return {
+        "told": {
+            _.language: {
+                "reasons": [*dict.fromkeys(map(_.reason, fit.adequacy.reasons))],
+                "leg": of_leg(measures, _) if known else [],
+                "next": [_("Measure {name} next.", name=next_["proposed"])]
+                if next_["proposed"]
+                else [_("There is nothing more to measure for now.")],
+            }
+            for _ in _others()
+        },
         "grade": fit.adequacy.grade,
         "vaf": fit.vaf,
         "reasons": list(map(in_words, fit.adequacy.reasons)),
-        "leg": [] if fit.adequacy.grade == "inadequate" else of_leg(measures),
+        "leg": of_leg(measures) if known else [],
         "parameters": [_row(name, p) for name, p in fit.parameters.items()],
         "measures": [{**_row(name, m), "meaning": m.meaning} for name, m in measures.items()],
-        **_next(fit, target, device, span),
+        **next_,
     }
 
 

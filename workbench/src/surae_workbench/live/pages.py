@@ -24,6 +24,7 @@ from surae_workbench.live.showing import Showing
 from surae_workbench.live.target import KIND
 from surae_workbench.web.app import bare_app
 from surae_workbench.web.events import Events
+from surae_workbench.web.language import spoken
 from surae_workbench.web.security import Policy, Security
 from surae_workbench.web.server import Address, run
 from surae_workbench.web.sessions import BrowserSession, key_of
@@ -137,12 +138,14 @@ class ServedRoom:
         """How streams and disk do."""
         trials = self.room.trials
         self.showing.roles = self.room.roles
+        message, given = trials.recorder.trouble_said
         return {
             "streams": [s for s in trials.recorder.health() if s["kind"] != KIND],
             "trouble": trials.recorder.trouble,
+            "trouble_said": {"message": message, "given": given},
             "roles": sorted(role for role, _, _ in self.showing.roles.values()),
             "ready": self.room.ready,
-            "alarms": [alarm._asdict() for alarm in self.room.alarms.active],
+            "alarms": [alarm.shown() for alarm in self.room.alarms.active],
         }  # fmt: skip
 
     def _frame(self, frame: dict[str, Any]) -> None:
@@ -182,7 +185,7 @@ def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIA
     def page(path: str, name: str) -> None:
         def shown(request: Request) -> Response:
             text = template(f"{name}.html.j2", "surae_workbench.live").render(
-                csrf=request.state.session.csrf, version=__version__
+                csrf=request.state.session.csrf, version=__version__, **spoken(request)
             )
             return Response(text, media_type="text/html")
 

@@ -50,6 +50,8 @@ class Alarm(_Part):
     code: str
     role: str | None  #: The channel, None where it is all of a stream.
     text: str
+    message: str = ""  #: The same as it stands in the catalogue, and what fills it in.
+    given: dict[str, str] = {}
 
 
 class Judgement(_Part):
@@ -67,6 +69,7 @@ class Judgement(_Part):
     verdict: Literal["keep", "look", "repeat"] | None = None
     advice: str | None = None
     leg: list[str] = []  #: What it says of the leg, in sentences.
+    told: dict[str, dict[str, Any]] = {}  #: Advice, by the languages other than English.
 
 
 class Record(Judgement):
@@ -201,7 +204,7 @@ def said_in(source: Path) -> dict[str, Any]:
             elif kind == "mark" and begun is not None and len(said["marks"]) < MOST:
                 said["marks"].append({"at": round(stamp - begun, 3), "text": event.get("text")})
             elif kind == "alarm" and begun is not None and len(said["alarms"]) < MOST:
-                said["alarms"].append({k: event.get(k) for k in Alarm.model_fields})
+                said["alarms"].append({k: event[k] for k in Alarm.model_fields if k in event})
     return said if begun is not None else {}
 
 

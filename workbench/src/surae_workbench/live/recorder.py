@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.base.units import FloatArray
+from surae.base.words import N_
 from surae.processes import where
 from surae_workbench.live.lsl import lsl
 from surae_workbench.live.stream import Stream
@@ -34,6 +35,9 @@ _CLOCKS = 120
 
 #: A lost stream is talked of for so long [s]; whoever is still there then has come back itself.
 _ECHO = 3.0
+
+_DISK = N_("the disk takes nothing ({why}): make room now; {seconds} s are kept in memory")
+_AGAIN = N_("a part of the recorder failed and began again; report it ({where})")
 
 #: Told of what happens: "lost", "back", "layout", "gap", "jump", "disk", with plain data.
 Tell = Callable[[str, Mapping[str, Any]], None]
@@ -128,18 +132,21 @@ class Recorder:
     @property
     def trouble(self) -> str:
         """What is wrong with the disk, or with us; empty where nothing is."""
-        if not self._full and self._wrong:
-            return f"a part of the recorder failed and began again; report it ({self._wrong})"
-        return self.full
+        message, given = self.trouble_said
+        return message.format(**given)
+
+    @property
+    def trouble_said(self) -> tuple[str, dict[str, str]]:
+        """The same as it stands in the catalogue, and what fills it in."""
+        if self._full:
+            seconds = self._waiting[-1][0] - self._waiting[0][0] if self._waiting else 0.0
+            return _DISK, {"why": self._full, "seconds": f"{seconds:.0f}"}
+        return (_AGAIN, {"where": self._wrong}) if self._wrong else ("", {})
 
     @property
     def full(self) -> str:
         """What is wrong with the disk; empty where nothing is."""
-        if not self._full:
-            return ""
-        seconds = self._waiting[-1][0] - self._waiting[0][0] if self._waiting else 0.0
-        trouble = f"the disk takes nothing ({self._full}): make room now"
-        return f"{trouble}; {seconds:.0f} s are kept in memory"
+        return self.trouble if self._full else ""
 
     def close(self) -> None:
         """End, with all on disk."""

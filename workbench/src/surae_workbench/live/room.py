@@ -33,6 +33,7 @@ from surae.base.errors import InputError, SuraeError
 from surae.base.files import PathLike
 from surae.base.frozen import read_only
 from surae.base.units import FloatArray
+from surae.base.words import N_
 from surae.processes import Child
 from surae_workbench.live import rehearsal
 from surae_workbench.live.alarms import EVERY, Alarm, Watch
@@ -114,7 +115,8 @@ class Room:
         self.target = TargetStream()
         self.trajectory: Trajectory | None = None
         self.asked: dict[str, Any] = {}
-        self.limits: list[str] = []  #: What the loaded trial asks of the device, in sentences.
+        #: What the loaded trial asks of the device: sentences, and their parts.
+        self.limits: list[dict[str, Any]] = []
         self._expects = Child(nice=10)
         self.begin: float | None = None
         self._timer: threading.Timer | None = None
@@ -169,7 +171,10 @@ class Room:
                 "protocol": cleaned(name), "seconds": float(trajectory.time[-1]),
                 "effort": effort if trajectory.effort.any() else "passive",
             }  # fmt: skip
-            self.limits = [*(limit.text for limit in limits), *given_up]
+            self.limits = [
+                *({"text": e.text, "message": e.message, "given": e.given} for e in limits),
+                *({"text": text} for text in given_up),
+            ]
             self.target.load(trajectory)
             self._go_back()
             self._tell("protocol", {**self.asked, "limits": self.limits})
@@ -273,8 +278,8 @@ class Room:
     def _heard(self, event: str, data: Mapping[str, Any]) -> None:
         self._tell(event, data)
         if event in ("silent", "lost") and data["stream"] != TARGET:
-            what = f"{data['stream']} sends nothing: look at its program, cable and battery."
-            self._alarm(Alarm("stream", None, what))
+            what = N_("{stream} sends nothing: look at its program, cable and battery.")
+            self._alarm(Alarm("stream", None, what, {"stream": data["stream"]}))
 
     def _look(self) -> None:
         """Look at what arrives; a mistake of ours ends nothing."""
@@ -290,8 +295,8 @@ class Room:
         begin, now = self.begin, self.trials.recorder.clock()
         at = None if begin is None else round(now - begin, 2)
         if self.trials.running is not None:
-            self.trials.alarm(at, *alarm)
-        self._tell("alarm", {"at": at, **alarm._asdict()})
+            self.trials.alarm({"at": at, **alarm.shown()})
+        self._tell("alarm", {"at": at, **alarm.shown()})
 
     def _watch(self, folder: Path) -> None:
         """Take files that appear, once they do not grow any more."""

@@ -166,11 +166,10 @@ class Trials:
             at = round(self.recorder.clock() - self._begun, 3)
             self._write(number, marks=lambda record: [*record.marks, {"at": at, "text": text}])
 
-    def alarm(self, at: float | None, code: str, role: str | None, text: str) -> None:
-        """Write down what goes wrong within the trial."""
+    def alarm(self, about: dict[str, Any]) -> None:
+        """Write down what goes wrong within the trial, as `record.Alarm` has it."""
         number = self.running
         if number is not None and len(self.trials[number].alarms) < MOST:
-            about = {"at": at, "code": code, "role": role, "text": text}
             self.recorder.note("alarm", **about)
             self._write(number, alarms=lambda record: [*record.alarms, about])
 
@@ -248,7 +247,7 @@ class Trials:
         if "findings" not in judgement:
             judgement = {"verdict": "repeat", "advice": judgement["why"], **judgement}
         if trial.split is not None or self.trials[number].split is not None:
-            judgement |= {"verdict": "repeat", "advice": self.trials[number].split}
+            judgement |= {"verdict": "repeat", "advice": self.trials[number].split, "told": {}}
         output = self.path(number, ".h5")
         about = {
             "state": "judged",

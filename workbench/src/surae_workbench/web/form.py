@@ -6,6 +6,7 @@ from typing import Any
 from surae import api
 from surae.base import names
 from surae.base.setting import default_of, kind_of, parts_of, settings_of
+from surae.base.words import N_
 
 #: Settings that are records of their own, each of whose settings is a field of the form.
 _RECORDS = {"options": api.ModelOptions, "weights": api.Weighting, "preparation": api.Preparation}
@@ -45,6 +46,6 @@ def fields(kind: Any, *within: str) -> list[dict[str, Any]]:
 
 def _words(choices: tuple[str, ...]) -> dict[str, str]:
     """Choices as a form calls them: models by their titles, others as they are."""
-    titles = {names.AUTO: "automatic: what the data support"}
+    titles = {names.AUTO: N_("automatic: what the data support")}
     titles |= {spec.name: spec.title for spec in api.MODELS.values()}
     return {choice: titles.get(choice, choice) for choice in choices}

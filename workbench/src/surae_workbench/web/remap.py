@@ -16,6 +16,7 @@ from surae import api
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.base.units import FACTORS, SI, FloatArray, kind
+from surae.base.words import N_
 from surae_workbench.web.imports import CLOCK, described, preview, read_recording
 from surae_workbench.web.rows import Entry
 
@@ -34,6 +35,11 @@ _UNIT = re.compile(r"\[([^\]]+)\]")
 _ADVISED = re.compile(r'unit = "([^"]+)"')
 _SCALED = re.compile(r"scale = ([\d.e+-]+) for")
 _FILE = "for another column drop its file on the page Add trials again"
+
+
+_TURN = {
+    "both": N_("Turn both"), "angle": N_("Turn the angle"), "torque": N_("Turn the torque"),
+}  # fmt: skip
 
 
 def first_mapping(row: Entry) -> dict[str, Any]:
@@ -175,9 +181,14 @@ def proposals(
     """Findings, with what mends each in one click where the check is certain.
 
     `channels` are those of the description; a finding then has ``mend``: a label, and what changes
-    of the channels.
+    of the channels. ``kind`` and ``usual`` are what such findings are of, and what to do: messages
+    of the catalogue.
     """
-    return [{**finding, "mend": _mend(finding, channels)} for finding in findings]
+    return [
+        {**finding, "mend": _mend(finding, channels),
+         "kind": api.KINDS[finding["code"]].looks_for, "usual": api.KINDS[finding["code"]].advice}
+        for finding in findings
+    ]  # fmt: skip
 
 
 def _mend(
@@ -196,7 +207,7 @@ def _mend(
             return None  # the finding on the angle turns both
         turned = ["angle", "torque"] if both else [role]
         return {
-            "label": "Turn both" if both else f"Turn the {role}",
+            "label": _TURN["both" if both else str(role)],
             "channels": {each: {"sign": -channels[each]["sign"]} for each in turned},
         }
     if (
@@ -207,14 +218,16 @@ def _mend(
         channel = channels[role]
         shift = finding["value"] / (_factor(role, channel["unit"]) * channel["sign"])
         return {
-            "label": f"Take {finding['value']:.3g} Nm away".replace("-", "−"),
+            "label": N_("Take {torque} Nm away"),
+            "given": {"torque": f"{finding['value']:.3g}".replace("-", "−")},
             "channels": {role: {"offset": channel["offset"] - shift}},
         }
     if code in ("angle-units", "torque-unit", "emg-unit") and (
         unit := _unit(finding, channels[roles[0]], FACTORS[kind(roles[0])])
     ):
         return {
-            "label": f"It is {unit}".replace("uV", "µV"),
+            "label": N_("It is {unit}"),
+            "given": {"unit": unit.replace("uV", "µV")},
             "channels": {each: {"unit": unit} for each in roles},
         }
     return None

@@ -87,7 +87,7 @@ def session(task: Task) -> dict[str, Any]:
     efforts = {task["names"][id_]: effort for id_, effort in task["efforts"].items()}
     leg = api.session(recordings, name=task["name"], efforts=efforts)
 
-    first = api.first_answer(leg.trials)
+    first = {_: api.first_answer(leg.trials, api.words_in(_)) for _ in LANGUAGES}
 
     def progress(step: "api.Step") -> None:
         tell({"what": step.what, "done": step.done, "total": step.total, "first": first})

@@ -2,17 +2,19 @@
 
 import { get, post } from "../js/core/api.js";
 import { button, byId, h, num, replace, table } from "../js/core/dom.js";
+import { number, r2, unitText, verdictText } from "../js/core/format.js";
+import { _, chooseLanguage, decimal, language, many, said } from "../js/core/words.js";
 import { at, listen, surface } from "./stream.js";
 
 const act = (name, body) => post(`/api/live/${name}`, body);
 const SECONDS = 12;
-const MUSCLES = [["emg_ta", "tibialis"], ["emg_gl", "gastroc. lat."], ["emg_sol", "soleus"], ["emg_gm", "gastroc. med."]];
+const MUSCLES = [["emg_ta", _("tibialis")], ["emg_gl", _("gastroc. lat.")], ["emg_sol", _("soleus")], ["emg_gm", _("gastroc. med.")]];
 const ROWS = [
-  ["angle", "Angle [°]", 57.29578, "series-1"],
-  ["torque", "Torque [Nm]", 1, "series-2"],
+  ["angle", _("Angle [°]"), 57.29578, "series-1"],
+  ["torque", _("Torque [Nm]"), 1, "series-2"],
   ...MUSCLES.map(([role, name], i) => [role, `${name} [mV]`, 1000, `series-${(i % 4) + 3}`]),
 ];
-const WORDS = { keep: "Keep", look: "Look at it", repeat: "Repeat" };
+const WORDS = { keep: _("Keep"), look: _("Look at it"), repeat: _("Repeat") };
 const SIGNS = { keep: "✓", look: "!", repeat: "↻" };
 
 let state = null;
@@ -60,7 +62,7 @@ function draw() {
     c.fillText(name, 0, (top + bottom) / 2 + 4);
     c.textAlign = "right";
     const least = 1e-3 * (high - low);
-    const tick = (v) => `${Math.abs(v) < least ? 0 : Number((v * factor).toPrecision(2))}`;
+    const tick = (v) => `${Math.abs(v) < least ? 0 : decimal(String(Number((v * factor).toPrecision(2))))}`;
     c.fillText(tick(high), left - 6, top + 9);
     c.fillText(tick(low), left - 6, bottom);
     c.textAlign = "left";
@@ -122,13 +124,13 @@ function unbroken(seen) {
 }
 
 function showClock(now) {
-  let text = state.ready ? "Ready" : "Getting ready …";
+  let text = state.ready ? _("Ready") : _("Getting ready …");
   if (state.running !== null) {
-    text = `Trial ${state.running}`;
-    if (state.begin !== null) {
-      const own = now - state.begin;
-      text += own < 0 ? ` in ${Math.ceil(-own)} s` : ` · ${Math.min(own, state.asked.seconds).toFixed(0)} of ${state.asked.seconds.toFixed(0)} s`;
-    }
+    const own = state.begin === null ? null : now - state.begin;
+    const { seconds } = state.asked;
+    if (own === null) text = _("Trial {n}", { n: state.running });
+    else if (own < 0) text = _("Trial {n} in {s} s", { n: state.running, s: Math.ceil(-own) });
+    else text = _("Trial {n} · {now} of {whole} s", { n: state.running, now: Math.min(own, seconds).toFixed(0), whole: seconds.toFixed(0) });
   }
   const place = byId("clock");
   if (place.textContent !== text) place.textContent = text;
@@ -150,24 +152,24 @@ function heardFrame(frame) {
 // --- reports --------------------------------------------------------------------------------
 
 function showStreams() {
-  const report = { good: ["keep", "good"], changed: ["look", "changed"], silent: ["look", "silent"], lost: ["repeat", "lost"] };
+  const report = { good: ["keep", _("good")], changed: ["look", _("changed")], silent: ["look", _("silent")], lost: ["repeat", _("lost")] };
   const missing = [
-    !state.streams.length && "None yet: start the programs that send streams of LSL.",
-    state.streams.length && !state.roles.length && "Which channel is the angle? Their names do not say it: start again with --mapping MAP.toml.",
+    !state.streams.length && _("None yet: start the programs that send streams of LSL."),
+    state.streams.length && !state.roles.length && _("Which channel is the angle? Their names do not say it: start again with --mapping MAP.toml."),
   ].filter(Boolean);
   replace(
     byId("streams"),
     state.streams.map((stream) => {
         const [kind, word] = report[stream.state === "good" && stream.remark ? "changed" : stream.state];
-      const rate = stream.measured_hz === null ? "" : `${stream.measured_hz.toFixed(0)} of ${stream.rate_hz.toFixed(0)} Hz`;
-      const clock = stream.offset_ms === null ? "" : `, clock ${(Math.round(10 * stream.offset_ms) / 10 + 0).toFixed(1)} ms`;
+      const rate = stream.measured_hz === null ? "" : _("{now} of {whole} Hz", { now: stream.measured_hz.toFixed(0), whole: stream.rate_hz.toFixed(0) });
+      const clock = stream.offset_ms === null ? "" : `, ${_("clock {ms} ms", { ms: number(stream.offset_ms, 2) })}`;
       const wrong = [
-        stream.gaps ? `${stream.gaps} gaps` : "",
-        stream.losses ? `lost ${stream.losses} times` : "",
-        stream.lost_s ? `${stream.lost_s.toFixed(2)} s missing` : "",
-        stream.not_finite ? `${stream.not_finite} values are no numbers` : "",
-        stream.bad_stamps ? `${stream.bad_stamps} time stamps are no numbers` : "",
-        stream.remark,
+        stream.gaps ? many("{n} gap", "{n} gaps", stream.gaps) : "",
+        stream.losses ? many("lost {n} time", "lost {n} times", stream.losses) : "",
+        stream.lost_s ? _("{s} s missing", { s: number(stream.lost_s, 2) }) : "",
+        stream.not_finite ? many("{n} value is no number", "{n} values are no numbers", stream.not_finite) : "",
+        stream.bad_stamps ? many("{n} time stamp is no number", "{n} time stamps are no numbers", stream.bad_stamps) : "",
+        stream.remark && _("came back as another stream"),
       ].filter(Boolean).join(", ");
       return h("li", {}, h("strong", {}, stream.name), h("span", { class: `pill ${kind}` }, word),
         h("span", { class: "muted small" }, `${stream.channels.join(", ")}: ${rate}${clock}${wrong ? `; ${wrong}` : ""}`));
@@ -176,7 +178,7 @@ function showStreams() {
   );
   const box = byId("error");
   if (state.trouble) {
-    box.textContent = state.trouble;
+    box.textContent = said(state.trouble_said);
     box.hidden = false;
     box.dataset.disk = "yes";
   } else if (box.dataset.disk) {
@@ -188,7 +190,7 @@ function showStreams() {
 /** What goes wrong now: seen as long as it lasts, heard once. */
 function showAlarms() {
   const place = byId("alarms");
-  const texts = (state.alarms ?? []).map((alarm) => alarm.text);
+  const texts = (state.alarms ?? []).map(said);
   if (place.dataset.said !== JSON.stringify(texts)) {
     place.dataset.said = JSON.stringify(texts);
     replace(place, texts.map((text) => h("li", {}, text)));
@@ -202,22 +204,25 @@ function heardAlarm(alarm) {
   beep("alarm");
 }
 
+/** What was said in the reader's language, else in English. */
+const own = (what) => ({ ...what, ...what.told?.[language] });
+
 function pill(trial) {
   if (trial.state === "judged") return h("span", { class: `pill ${trial.verdict}` }, `${SIGNS[trial.verdict]} ${WORDS[trial.verdict]}`);
-  return h("span", { class: "pill wait" }, trial.state);
+  return h("span", { class: "pill wait" }, _(trial.state));
 }
 
 function showTrials() {
   const items = [...state.trials].reverse().map((trial) => {
-    const numbers = trial.grade ? `${trial.grade}, VAF ${trial.vaf.toFixed(1)} %` : (trial.why ?? "");
-    const said = [trial.protocol, numbers, trial.note].filter(Boolean).join(" · ");
-    return h("li", {}, h("strong", {}, `Trial ${trial.trial}`), pill(trial), h("span", { class: "muted small" }, said),
-      trial.advice ? h("span", { class: "muted small" }, trial.advice) : null,
-      trial.leg.map((sentence) => h("span", { class: "small" }, sentence)),
+    const numbers = trial.grade ? `${_(trial.grade)}, VAF ${r2(trial.vaf)}` : _(trial.why);
+    const about = [_(trial.protocol), numbers, trial.note].filter(Boolean).join(" · ");
+    return h("li", {}, h("strong", {}, _("Trial {n}", { n: trial.trial })), pill(trial), h("span", { class: "muted small" }, about),
+      own(trial).advice ? h("span", { class: "muted small" }, own(trial).advice) : null,
+      own(trial).leg.map((sentence) => h("span", { class: "small" }, sentence)),
       trial.alarms.map((alarm) => h("span", { class: "muted small" },
-        `${alarm.at === null ? "" : `At ${alarm.at.toFixed(0)} s: `}${alarm.text}`)));
+        alarm.at === null ? said(alarm) : `${_("At {s} s:", { s: alarm.at.toFixed(0) })} ${said(alarm)}`)));
   });
-  replace(byId("trials"), items.length ? items : h("li", { class: "muted" }, "None yet."));
+  replace(byId("trials"), items.length ? items : h("li", { class: "muted" }, _("None yet.")));
   byId("repeat").disabled = !state.trials.length || state.running !== null;
 }
 
@@ -226,63 +231,62 @@ function showVerdict(trial) {
   place.className = `verdict ${trial.verdict}`;
   replace(
     place,
-    h("strong", {}, `${SIGNS[trial.verdict]} Trial ${trial.trial}: ${WORDS[trial.verdict]}`),
-    h("span", {}, trial.advice || "Nothing was found against it."),
-    trial.leg.map((sentence) => h("span", {}, sentence)),
+    h("strong", {}, `${SIGNS[trial.verdict]} ${_("Trial {n}", { n: trial.trial })}: ${WORDS[trial.verdict]}`),
+    h("span", {}, own(trial).advice || _("Nothing was found against it.")),
+    own(trial).leg.map((sentence) => h("span", {}, sentence)),
   );
   place.hidden = false;
   beep(trial.verdict);
 }
 
-const together = (trials) => (trials.length > 1 ? `Trials ${trials.join(", ")} together` : `Trial ${trials[0]} alone`);
+const together = (trials) => (trials.length > 1 ? _("Trials {list} together", { list: trials.join(", ") }) : _("Trial {n} alone", { n: trials[0] }));
 
 function showSession() {
   const { session } = state;
   const place = byId("session");
-  const failed = session.state === "failed" && session.parameters && h("p", { class: "alert" }, `The fit of ${together(session.fitting)} failed: ${session.why}. This is the one before.`);
-  const busy = session.state === "fitting" && h("p", { class: "muted" }, `${together(session.fitting)}: being fitted; it takes a minute.`);
+  const failed = session.state === "failed" && session.parameters && h("p", { class: "alert" }, _("{trials}: the fit failed ({why}). This is the one before.", { trials: together(session.fitting), why: session.why }));
+  const busy = session.state === "fitting" && h("p", { class: "muted" }, _("{trials}: being fitted; it takes a minute.", { trials: together(session.fitting) }));
   if (!session.parameters) {
-    const text = session.state === "failed" ? session.why : "After the first good trial: all trials fitted together, and what to measure next.";
+    const text = session.state === "failed" ? session.why : _("After the first good trial: all trials fitted together, and what to measure next.");
     replace(place, busy || h("p", { class: "muted" }, text));
     return;
   }
   replace(place, failed, busy,
-    h("p", {}, `${together(session.trials)}: ${session.grade}, VAF ${session.vaf.toFixed(1)} %. ${session.reasons.join("; ")}`),
-    (session.leg ?? []).map((sentence) => h("p", {}, sentence)),
-    h("div", { class: "next" }, session.next.map((sentence) => h("p", {}, sentence)),
-      session.proposed && button([`Load ${session.proposed} `, h("kbd", {}, "N")], next, { id: "next", "aria-keyshortcuts": "N" })),
-    h("details", {}, h("summary", {}, "All measures and parameters"),
-      estimates("Measures", session.measures, session.before),
-      estimates("Parameters", session.parameters.filter((p) => p.verdict !== "fixed"), session.before)));
+    h("p", {}, `${together(session.trials)}: ${_(session.grade)}, VAF ${r2(session.vaf)}. ${own(session).reasons.join("; ")}`),
+    (own(session).leg ?? []).map((sentence) => h("p", {}, sentence)),
+    h("div", { class: "next" }, own(session).next.map((sentence) => h("p", {}, sentence)),
+      session.proposed && button([`${_("Load {movement}", { movement: session.proposed })} `, h("kbd", {}, "N")], next, { id: "next", "aria-keyshortcuts": "N" })),
+    h("details", {}, h("summary", {}, _("All measures and parameters")),
+      estimates(_("Measures"), session.measures, session.before),
+      estimates(_("Parameters"), session.parameters.filter((p) => p.verdict !== "fixed"), session.before)));
 }
 
 /** A table of estimates: now, and after the trials before. */
 function estimates(title, rows, before) {
   const kinds = { identified: "keep", weak: "look" };
-  const number = (value) => (value === null || value === undefined ? "–" : value.toPrecision(3));
-  return table(title, [title, "Value", "95 % interval", "Before", "Verdict"], rows.map((one) => [
+  return table(title, [title, _("Value"), _("95 % interval"), _("Before"), _("Verdict")], rows.map((one) => [
     h("span", { title: one.meaning ?? null }, one.name.replaceAll("_", " ")),
-    num(`${number(one.value)} ${one.unit === "1" ? "" : one.unit}`),
-    num(one.ci95 && one.verdict !== "undetermined" ? `${number(one.ci95[0])} … ${number(one.ci95[1])}` : "none"),
-    num(number(before[one.name])),
-    h("span", { class: `pill ${kinds[one.verdict] ?? "repeat"}` }, one.verdict),
+    num(`${number(one.value, 3)} ${unitText(one.unit)}`),
+    num(one.ci95 && one.verdict !== "undetermined" ? `${number(one.ci95[0], 3)} … ${number(one.ci95[1], 3)}` : _("none")),
+    num(number(before[one.name], 3)),
+    h("span", { class: `pill ${kinds[one.verdict] ?? "repeat"}` }, verdictText(one.verdict)),
   ]), { caption: null, numbers: [1, 3] });
 }
 
 function showAsked() {
   byId("asked").textContent = state.asked.protocol
-    ? `${state.asked.protocol}, ${state.asked.seconds.toFixed(0)} s`
-    : "Nothing is loaded: a trial records what comes, until it is stopped.";
-  byId("moves").textContent = [state.moves, ...state.limits].join(". ");
+    ? `${_(state.asked.protocol)}, ${state.asked.seconds.toFixed(0)} s`
+    : _("Nothing is loaded: a trial records what comes, until it is stopped.");
+  byId("moves").textContent = [state.moves, ...state.limits.map(said)].join(". ");
   const running = state.running !== null;
-  replace(byId("start"), running ? "Stop " : "Start ", h("kbd", {}, "Space"));
+  replace(byId("start"), `${running ? _("Stop") : _("Start")} `, h("kbd", {}, _("Space")));
   byId("start").className = running ? "danger" : "primary";
   byId("start").disabled = !running && !state.ready;
   byId("mark").disabled = !running;
 }
 
 function showAll() {
-  byId("where").textContent = `${state.rehearsal ? "Rehearsal, a virtual leg · " : ""}${state.folder}`;
+  byId("where").textContent = [state.rehearsal && _("Rehearsal, a virtual leg"), state.folder].filter(Boolean).join(" · ");
   byId("faults").hidden = !state.rehearsal;
   showAlarms();
   showStreams();
@@ -355,9 +359,10 @@ byId("start").addEventListener("click", startStop);
 byId("mark").addEventListener("click", mark);
 byId("repeat").addEventListener("click", again);
 byId("forget").addEventListener("click", () => tried(() => act("forget")));
+chooseLanguage(byId("language"));
 byId("sound").addEventListener("click", () => {
   sound = !sound;
-  byId("sound").textContent = sound ? "Sound on" : "Sound off";
+  byId("sound").textContent = sound ? _("Sound on") : _("Sound off");
   byId("sound").setAttribute("aria-pressed", String(sound));
 });
 byId("protocol").addEventListener("submit", (event) => {
@@ -372,12 +377,12 @@ byId("protocol").addEventListener("submit", (event) => {
 /** What a movement is good for; a designed one brings its effort and its length along. */
 function showMovement() {
   const chosen = state.profiles.find((one) => one.name === byId("profile").value);
-  byId("movement").textContent = chosen?.description ?? "";
+  byId("movement").textContent = _(chosen?.description);
   for (const id of ["task", "seconds", "chirp"]) byId(id).disabled = Boolean(chosen?.designed) || chosen?.name === "maximum";
 }
 byId("profile").addEventListener("change", showMovement);
 byId("tells").addEventListener("click", () => tried(async () => {
-  replace(byId("told"), h("p", { class: "muted" }, "Being computed; it takes a minute."));
+  replace(byId("told"), h("p", { class: "muted" }, _("Being computed; it takes a minute.")));
   const { tells } = await act("tells");
   replace(byId("told"), tells.map((text) => h("p", { class: "small" }, text)));
 }));
@@ -393,20 +398,20 @@ addEventListener("keydown", (event) => {
 
 replace(byId("efforts"), MUSCLES.map(([, name], i) =>
   h("label", {}, h("span", {}, `${name} `, h("span", { id: `effort-${i}-said` }, "0 %")), h("meter", { id: `effort-${i}`, min: 0, max: 1, value: 0 }))));
-replace(byId("fault-buttons"), [["electrode-off", "electrode off"], ["hum", "hum"], ["torque-sign", "torque turned"], ["dropout", "dropout"], ["none", "mend all"]]
+replace(byId("fault-buttons"), [["electrode-off", _("electrode off")], ["hum", _("hum")], ["torque-sign", _("torque turned")], ["dropout", _("dropout")], ["none", _("mend all")]]
   .map(([kind, text]) => button(text, () => tried(() => act("fault", { kind })), { class: "small" })));
 
 tried(async () => {
   await refresh();
-  const option = (name, first) => h("option", { value: name, selected: name === first }, name);
+  const option = (name, first) => h("option", { value: name, selected: name === first }, _(name));
   const group = (label, ones) => h("optgroup", { label }, ones.map(({ name }) => option(name, "everything-35")));
-  replace(byId("profile"), group("Designed", state.profiles.filter((one) => one.designed)), group("Others", state.profiles.filter((one) => !one.designed)));
+  replace(byId("profile"), group(_("Designed"), state.profiles.filter((one) => one.designed)), group(_("Others"), state.profiles.filter((one) => !one.designed)));
   replace(byId("task"), state.tasks.map((name) => option(name, "active")));
   showMovement();
   listen("/api/live/events", {
     open: () => tried(refresh),
     error: () => {
-      byId("error").textContent = "surae does not answer: what is shown is old, and nothing may be recorded. Look at where it was started, and load this page again when it runs.";
+      byId("error").textContent = _("surae does not answer: what is shown is old, and nothing may be recorded. Look at where it was started, and load this page again when it runs.");
       byId("error").hidden = false;
       byId("error").dataset.disk = "";
     },

@@ -2,6 +2,7 @@
 
 import { get } from "../js/core/api.js";
 import { at, listen, surface } from "./stream.js";
+import { _ } from "../js/core/words.js";
 
 const AHEAD = 4;
 const BEHIND = 4;
@@ -12,14 +13,14 @@ let own = [];
 const both = ([ta, gl, sol, gm]) => ta - (gl + sol + gm) / 3;
 
 function words(now) {
-  if (!state || state.running === null || state.begin === null) return "Relax";
+  if (!state || state.running === null || state.begin === null) return _("Relax");
   const t = now - state.begin;
-  if (t < 0) return `Ready … ${Math.ceil(-t)}`;
+  if (t < 0) return _("Ready … {n}", { n: Math.ceil(-t) });
   const target = state.curve ? at(state.curve, (i) => both(state.curve.effort[i]), t + 0.2) : null;
-  if (target === null) return "Well done. Relax";
-  if (target > 0.05) return "Pull up";
-  if (target < -0.05) return "Push down";
-  return "Relax";
+  if (target === null) return _("Well done. Relax");
+  if (target > 0.05) return _("Pull up");
+  if (target < -0.05) return _("Push down");
+  return _("Relax");
 }
 
 function draw() {

@@ -2,11 +2,12 @@
 
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Query, Request, Response
 
 from surae import api
 from surae.base.files import csv_row
 from surae_workbench.web.fits import main_fit, model_title
+from surae_workbench.web.language import language_of
 from surae_workbench.web.project import when
 from surae_workbench.web.routes.common import CSV, ERRORS, Bench, attachment
 from surae_workbench.web.rows import MEASURES, Entry
@@ -22,9 +23,9 @@ Which = Annotated[Literal["legs", "all"], Query()]
 
 
 @router.get("/cohort")
-def get_cohort(bench: Bench, which: Which = "legs") -> dict[str, Any]:
+def get_cohort(request: Request, bench: Bench, which: Which = "legs") -> dict[str, Any]:
     """Measures and parameters of every leg, a row for each visit; or of every fit."""
-    rows, words = _rows(bench, which), api.words_in("en")
+    rows, words = _rows(bench, which), api.words_in(language_of(request))
     return {
         "measures": [
             {"name": name, "title": words.measure(name), "unit": unit}

@@ -12,7 +12,7 @@ from surae import api
 from surae._version import __version__
 from surae.base.errors import InputError
 from surae.base.files import template
-from surae.base.names import LANGUAGES
+from surae_workbench.web.language import language_of, spoken
 from surae_workbench.web.routes.common import Bench, Browser, PathId
 from surae_workbench.web.sessions import BrowserSession
 
@@ -23,23 +23,15 @@ def page(
     request: Request, name: str, browser: BrowserSession | None, code: int = 200, **more: Any
 ) -> Response:
     """A page of a template."""
-    words = api.words_in(language_of(request))
     text = template(f"{name}.html.j2", "surae_workbench.web").render(
-        _=words,
-        language=words.language,
         csrf="" if browser is None else browser.csrf,
         version=__version__,
         page=name,
         project=request.app.state.workbench.project.name,
+        **spoken(request),
         **more,
     )
     return Response(text, status_code=code, media_type="text/html")
-
-
-def language_of(request: Request) -> str:
-    """The language that was chosen in this browser."""
-    chosen = request.cookies.get("surae-language", "en")
-    return chosen if chosen in LANGUAGES else "en"
 
 
 def _offer(path: str, name: str, kind: str) -> None:

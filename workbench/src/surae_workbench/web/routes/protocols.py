@@ -10,6 +10,7 @@ from surae import api
 from surae.base.errors import InputError
 from surae.base.names import FITTED
 from surae.base.records import from_plain
+from surae.base.words import N_
 from surae_workbench.web.answers import Job, Protocol
 from surae_workbench.web.curves import plain
 from surae_workbench.web.fits import model_title
@@ -171,6 +172,8 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
 def limits(trajectory: api.Trajectory) -> list[dict[str, Any]]:
     """Every limit of the device, whether it is exceeded by those it is for, and by how much."""
     if trajectory.settings.device is None:
-        return [{"text": "No device: no limit is kept", "exceeded": True}]
-    limits = api.requested_limits(trajectory)
-    return [{"text": limit.text, "exceeded": limit.exceeded} for limit in limits]
+        return [{"text": N_("No device: no limit is kept"), "exceeded": True}]
+    return [
+        {"text": e.text, "message": e.message, "given": e.given, "exceeded": e.exceeded}
+        for e in api.requested_limits(trajectory)
+    ]

@@ -1,5 +1,7 @@
 // Requests to the server; what it refuses becomes an Error with its own one line.
 
+import { _ } from "./words.js";
+
 const token = () => document.querySelector('meta[name="csrf-token"]').content;
 
 export class Refusal extends Error {
@@ -14,13 +16,13 @@ async function answer(url, options) {
     return await fetch(url, { credentials: "same-origin", ...options });
   } catch (error) {
     if (error.name === "AbortError") throw error;
-    throw new Refusal("the server does not answer; is surae still running?", 0);
+    throw new Refusal(_("the server does not answer; is surae still running?"), 0);
   }
 }
 
 async function checked(response) {
   if (response.ok) return response;
-  let line = `the server refused (${response.status})`;
+  let line = _("the server refused ({status})", { status: response.status });
   try {
     line = (await response.json()).error ?? line;
   } catch {

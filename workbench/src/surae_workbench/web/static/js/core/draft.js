@@ -2,6 +2,7 @@
 
 import { get, patch, post } from "./api.js";
 import { attempt, tell } from "./notice.js";
+import { _ } from "./words.js";
 
 let state = null;
 let queue = Promise.resolve();
@@ -38,7 +39,7 @@ export function history(step, box) {
   const done = queue.then(() =>
     attempt(box, async () => {
       settle(await post(`/api/draft/${step}`));
-      tell(`${step === "undo" ? "Undone" : "Redone"}: ${label}`);
+      tell(`${step === "undo" ? _("Undone") : _("Redone")}: ${label}`);
       dispatchEvent(new CustomEvent("surae:changed", { detail: { what: "all" } }));
     }),
   );

@@ -1,5 +1,7 @@
 // Numbers as text: sensible digits, powers of ten in print style, a unit at every number.
 
+import { _, decimal, language } from "./words.js";
+
 export const NONE = "—";
 const SUPERSCRIPT = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
 
@@ -17,7 +19,7 @@ export function number(value, digits = 4) {
   return minus(rounded.toFixed(Math.min(decimals, 9)));
 }
 
-const minus = (text) => text.replace("-", "−");
+const minus = (text) => decimal(text.replace("-", "−"));
 
 /** A number with its unit; "-" means that it has none. */
 export function quantity(value, unit, digits = 4) {
@@ -48,32 +50,32 @@ export function r2(value) {
 export const seconds = (value) =>
   value === null || value === undefined ? NONE : value < 60 ? `${minus(value.toFixed(value < 10 ? 2 : 1))} s` : `${Math.floor(value / 60)} min ${Math.round(value % 60)} s`;
 
-export const span = (start, end) => `${minus(start.toFixed(2))} to ${minus(end.toFixed(2))} s`;
+export const span = (start, end) => _("{low} to {high}", { low: minus(start.toFixed(2)), high: `${minus(end.toFixed(2))} s` });
 
 export function when(iso) {
   const date = new Date(iso);
   return Number.isNaN(date.getTime())
     ? NONE
-    : date.toLocaleString(undefined, { year: "numeric", month: "short", day: "numeric", hour: "2-digit", minute: "2-digit" });
+    : date.toLocaleString(language, { year: "numeric", month: "short", day: "numeric", hour: "2-digit", minute: "2-digit" });
 }
 
 /** A rate of samples, without zeros that say nothing. */
-export const rate = (hz) => (hz ? `${Number(hz.toPrecision(5))} Hz` : NONE);
+export const rate = (hz) => (hz ? `${decimal(String(Number(hz.toPrecision(5))))} Hz` : NONE);
 
 export const bytes = (n) => (n < 1e6 ? `${number(n / 1e3, 3)} kB` : `${number(n / 1e6, 3)} MB`);
 
 const ROLES = {
-  angle: "Angle",
-  torque: "Torque",
-  emg_ta: "EMG tibialis anterior",
-  emg_gl: "EMG gastrocnemius lateralis",
-  emg_sol: "EMG soleus",
-  emg_gm: "EMG gastrocnemius medialis",
-  angular_velocity: "Angular velocity",
-  angular_acceleration: "Angular acceleration",
+  angle: _("Angle"),
+  torque: _("Torque"),
+  emg_ta: _("EMG tibialis anterior"),
+  emg_gl: _("EMG gastrocnemius lateralis"),
+  emg_sol: _("EMG soleus"),
+  emg_gm: _("EMG gastrocnemius medialis"),
+  angular_velocity: _("Angular velocity"),
+  angular_acceleration: _("Angular acceleration"),
 };
-const MUSCLES = { tib: "tibialis", gl: "gastrocnemius lateralis", sol: "soleus", gm: "gastrocnemius medialis" };
-const FILMED = { fascicle: "Fascicle length", pennation: "Pennation" };
+const MUSCLES = { tib: _("tibialis"), gl: _("gastrocnemius lateralis"), sol: _("soleus"), gm: _("gastrocnemius medialis") };
+const FILMED = { fascicle: _("Fascicle length"), pennation: _("Pennation") };
 export const ofFilm = (role) => role.split("_")[0] in FILMED;
 export function roleText(role) {
   const [kind, muscle] = role.split("_");
@@ -82,7 +84,7 @@ export function roleText(role) {
 export const EMG = ["emg_ta", "emg_gl", "emg_sol", "emg_gm"];
 export const EMG_SHORT = ["TA", "GL", "SOL", "GM"];
 
-const VERDICTS = { identified: "identified", weak: "weak", undetermined: "undetermined", "at-bound": "at bound", fixed: "fixed" };
+const VERDICTS = { identified: _("identified"), weak: _("weak"), undetermined: _("undetermined"), "at-bound": _("at bound"), fixed: _("fixed") };
 export const verdictText = (verdict) => VERDICTS[verdict] ?? verdict;
 
 /** A range of values as it is shown to the eye. */

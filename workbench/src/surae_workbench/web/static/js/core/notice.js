@@ -1,6 +1,7 @@
 // Notices: quietly at the corner, or as an error beside what caused it.
 
 import { byId, h } from "./dom.js";
+import { _ } from "./words.js";
 
 /** A line at the corner, read out politely. */
 export function tell(text) {
@@ -19,7 +20,7 @@ export function complain(box, error) {
   let line = error instanceof Error ? error.message : String(error);
   if (error instanceof TypeError || error instanceof ReferenceError) {
     console.error(error); // ours, not the server's: no sentence for a reader
-    line = "the page could not show this; reload it";
+    line = _("the page could not show this; reload it");
   }
   box.textContent = line;
   box.hidden = false;

@@ -6,6 +6,7 @@ import { listen, onChanged } from "./events.js";
 import { alertBox, complain } from "./notice.js";
 import { latest } from "./pace.js";
 import { active } from "../ui/jobs.js";
+import { _, chooseLanguage, many } from "./words.js";
 
 const box = alertBox();
 byId("main").prepend(box);
@@ -17,10 +18,10 @@ const editable = (element) =>
 
 function showHistory() {
   const { undo, redo } = draftState();
-  for (const [id, label, verb] of [["undo", undo, "Undo"], ["redo", redo, "Redo"]]) {
+  for (const [id, label, verb] of [["undo", undo, _("Undo")], ["redo", redo, _("Redo")]]) {
     const knob = byId(id);
     knob.disabled = label === null;
-    const text = label === null ? `Nothing to ${id}` : `${verb}: ${label}`;
+    const text = label === null ? id === "undo" ? _("Nothing to undo") : _("Nothing to redo") : `${verb}: ${label}`;
     knob.title = text;
     knob.setAttribute("aria-label", label === null ? verb : text);
   }
@@ -39,7 +40,7 @@ const showJobs = latest(async () => {
   const jobs = await active();
   byId("jobs").hidden = !jobs.length;
   const href = { fit: "/fit", session: "/analyse", design: "/plan", study: "/studies" }[jobs[0]?.kind] ?? "/";
-  replace(byId("jobs"), jobs.length > 0 && h("a", { href }, jobs.length === 1 ? `${jobs[0].kind} ${jobs[0].state}` : `${jobs.length} jobs running`));
+  replace(byId("jobs"), jobs.length > 0 && h("a", { href }, jobs.length === 1 ? `${_(jobs[0].kind)}: ${_(jobs[0].state)}` : many("{n} job running", "{n} jobs running", jobs.length)));
 });
 
 byId("undo").addEventListener("click", () => history("undo", box));
@@ -55,10 +56,7 @@ research.addEventListener("change", () => {
     // Without storage it holds for this page.
   }
 });
-byId("language").addEventListener("change", (event) => {
-  document.cookie = `surae-language=${event.target.value}; path=/; max-age=31536000; samesite=strict`;
-  location.reload();
-});
+chooseLanguage(byId("language"));
 onDraft(showHistory);
 onChanged(["jobs"], () => showJobs().catch(() => null));
 listen();

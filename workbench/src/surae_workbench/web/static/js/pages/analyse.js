@@ -9,6 +9,7 @@ import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
 import { active, jobControls, progressText } from "../ui/jobs.js";
 import { trialList } from "../ui/trials.js";
+import { _, language } from "../core/words.js";
 
 const box = { page: byId("error"), fit: byId("new-error") };
 let recordings = [];
@@ -36,7 +37,7 @@ function choose({ id }, wanted) {
 // What each trial is depends on the others: EMG is judged by the session's largest.
 const sort = latest(async () => {
   byId("start").disabled = true;
-  if (!chosen.size) return replace(byId("trials"), h("p", { class: "muted" }, "Choose the trials of one leg."));
+  if (!chosen.size) return replace(byId("trials"), h("p", { class: "muted" }, _("Choose the trials of one leg.")));
   byId("trials").setAttribute("aria-busy", "true");
   const answer = await attempt(box.fit, () => post("/api/sessions/trials", request()));
   byId("trials").removeAttribute("aria-busy");
@@ -48,13 +49,13 @@ const sort = latest(async () => {
 const request = () => ({ recordings: [...chosen], efforts: Object.fromEntries(Object.entries(efforts).filter(([id]) => chosen.has(id))) });
 
 const sorted = (trials) =>
-  table("What each trial is", ["Trial", "What it is", "Effort", "Used for"], trials.map((one) => [
-    one.name, h("td", { class: "what" }, one.problem || one.what, h("div", { class: "muted small" }, one.problem ? "" : one.why)), effort(one), one.use,
-  ]), { caption: "What each trial is, and what it is used for" });
+  table(_("What each trial is"), [_("Trial"), _("What it is"), _("Effort"), _("Used for")], trials.map((one) => [
+    one.name, h("td", { class: "what" }, one.problem || _(one.what), h("div", { class: "muted small", lang: "en" }, one.problem ? "" : one.why)), effort(one), _(one.use),
+  ]), { caption: _("What each trial is, and what it is used for") });
 
 function effort(one) {
-  const options = [["", one.stated ? "as its signals say" : `${one.effort}, by its signals`], ["passive", "passive"], ["active", "active"], ["maximal", "maximal"], ["empty device", "the empty device"], ["one muscle at a time", "one muscle at a time"]];
-  const knob = select({ "aria-label": `Effort of ${one.name}`, "data-focus": `effort-${one.recording}` }, options, efforts[one.recording] ?? "");
+  const options = [["", one.stated ? _("as its signals say") : _("{effort}, by its signals", { effort: _(one.effort) })], ...["passive", "active", "maximal", "empty device", "one muscle at a time"].map((name) => [name, _(name)])];
+  const knob = select({ "aria-label": _("Effort of {name}", { name: one.name }), "data-focus": `effort-${one.recording}` }, options, efforts[one.recording] ?? "");
   knob.addEventListener("change", () => {
     if (knob.value) efforts[one.recording] = knob.value;
     else delete efforts[one.recording];
@@ -65,13 +66,13 @@ function effort(one) {
 
 const controls = jobControls({ start: byId("start"), stop: byId("stop"), said: byId("said"), bar: byId("progress") }, box.fit, {
   progress: (report) => {
-    byId("first").textContent = report.first ?? "";
-    return report.total ? `${report.what}: ${report.done} of ${report.total} steps are done` : progressText(report, "");
+    byId("first").textContent = report.first?.[language] ?? "";
+    return report.total ? `${language === "en" ? `${report.what}: ` : ""}${_("{done} of {total} steps are done", report)}` : progressText(report, "");
   },
   ended: (now) => {
     if (now.state === "done") location.href = `/sessions/${now.result}`;
-    const words = { cancelled: "Stopped.", interrupted: "The server was stopped meanwhile." };
-    return [words[now.state] ?? "", now.result && h("a", { href: `/sessions/${now.result}` }, " What was complete is kept.")];
+    const words = { cancelled: _("Stopped."), interrupted: _("The server was stopped meanwhile.") };
+    return [words[now.state] ?? "", now.result && h("a", { href: `/sessions/${now.result}` }, ` ${_("What was complete is kept.")}`)];
   },
   done: () => sort(),
 });
@@ -83,7 +84,7 @@ const refresh = latest(() => attempt(box.page, async () => {
   const none = !recordings.length;
   byId("new").hidden = none;
   byId("empty").hidden = !none;
-  if (none) return replace(byId("empty"), empty("No trials yet.", "Add those of a leg.", h("a", { class: "button primary", href: "/import" }, "Add trials"), demoButton(box.page)));
+  if (none) return replace(byId("empty"), empty(_("No trials yet."), _("Add those of a leg."), h("a", { class: "button primary", href: "/import" }, _("Add trials")), demoButton(box.page)));
   const known = new Set(recordings.map((one) => one.id));
   chosen = new Set(chosen ? [...chosen].filter((id) => known.has(id)) : leg());
   showRecordings();
@@ -94,7 +95,7 @@ onChanged(["recordings", "subjects"], () => refresh());
 attempt(box.page, async () => {
   const [models, { draft }] = await Promise.all([get("/api/models"), get("/api/draft")]);
   const title = Object.fromEntries(models.settings.find((one) => one.path[0] === "model").choices)[draft.model] ?? draft.model;
-  replace(byId("asked"), `Model: ${title}, ${draft.starts} starts, as chosen on the page `, h("a", { href: "/fit" }, "Fit"), ".");
+  replace(byId("asked"), _("Model: {title}, {starts} starts, as chosen on this page:", { title: _(title), starts: draft.starts }), " ", h("a", { href: "/fit" }, _("Fit")));
   await refresh();
   const mine = (await active("session")).find((one) => one.mine);
   if (mine) controls.watch(mine);

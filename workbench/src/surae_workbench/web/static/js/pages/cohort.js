@@ -8,6 +8,7 @@ import { attempt, onClick } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { mark, verdict } from "../ui/marks.js";
 import { sortable } from "../ui/table.js";
+import { _, many } from "../core/words.js";
 
 const box = byId("error");
 const request = () => `?which=${byId("all").checked ? "all" : "legs"}`;
@@ -17,27 +18,27 @@ const show = latest(async () => {
   if (!answer) return;
   const { measures, columns: parameters, rows } = answer;
   byId("export").disabled = rows.length === 0;
-  if (!rows.length) return replace(byId("table"), empty("No legs yet.", "Analyse the trials of a leg; give them a subject to see whose it is."));
-  const table = sortable(`${rows.length} ${rows.length === 1 ? "row" : "rows"}.`, columns(measures, parameters));
+  if (!rows.length) return replace(byId("table"), empty(_("No legs yet."), _("Analyse the trials of a leg; give them a subject to see whose it is.")));
+  const table = sortable(many("{n} row", "{n} rows", rows.length), columns(measures, parameters));
   table.update(rows);
   return replace(byId("table"), table.element);
 });
 
 const columns = (measures, parameters) => [
-  { title: "Leg", value: (r) => r.name, show: (r) => h("a", { href: r.page }, r.name) },
-  { title: "Subject", value: (r) => r.subject, show: (r) => r.subject || NONE },
-  { look: "minor", title: "Group", value: (r) => r.group, show: (r) => r.group || NONE },
-  { look: "minor", title: "Side", value: (r) => r.side, show: (r) => r.side ?? NONE },
-  { title: "Visit", value: (r) => r.visit, show: (r) => r.visit },
+  { title: _("Leg"), value: (r) => r.name, show: (r) => h("a", { href: r.page }, r.name) },
+  { title: _("Subject"), value: (r) => r.subject, show: (r) => r.subject || NONE },
+  { look: "minor", title: _("Group"), value: (r) => r.group, show: (r) => _(r.group) || NONE },
+  { look: "minor", title: _("Side"), value: (r) => r.side, show: (r) => r.side ? _(r.side) : NONE },
+  { title: _("Visit"), value: (r) => r.visit, show: (r) => r.visit },
   ...measures.map((m) => ({
-    title: unitText(m.unit) ? `${m.title} [${unitText(m.unit).replace("deg", "°")}]` : m.title,
+    title: unitText(m.unit) ? `${_(m.title)} [${unitText(m.unit).replace("deg", "°")}]` : _(m.title),
     numeric: true,
     value: (r) => r.measures[m.name]?.value ?? null,
     show: (r) => measured(r.measures[m.name]),
   })),
-  { title: "Fit", value: (r) => r.grade, show: (r) => (r.grade ? mark(r.grade) : NONE) },
+  { title: _("Fit"), value: (r) => r.grade, show: (r) => (r.grade ? mark(r.grade) : NONE) },
   { title: "R²", numeric: true, value: (r) => r.r2, show: (r) => r2(r.r2) },
-  { look: "research", title: "Model", value: (r) => r.model_title, show: (r) => r.model_title },
+  { look: "research", title: _("Model"), value: (r) => r.model_title, show: (r) => _(r.model_title) },
   ...parameters.map((p) => ({
     look: "research",
     title: unitText(p.unit) ? `${p.name} [${unitText(p.unit)}]` : p.name,

@@ -13,6 +13,7 @@ import { active, jobControls, progressText } from "../ui/jobs.js";
 import { parameterTable } from "../ui/parameters.js";
 import { settingsForm } from "../ui/settings.js";
 import { trialList } from "../ui/trials.js";
+import { _ } from "../core/words.js";
 
 const box = { page: byId("error"), fit: byId("fit-error"), parameters: byId("parameters-error") };
 let models = null;
@@ -24,7 +25,7 @@ const plot = torquePlot();
 replace(byId("plot"), plot.element);
 const table = parameterTable({
   slide: (name, value) => live({ [name]: value }),
-  settle: (name, value) => store({ sliders: { [name]: value } }, `slide ${name}`, true),
+  settle: (name, value) => store({ sliders: { [name]: value } }, _("slide {name}", { name }), true),
   set: (name, changes, label) => store({ parameters: { [name]: changes } }, label),
 });
 replace(byId("parameters"), table.element);
@@ -73,12 +74,12 @@ function showRecordings() {
 
 function excludedText(id) {
   const spans = draft().exclusions[id] ?? [];
-  return spans.length ? `${number(spans.reduce((sum, [a, b]) => sum + b - a, 0), 3)} s left out` : "";
+  return spans.length ? _("{s} s left out", { s: number(spans.reduce((sum, [a, b]) => sum + b - a, 0), 3) }) : "";
 }
 
 function choose(recording, wanted) {
   const others = draft().recordings.filter((id) => id !== recording.id);
-  store({ recordings: wanted ? [...others, recording.id] : others }, `${wanted ? "fit" : "leave out"} ${recording.name}`);
+  store({ recordings: wanted ? [...others, recording.id] : others }, wanted ? _("fit {name}", recording) : _("leave out {name}", recording));
 }
 
 const showTable = latest(async () => {
@@ -89,7 +90,7 @@ const showTable = latest(async () => {
   byId("plot").hidden = !chosen;
   if (report.problem && chosen) complain(box.fit, report.problem);
   else calm(box.fit);
-  if (!controls.busy()) byId("live-figures").textContent = chosen ? "" : "Choose a recording above.";
+  if (!controls.busy()) byId("live-figures").textContent = chosen ? "" : _("Choose a recording above.");
   byId("start").disabled = Boolean(report.problem) || controls.busy();
   slid = {};
   if (!controls.busy()) reached = null;
@@ -113,11 +114,11 @@ const controls = jobControls(elements, box.fit, {
       table.move(report.values);
       draw();
     }
-    return report.total ? `start ${Math.min(report.done + 1, report.total)} of ${report.total} · iteration ${report.iteration}` : progressText(report, "");
+    return report.total ? _("start {n} of {total} · iteration {iteration}", { ...report, n: Math.min(report.done + 1, report.total) }) : progressText(report, "");
   },
   ended: (now) => {
-    const words = { done: "The fit is done.", cancelled: now.result ? "Stopped; the best so far is kept." : "Stopped before there was anything to keep.", interrupted: "The server was stopped during the fit. Choose Fit to do it again." };
-    return [words[now.state] ?? "", " ", now.result && h("a", { href: `/fits/${now.result}`, class: "button small primary" }, "Open the result")];
+    const words = { done: _("The fit is done."), cancelled: now.result ? _("Stopped; the best so far is kept.") : _("Stopped before there was anything to keep."), interrupted: _("The server was stopped during the fit. Choose Fit to do it again.") };
+    return [words[now.state] ?? "", " ", now.result && h("a", { href: `/fits/${now.result}`, class: "button small primary" }, _("Open the result"))];
   },
   done: (now) => {
     table.lock(false);
@@ -139,12 +140,12 @@ byId("which").addEventListener("change", () => {
 });
 /** What takes all entries of a part of the draft away. */
 const none = (key) => Object.fromEntries(Object.keys(draft()[key]).map((name) => [name, null]));
-byId("centre").addEventListener("click", () => store({ sliders: none("sliders") }, "reset the sliders"));
-byId("defaults").addEventListener("click", () => store({ parameters: none("parameters"), sliders: none("sliders") }, "defaults for all parameters"));
+byId("centre").addEventListener("click", () => store({ sliders: none("sliders") }, _("reset the sliders")));
+byId("defaults").addEventListener("click", () => store({ parameters: none("parameters"), sliders: none("sliders") }, _("defaults for all parameters")));
 byId("adopt").addEventListener("click", () => {
   const now = draft();
   const report = Object.fromEntries(Object.entries(now.sliders).map(([name, value]) => [name, { ...now.parameters[name], value }]));
-  if (Object.keys(report).length) store({ parameters: report }, "start from the sliders");
+  if (Object.keys(report).length) store({ parameters: report }, _("start from the sliders"));
 });
 
 const refresh = latest(() => attempt(box.page, async () => {
@@ -154,7 +155,7 @@ const refresh = latest(() => attempt(box.page, async () => {
   byId("bench").hidden = none;
   byId("empty").hidden = !none;
   if (none) {
-    replace(byId("empty"), empty("No recordings yet.", "A fit needs one.", h("a", { class: "button primary", href: "/import" }, "Import a file"), demoButton(box.page)));
+    replace(byId("empty"), empty(_("No recordings yet."), _("A fit needs one."), h("a", { class: "button primary", href: "/import" }, _("Import a file")), demoButton(box.page)));
   }
   if (draft()) showDraft();
 }));

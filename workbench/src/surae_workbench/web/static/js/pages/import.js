@@ -11,6 +11,7 @@ import { ranges } from "../ui/describe.js";
 import { findingsTable } from "../ui/findings.js";
 import { emptyMapping, mappingTable } from "../ui/mapping.js";
 import { forTrial, legOf, trialsAmong } from "../ui/trials.js";
+import { _, many } from "../core/words.js";
 
 const box = { upload: byId("upload-error"), inspect: byId("inspect-error"), mapping: byId("mapping-error") };
 const KEPT = "surae.import";
@@ -37,11 +38,11 @@ const kept = () => JSON.parse(sessionStorage.getItem(KEPT) ?? "null");
 async function receive(files) {
   await ready; // else what was there before would come after these, and in their place
   calm(box.upload);
-  byId("upload-progress").textContent = `Reading ${files.map((file) => `${file.name} (${bytes(file.size)})`).join(", ")} …`;
+  byId("upload-progress").textContent = _("Reading {files} …", { files: files.map((file) => `${file.name} (${bytes(file.size)})`).join(", ") });
   guessed = legOf(files.map((file) => file.webkitRelativePath || file.name));
   const sent = await Promise.all(files.map((file) => upload(`/api/uploads${query({ name: file.name })}`, file).catch((error) => complain(box.upload, error))));
   const arrived = sent.filter(Boolean);
-  byId("upload-progress").textContent = arrived.length ? `${arrived.map((one) => one.name).join(", ")} received.` : "";
+  byId("upload-progress").textContent = arrived.length ? _("{files} received.", { files: arrived.map((one) => one.name).join(", ") }) : "";
   if (!arrived.length) return;
   await listUploads();
   included = new Set(arrived.map((one) => one.id));
@@ -63,7 +64,7 @@ function showUploads() {
         "li",
         {},
         tick(`${one.name} (${bytes(one.bytes)}${inspected.has(one.id) ? `, ${inspected.get(one.id).format}` : ""})`, included.has(one.id), (wanted) => include(one.id, wanted), { "data-focus": one.id }),
-        button("Remove", () => discard(one), { class: "small", "aria-label": `Remove ${one.name}` }),
+        button(_("Remove"), () => discard(one), { class: "small", "aria-label": _("Remove {name}", one) }),
       ),
     ),
   );
@@ -86,7 +87,7 @@ async function discard(one) {
 /** Look into the files that are chosen; several files make one mapping between them. */
 async function inspect(given = null) {
   calm(box.inspect);
-  byId("upload-progress").textContent = "Looking into the files …";
+  byId("upload-progress").textContent = _("Looking into the files …");
   const seen = async (id) => {
     if (!inspected.has(id)) inspected.set(id, await get(`/api/uploads/${id}/inspect`));
     return inspected.get(id);
@@ -96,10 +97,10 @@ async function inspect(given = null) {
   trials = trialsAmong(read);
   const together = trials.length ? trials[0] : read.length > 1 ? await both() : read[0];
   byId("upload-progress").textContent = "";
-  const several = trials.length > 0 && `The settings below apply to all: ${trials.map((one) => one.name).join(", ")}.`;
+  const several = trials.length > 0 && _("The settings below apply to all: {names}.", { names: trials.map((one) => one.name).join(", ") });
   const notes = [several, ...(together?.notes ?? [])].filter(Boolean);
   byId("notes").hidden = notes.length === 0;
-  replace(byId("notes"), notes.map((line) => h("li", {}, line)));
+  replace(byId("notes"), notes.map((line) => h("li", {}, _(line))));
   byId("offer-card").hidden = true;
   byId("mapping-card").hidden = !together;
   if (!together) return keep();
@@ -115,7 +116,7 @@ function guess() {
   byId("visit").value ||= guessed.visit ?? "";
   if (!guessed.code || byId("subject").value) return;
   const known = [...byId("subject").options].find((one) => one.text === guessed.code);
-  if (!known) byId("subject").append(h("option", { value: NEW + guessed.code }, `${guessed.code} (new)`));
+  if (!known) byId("subject").append(h("option", { value: NEW + guessed.code }, _("{code} (new)", guessed)));
   byId("subject").value = known?.value ?? NEW + guessed.code;
 }
 
@@ -130,7 +131,7 @@ function both() {
 async function showMapping() {
   const files = trials.length ? [trials[0]] : [...inspected.values()].filter((one) => included.has(one.id) || uses(one.id));
   if (trials.length && trials.every((one) => one.ready)) byId("columns").open = false;
-  byId("import").textContent = trials.length ? `Import ${trials.length} recordings` : "Import this recording";
+  byId("import").textContent = trials.length ? many("Import {n} recording", "Import {n} recordings", trials.length) : _("Import this recording");
   for (const own of ["name", "trial"]) byId(own).closest("label").hidden = trials.length > 0; // each has its own
   replace(byId("mapping"), mappingTable(mapping, files, units, changed));
   byId("name").value = mapping.name ?? "";
@@ -164,13 +165,15 @@ function offer(findings) {
   byId("offer-card").hidden = false;
   const mend = findings.find((one) => /-sign$/.test(one.code) && one.mend)?.mend;
   const muscles = EMG.filter((role) => mapping.channels[role]);
-  const signs = mend && (mend.label === "Turn both" ? "both signs look turned" : `the sign of the ${Object.keys(mend.channels)[0]} looks turned`);
-  byId("offer").textContent = `${[trials.length ? `${trials.length} trials found` : "One trial found", muscles.length ? `EMG of ${muscles.length} ${muscles.length > 1 ? "muscles" : "muscle"}` : "no EMG", signs].filter(Boolean).join(", ")}.`;
+  const turned = mend && Object.keys(mend.channels);
+  const signs = turned && (turned.length > 1 ? _("both signs look turned") : turned[0] === "angle" ? _("the sign of the angle looks turned") : _("the sign of the torque looks turned"));
+  const emg = muscles.length ? many("EMG of {n} muscle", "EMG of {n} muscles", muscles.length) : _("no EMG");
+  byId("offer").textContent = `${[many("{n} trial found", "{n} trials found", trials.length || 1), emg, signs].filter(Boolean).join(", ")}.`;
   byId("turn").hidden = !mend;
-  byId("turn").textContent = mend?.label ?? "";
+  byId("turn").textContent = mend ? _(mend.label, mend.given) : "";
   byId("turn").className = mend ? "primary" : "";
   byId("analyse").className = mend ? "" : "primary";
-  byId("analyse").textContent = mend ? "Analyse as it is" : "Analyse";
+  byId("analyse").textContent = mend ? _("Analyse as it is") : _("Analyse");
   byId("turn").onclick = () => {
     for (const [role, change] of Object.entries(mend.channels)) Object.assign(mapping.channels[role], change);
     byId("turn").hidden = true;
@@ -199,8 +202,8 @@ const preview = latest(async () => {
     offer(seen.findings);
     replace(
       byId("preview"),
-      h("h3", {}, `As ${seen.name ?? "it"} will be imported: ${seconds(seen.duration_s)}`),
-      seen.twin && h("p", { class: "note" }, "These files are in the project already, as ", h("a", { href: `/recordings/${seen.twin.id}` }, seen.twin.name), ". There, what they mean can be changed; to import them again makes a second recording."),
+      h("h3", {}, _("As it will be imported: {what}", { what: [seen.name, seconds(seen.duration_s)].filter(Boolean).join(", ") })),
+      seen.twin && h("p", { class: "note" }, _("These files are in the project already. There, what they mean can be changed; to import them again makes a second recording:"), " ", h("a", { href: `/recordings/${seen.twin.id}` }, seen.twin.name)),
       ranges(seen.channels),
       findingsTable(seen.findings, null),
     );
@@ -213,7 +216,7 @@ const check = settled(() => byId("mapping-card").hidden || preview(), 350);
 
 async function listSubjects(chosen = byId("subject").value) {
   const { subjects } = await get("/api/subjects");
-  const made = select({}, [["", "none"], ...subjects.map((one) => [one.id, one.code]), ["new", "New subject …"]], chosen);
+  const made = select({}, [["", _("none")], ...subjects.map((one) => [one.id, one.code]), ["new", _("New subject …")]], chosen);
   byId("subject").replaceChildren(...made.children);
   byId("subject").value = subjects.some((one) => one.id === chosen) ? chosen : "";
 }
@@ -242,7 +245,7 @@ async function importTrials(analyse = false) {
   const failed = [];
   calm(box.mapping);
   byId("import").disabled = byId("analyse").disabled = true;
-  byId("upload-progress").textContent = `Importing ${trials.length} trials …`;
+  byId("upload-progress").textContent = many("Importing {n} trial …", "Importing {n} trials …", trials.length);
   const made = await Promise.all(trials.map(async (one) => {
     const own = forTrial(one, request.mapping);
     try {
@@ -273,7 +276,7 @@ byId("mapping-card").addEventListener("submit", async (event) => {
   const made = await attempt(box.mapping, () => post("/api/imports", body()), byId("import"));
   if (!made) return;
   sessionStorage.removeItem(KEPT);
-  tell(`Imported ${made.name}`);
+  tell(_("Imported {name}", made));
   location.href = `/recordings/${made.id}`;
 });
 

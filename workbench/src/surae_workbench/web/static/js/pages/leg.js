@@ -5,9 +5,9 @@ import { button, byId, field, h, html, replace, select } from "../core/dom.js";
 import { attempt, headline, onClick } from "../core/notice.js";
 import { mend } from "../ui/describe.js";
 import { ask } from "../ui/dialog.js";
+import { language } from "../core/words.js";
 
 const id = byId("session").dataset.id;
-const language = document.documentElement.lang;
 const words = Object.fromEntries([...byId("words").querySelectorAll("dt")].map((term) => [term.textContent, term.nextSibling.textContent]));
 let summary = null;
 let place = null; // where the card of the change shows what it compares

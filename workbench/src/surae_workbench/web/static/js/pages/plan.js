@@ -12,6 +12,7 @@ import { ask } from "../ui/dialog.js";
 import { active, jobControls, progressText } from "../ui/jobs.js";
 import { verdict } from "../ui/marks.js";
 import { deleteButton, sortable } from "../ui/table.js";
+import { _, said } from "../core/words.js";
 
 const KEPT = "surae.protocol.4";
 const box = byId("error");
@@ -21,9 +22,9 @@ const numbers = () => choices.settings.filter((one) => one.kind === "number");
 let kept = null;
 
 const plots = [
-  lines({ title: "Angle, dorsiflexion positive", unit: "°", height: 170, series: [{ label: "angle", colour: "series-1" }] }, { sync: "protocol", bottom: false }),
-  lines({ title: "Angular velocity", unit: "°/s", height: 120, series: [{ label: "velocity", colour: "series-1" }] }, { sync: "protocol", bottom: false }),
-  lines({ title: "Requested effort", unit: "%", height: 130, series: EMG_SHORT.map((label, i) => ({ label, colour: ["series-2", "series-1", "series-5", "series-4"][i], dash: [null, null, "dash", "dot"][i] })) }, { sync: "protocol" }),
+  lines({ title: _("Angle, dorsiflexion positive"), unit: "°", height: 170, series: [{ label: _("angle"), colour: "series-1" }] }, { sync: "protocol", bottom: false }),
+  lines({ title: _("Angular velocity"), unit: "°/s", height: 120, series: [{ label: _("velocity"), colour: "series-1" }] }, { sync: "protocol", bottom: false }),
+  lines({ title: _("Requested effort"), unit: "%", height: 130, series: EMG_SHORT.map((label, i) => ({ label, colour: ["series-2", "series-1", "series-5", "series-4"][i], dash: [null, null, "dash", "dot"][i] })) }, { sync: "protocol" }),
 ];
 replace(byId("plots"), plots.map((plot) => plot.element));
 onTheme(() => plots.forEach((plot) => plot.redraw()));
@@ -63,11 +64,11 @@ function showKept() {
 const preview = latest(async () => {
   const request = entered();
   localStorage.setItem(KEPT, JSON.stringify(request));
-  for (const [id, list] of [["profile", choices.profiles], ["task", choices.tasks]]) byId(`${id}-said`).textContent = list.find((one) => one.name === byId(id).value)?.description ?? "";
+  for (const [id, list] of [["profile", choices.profiles], ["task", choices.tasks]]) byId(`${id}-said`).textContent = _(list.find((one) => one.name === byId(id).value)?.description);
   byId("adapt").disabled = request.settings.device === null;
   const whole = kept !== null || choices.profiles.find((one) => one.name === byId("profile").value)?.designed;
   byId("chirp_amplitude").disabled = byId("chirp_rate").disabled = whole; // a designed movement has none
-  byId("said").textContent = "Working it out …";
+  byId("said").textContent = _("Working it out …");
   try {
     show(await post("/api/protocols/preview", request));
     calm(box);
@@ -86,55 +87,55 @@ function show(seen) {
   const { prediction, adaptation } = seen;
   replace(
     byId("adaptation"),
-    h("ul", {}, (adaptation ?? []).map((line) => h("li", {}, line)), seen.limits.filter((one) => !one.exceeded).map((one) => h("li", {}, one.text))),
+    h("ul", {}, (adaptation ?? []).map((line) => h("li", {}, line)), seen.limits.filter((one) => !one.exceeded).map((one) => h("li", {}, said(one)))),
   );
   const exceeded = seen.limits.filter((one) => one.exceeded);
   byId("limits").hidden = byId("reason-field").hidden = exceeded.length === 0;
-  replace(byId("limits"), exceeded.map((one) => h("li", {}, one.text)));
+  replace(byId("limits"), exceeded.map((one) => h("li", {}, said(one))));
   const entries = [
-    ["Length", seconds(seen.seconds)],
-    ["Identified", `${prediction.identified} of ${Object.keys(prediction.parameters).length}`],
-    ["Largest error", `${part(prediction.worst)} (${prediction.weakest})`],
-    ["Geometric mean", part(prediction.geometric_mean)],
-    ["Torque", `${number(prediction.torque_Nm[0], 3)} … ${number(prediction.torque_Nm[1], 3)} Nm`],
+    [_("Length"), seconds(seen.seconds)],
+    [_("Identified"), _("{n} of {whole}", { n: prediction.identified, whole: Object.keys(prediction.parameters).length })],
+    [_("Largest error"), `${part(prediction.worst)} (${prediction.weakest})`],
+    [_("Geometric mean"), part(prediction.geometric_mean)],
+    [_("Torque"), `${number(prediction.torque_Nm[0], 3)} … ${number(prediction.torque_Nm[1], 3)} Nm`],
   ];
   replace(byId("figures"), figures(entries));
   replace(byId("prediction"), predicted(Object.entries(prediction.parameters)));
-  byId("said").textContent = [`Worked out in ${number(seen.milliseconds / 1000, 2)} s, over ${prediction.legs}`, prediction.caution].filter(Boolean).join("; ") + ".";
+  byId("said").textContent = [_("Worked out in {s} s, over {legs}", { s: number(seen.milliseconds / 1000, 2), legs: _(prediction.legs) }), prediction.caution].filter(Boolean).join("; ") + ".";
 }
 
 const part = (x) => (x === null ? "—" : percent(100 * x, 2));
 
 const predicted = (parameters) =>
   table(
-    "Predicted uncertainty",
-    ["Parameter", "Typical value", "Standard error", "95 % within", "Identified in", "Verdict", "Why"],
+    _("Predicted uncertainty"),
+    [_("Parameter"), _("Typical value"), _("Standard error"), _("95 % within"), _("Identified in"), _("Verdict"), _("Why")],
     parameters.map(([name, p]) => [
       name,
       num(quantity(p.value, p.unit, 3)),
-      num(p.relative_sem === null ? "—" : [part(p.relative_sem), " ", h("meter", { min: 0, max: 0.2, high: 0.1, low: 0.05, optimum: 0, value: Math.min(p.relative_sem, 0.2), "aria-label": `Relative standard error of ${name}` })]),
+      num(p.relative_sem === null ? "—" : [part(p.relative_sem), " ", h("meter", { min: 0, max: 0.2, high: 0.1, low: 0.05, optimum: 0, value: Math.min(p.relative_sem, 0.2), "aria-label": _("Relative standard error of {name}", { name }) })]),
       num(p.relative_half_width === null ? "—" : `±${part(p.relative_half_width)}`),
       num(percent(100 * p.identified_share, 2)),
       verdict(p.verdict),
-      h("td", { class: "why" }, p.note ?? ""),
+      h("td", { class: "why" }, _(p.note)),
     ]),
-    { caption: "Predicted standard errors; the bar ends at 20 %", numbers: [1, 4] },
+    { caption: _("Predicted standard errors; the bar ends at 20 %"), numbers: [1, 4] },
   );
 
-const savedTable = sortable("Protocols of this project", [
-  { title: "Name", value: (p) => p.name, show: (p) => p.name },
-  { title: "Profile", value: (p) => p.settings.profile, show: (p) => p.settings.profile },
-  { title: "Chirp", value: (p) => p.settings.chirp_amplitude, show: (p) => p.settings.plan ? "—" : `${number(p.settings.chirp_amplitude, 3)} rad, ${number(p.settings.chirp_rate, 3)} Hz/s` },
-  { title: "Device", value: (p) => p.settings.device, show: (p) => p.settings.device ?? "none" },
-  { title: "Saved", value: (p) => p.created, show: (p) => when(p.created) },
+const savedTable = sortable(_("Protocols of this project"), [
+  { title: _("Name"), value: (p) => p.name, show: (p) => p.name },
+  { title: _("Profile"), value: (p) => p.settings.profile, show: (p) => p.settings.profile },
+  { title: _("Chirp"), value: (p) => p.settings.chirp_amplitude, show: (p) => p.settings.plan ? "—" : `${number(p.settings.chirp_amplitude, 3)} rad, ${number(p.settings.chirp_rate, 3)} Hz/s` },
+  { title: _("Device"), value: (p) => p.settings.device, show: (p) => p.settings.device ?? _("none") },
+  { title: _("Saved"), value: (p) => p.created, show: (p) => when(p.created) },
   {
     title: "",
     show: (p) =>
       h(
         "div",
         { class: "button-row" },
-        button("Open", () => { fill({ settings: p.settings }); preview(); }, { class: "small", "aria-label": `Open ${p.name}` }),
-        button("CSV", () => attempt(box, () => exportCsv(p.settings, p.name)), { class: "small", "aria-label": `CSV of ${p.name}` }),
+        button(_("Open"), () => { fill({ settings: p.settings }); preview(); }, { class: "small", "aria-label": _("Open {name}", p) }),
+        button("CSV", () => attempt(box, () => exportCsv(p.settings, p.name)), { class: "small", "aria-label": _("CSV of {name}", p) }),
         deleteButton(`/api/protocols/${p.id}`, p.name, box, () => showSaved()),
       ),
   },
@@ -145,7 +146,7 @@ const exportCsv = (settings, name = "") => download("/api/protocols/csv", "proto
 async function showSaved() {
   const { protocols } = await get("/api/protocols");
   savedTable.update(protocols);
-  replace(byId("saved"), protocols.length ? savedTable.element : h("p", { class: "muted" }, "None yet. Save keeps a design under a name."));
+  replace(byId("saved"), protocols.length ? savedTable.element : h("p", { class: "muted" }, _("None yet. Save keeps a design under a name.")));
 }
 
 const soon = settled(() => byId("settings").checkValidity() && preview(), 250);
@@ -158,7 +159,7 @@ byId("export").addEventListener("click", () => byId("settings").reportValidity()
 byId("save").addEventListener("click", async () => {
   if (!byId("settings").reportValidity()) return;
   const name = h("input", { type: "text", required: true, maxlength: 120, value: byId("profile").value });
-  if (!(await ask("Save the protocol", field("Name", name), { confirm: "Save" }))) return;
+  if (!(await ask(_("Save the protocol"), field(_("Name"), name), { confirm: _("Save") }))) return;
   await attempt(box, async () => {
     await post("/api/protocols", { name: name.value.trim(), settings: entered().settings });
     await showSaved();
@@ -173,16 +174,16 @@ byId("profile").addEventListener("input", () => {
 byId("population").addEventListener("input", () => {
   if (byId("population").value !== "patient") return;
   byId("low").value = byId("high").value = "";
-  byId("said").textContent = "A patient's range is not that of a healthy leg: measure it, and give it.";
+  byId("said").textContent = _("A patient's range is not that of a healthy leg: measure it, and give it.");
   byId("low").focus();
 });
 
 const { watch } = jobControls({ start: byId("search"), stop: byId("stop"), said: byId("search-said") }, box, {
-  progress: (now) => progressText(now, "Plans judged"),
+  progress: (now) => progressText(now, _("Plans judged")),
   ended: (now) => {
-    const how = { cancelled: "Stopped", done: "Done", failed: "Failed" }[now.state] ?? now.state;
-    const where = now.result ? " Kept below under Saved protocols." : " Nothing is kept.";
-    return `${how}: ${now.message}.${where}`;
+    const how = { cancelled: _("Stopped"), done: _("Done"), failed: _("Failed") }[now.state] ?? now.state;
+    const where = now.result ? _("Kept below under Saved protocols.") : _("Nothing is kept.");
+    return `${how}: ${now.message}. ${where}`;
   },
 });
 byId("search").addEventListener("click", () => {
@@ -199,10 +200,10 @@ attempt(box, async () => {
   const known = (choices = await get("/api/protocols/choices"));
   replace(byId("profile"), known.profiles.map((one) => option(one.name)));
   replace(byId("task"), known.tasks.map((one) => option(one.name)));
-  replace(byId("device"), option("", "none"), known.devices.map((one) => option(one.name)));
+  replace(byId("device"), option("", _("none")), known.devices.map((one) => option(one.name)));
   replace(byId("population"), known.populations.map((one) => option(one.name ?? one)));
-  replace(byId("model"), known.models.map((one) => option(one.name, one.title)));
-  replace(byId("numbers"), numbers().map((one) => field(one.label, h("input", { id: one.path[0], type: "number", min: one.least, max: one.most, step: "any", required: !one.optional, placeholder: one.optional && "own" }))));
+  replace(byId("model"), known.models.map((one) => option(one.name, _(one.title))));
+  replace(byId("numbers"), numbers().map((one) => field(_(one.label), h("input", { id: one.path[0], type: "number", min: one.least, max: one.most, step: "any", required: !one.optional, placeholder: one.optional && _("own") }))));
   fill(JSON.parse(localStorage.getItem(KEPT) ?? "null") ?? known.start);
   const [job] = await active("design");
   if (job) watch(job);

@@ -11,6 +11,7 @@ import { describe, mend } from "../ui/describe.js";
 import { ask } from "../ui/dialog.js";
 import { findingsTable, part } from "../ui/findings.js";
 import { older, status } from "../ui/marks.js";
+import { _, language } from "../core/words.js";
 
 const id = byId("recording").dataset.id;
 let recording = null;
@@ -31,7 +32,7 @@ async function exclude(start, end) {
   const box = byId("exclude-error");
   const [from, to] = [Math.max(0, Math.min(start, end)), Math.min(recording.duration_s, Math.max(start, end))].map((x) => Number(x.toFixed(4)));
   if (!(to > from)) {
-    complain(box, `from must be before to, both between 0 and ${number(recording.duration_s)} s`);
+    complain(box, _("“From” must be before “To”, both between 0 and {s} s", { s: number(recording.duration_s) }));
     return;
   }
   const merged = [];
@@ -40,13 +41,13 @@ async function exclude(start, end) {
     if (last && a <= last[1]) last[1] = Math.max(last[1], b);
     else merged.push([a, b]);
   }
-  await attempt(box, () => change({ exclusions: { [id]: merged } }, `exclude ${span(from, to)}`));
+  await attempt(box, () => change({ exclusions: { [id]: merged } }, _("exclude {span}", { span: span(from, to) })));
 }
 
 async function include(index) {
   const left = excluded().filter((_, i) => i !== index);
   const [start, end] = excluded()[index];
-  await attempt(byId("exclude-error"), () => change({ exclusions: { [id]: left.length ? left : null } }, `include ${span(start, end)} again`));
+  await attempt(byId("exclude-error"), () => change({ exclusions: { [id]: left.length ? left : null } }, _("include {span} again", { span: span(start, end) })));
 }
 
 function showExclusions() {
@@ -54,9 +55,9 @@ function showExclusions() {
     byId("exclusions"),
     excluded().length
       ? excluded().map(([start, end], index) =>
-          h("li", {}, span(start, end), button("Include again", () => include(index), { class: "small", "aria-label": `Include ${span(start, end)} again` })),
+          h("li", {}, span(start, end), button(_("Include again"), () => include(index), { class: "small", "aria-label": _("Include {span} again", { span: span(start, end) }) })),
         )
-      : h("li", { class: "muted" }, "Nothing. Choose “Drag to exclude” above the plots and drag, or type the times."),
+      : h("li", { class: "muted" }, _("Nothing. Choose “Drag to exclude” above the plots and drag, or type the times.")),
   );
   plots?.redraw();
 }
@@ -81,18 +82,18 @@ function showFindings() {
 function showAbout() {
   headline(recording.name, [
     seconds(recording.duration_s),
-    recording.side && `${recording.side} side`,
+    recording.side && (recording.side === "left" ? _("left leg") : _("right leg")),
     recording.trial,
     recording.condition,
-    `EMG ${recording.emg}`,
+    recording.emg && `EMG: ${_(recording.emg)}`,
   ]);
   replace(
     byId("files"),
     table(
-      "Channels",
-      ["Signal", "Unit", "Samples", "Rate", "Column"],
-      recording.channels.map((c) => [roleText(c.role), unitText(c.unit) || "—", c.n.toLocaleString("en"), rate(c.rate_hz), c.source ?? "—"]),
-      { caption: "Channels as they were imported" },
+      _("Channels"),
+      [_("Signal"), _("Unit"), _("Samples"), _("Rate"), _("Column")],
+      recording.channels.map((c) => [roleText(c.role), unitText(c.unit) || "—", c.n.toLocaleString(language), rate(c.rate_hz), c.source ?? "—"]),
+      { caption: _("Channels as they were imported") },
     ),
     h("ul", { class: "list small muted" }, recording.files.map((file) => h("li", {}, file.name, h("code", { title: `sha256 ${file.sha256}` }, `sha256 ${file.sha256.slice(0, 12)}…`)))),
   );
@@ -103,7 +104,7 @@ function makePlots() {
     duration: () => recording.duration_s,
     spans,
     onExclude: exclude,
-    label: `Signals of ${recording.name}`,
+    label: _("Signals of {name}", recording),
     roles: recording.channels.map((c) => c.role),
     fetch: (range, signal) =>
       get(
@@ -123,19 +124,19 @@ async function showFits() {
     byId("fits"),
     fits.length
       ? h("ul", { class: "list" }, fits.map((fit) => h("li", {}, h("a", { href: `/fits/${fit.id}` }, fit.name), status(fit.status), older(fit), h("span", { class: "muted" }, `R² ${r2(fit.r2)}`))))
-      : h("p", { class: "muted" }, "None yet: choose “Fit this recording”."),
+      : h("p", { class: "muted" }, _("None yet: choose “Fit this recording”.")),
   );
 }
 
 async function edit() {
   const { subjects } = await get("/api/subjects");
   const name = h("input", { type: "text", required: true, maxlength: 120, value: recording.name });
-  const person = select({}, [["", "none"], ...subjects.map((one) => [one.id, one.code])], recording.subject ?? "");
-  const side = select({}, [["", "unknown"], ["left", "left"], ["right", "right"]], recording.side ?? "");
+  const person = select({}, [["", _("none")], ...subjects.map((one) => [one.id, one.code])], recording.subject ?? "");
+  const side = select({}, [["", _("unknown")], ["left", _("left")], ["right", _("right")]], recording.side ?? "");
   const trial = h("input", { type: "text", maxlength: 60, value: recording.trial ?? "" });
   const condition = h("input", { type: "text", maxlength: 60, value: recording.condition ?? "" });
-  const content = h("div", { class: "fields" }, field("Name", name), field("Subject", person), field("Side", side), field("Trial", trial), field("Condition", condition));
-  if (!(await ask("Edit the recording", content, { confirm: "Save" }))) return;
+  const content = h("div", { class: "fields" }, field(_("Name"), name), field(_("Subject"), person), field(_("Side"), side), field(_("Trial"), trial), field(_("Condition"), condition));
+  if (!(await ask(_("Edit the recording"), content, { confirm: _("Save") }))) return;
   await attempt(byId("error"), async () => {
     recording = await patch(`/api/recordings/${id}`, {
       name: name.value.trim(),
@@ -155,7 +156,7 @@ byId("exclude").addEventListener("submit", (event) => {
   exclude(Number(byId("from").value), Number(byId("to").value));
 });
 onClick("use", byId("error"), async () => {
-  await change({ recordings: [id] }, `fit ${recording.name}`);
+  await change({ recordings: [id] }, _("fit {name}", recording));
   location.href = "/fit";
 });
 byId("describe").addEventListener("click", () => {

@@ -10,6 +10,7 @@ import { ask } from "../ui/dialog.js";
 import { older } from "../ui/marks.js";
 import { profiles } from "../ui/profiles.js";
 import { validation } from "../ui/validation.js";
+import { _ } from "../core/words.js";
 
 const id = byId("fit").dataset.id;
 const box = byId("error");
@@ -18,14 +19,14 @@ let result = null;
 async function read() {
   result = await get(`/api/fits/${id}`);
   const { summary } = result;
-  headline(summary.name, [summary.title, summary.names.join(", "), when(summary.created)]);
+  headline(summary.name, [_(summary.title), summary.names.join(", "), when(summary.created)]);
   byId("about").append(" ", older(summary) || "");
 }
 
 function file(knob, url, name) {
   const label = byId(knob).textContent;
   onClick(knob, box, async () => {
-    byId(knob).textContent = "Making it …";
+    byId(knob).textContent = _("Making it …");
     await download(url, name).finally(() => (byId(knob).textContent = label));
   });
 }
@@ -36,7 +37,7 @@ file("save-json", `/api/fits/${id}/fit.json`, "fit.json");
 
 onClick("rename", box, async () => {
   const name = h("input", { type: "text", required: true, maxlength: 120, value: result.summary.name });
-  if (!(await ask("Rename the fit", field("Name", name), { confirm: "Save" }))) return;
+  if (!(await ask(_("Rename the fit"), field(_("Name"), name), { confirm: _("Save") }))) return;
   await patch(`/api/fits/${id}`, { name: name.value.trim() });
   await read();
 });
@@ -51,7 +52,7 @@ onClick("resume", box, async () => {
   const only = (key, wanted) => ({ ...Object.fromEntries(Object.keys(now[key]).map((name) => [name, null])), ...wanted });
   await change(
     { ...asked, exclusions: only("exclusions", exclusions), sliders: only("sliders", values) },
-    `settings of ${result.summary.name}`,
+    _("settings of {name}", result.summary),
   );
   location.href = "/fit";
 });

@@ -10,15 +10,16 @@ import { factors } from "../ui/factors.js";
 import { cancel } from "../ui/jobs.js";
 import { mark } from "../ui/marks.js";
 import { deleteButton, sortable } from "../ui/table.js";
+import { _, many } from "../core/words.js";
 
 const box = byId("error");
 const running = (study) => study.state === "running" || study.state === "queued";
 
-const table = sortable("Studies", [
-  { title: "Study", value: (s) => s.name, show: (s) => h("details", {}, h("summary", {}, s.name), h("pre", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Settings of ${s.name}` }, h("code", {}, s.toml))) },
-  { title: "State", value: (s) => s.state, show: (s) => mark(s.state) },
-  { title: "Done", value: (s) => s.done / (s.fits || 1), show: (s) => [h("progress", { max: s.fits || 1, value: s.done, "aria-label": `Progress of ${s.name}` }), ` ${s.done} of ${s.fits ?? s.rows} fits`, Object.entries(s.reasons).map(([why, n]) => h("div", { class: "small" }, `${n} × ${why}`))] },
-  { title: "Made", look: "minor", value: (s) => s.created, show: (s) => when(s.created) },
+const table = sortable(_("Studies"), [
+  { title: _("Study"), value: (s) => s.name, show: (s) => h("details", {}, h("summary", {}, s.name), h("pre", { class: "scroll", tabindex: "0", role: "region", "aria-label": _("Settings of {name}", s) }, h("code", {}, s.toml))) },
+  { title: _("State"), value: (s) => s.state, show: (s) => mark(s.state) },
+  { title: _("Done"), value: (s) => s.done / (s.fits || 1), show: (s) => [h("progress", { max: s.fits || 1, value: s.done, "aria-label": _("Progress of {name}", s) }), ` ${_("{done} of {whole} fits", { done: s.done, whole: s.fits ?? s.rows })}`, Object.entries(s.reasons).map(([why, n]) => h("div", { class: "small" }, `${n} × ${why}`))] },
+  { title: _("Made"), look: "minor", value: (s) => s.created, show: (s) => when(s.created) },
   { title: "", show: actions },
 ]);
 
@@ -27,8 +28,8 @@ function actions(study) {
   return h(
     "div",
     { class: "button-row" },
-    running(study) ? knob("Stop", () => cancel(study.job)) : study.state !== "done" && knob("Resume", () => post(`/api/studies/${study.id}/start`)),
-    study.done > 0 && knob("Export CSV", () => download(`/api/studies/${study.id}/table.csv`, "study.csv")),
+    running(study) ? knob(_("Stop"), () => cancel(study.job)) : study.state !== "done" && knob(_("Resume"), () => post(`/api/studies/${study.id}/start`)),
+    study.done > 0 && knob(_("Export CSV"), () => download(`/api/studies/${study.id}/table.csv`, "study.csv")),
     !running(study) && deleteButton(`/api/studies/${study.id}`, study.name, box, refresh),
   );
 }
@@ -36,7 +37,7 @@ function actions(study) {
 const refresh = latest(() => attempt(box, async () => {
   const { studies } = await get("/api/studies");
   table.update(studies);
-  replace(byId("list"), studies.length ? table.element : empty("No studies yet.", "Choose below what to vary, and start."));
+  replace(byId("list"), studies.length ? table.element : empty(_("No studies yet."), _("Choose below what to vary, and start.")));
   if (studies.some(running)) soon();
 }));
 const soon = settled(refresh, 2000);
@@ -52,13 +53,13 @@ byId("file").addEventListener("change", async (event) => {
   if (!file) return;
   byId("toml").value = await file.text();
   byId("as-toml").open = true;
-  byId("count").textContent = "As the file says.";
+  byId("count").textContent = _("As the file says.");
 });
-byId("toml").addEventListener("input", () => (byId("count").textContent = "As the text below says."));
+byId("toml").addEventListener("input", () => (byId("count").textContent = _("As the text below says.")));
 attempt(box, async () => {
   const form = factors(await get("/api/protocols/choices"), (toml, fits) => {
     byId("start").disabled = toml === null;
-    byId("count").textContent = toml === null ? "An entry is missing or no number." : `${fits.toLocaleString("en")} ${fits === 1 ? "fit" : "fits"}: every value with every other.`;
+    byId("count").textContent = toml === null ? _("An entry is missing or no number.") : many("{n} fit: every value with every other.", "{n} fits: every value with every other.", fits);
     if (toml !== null) byId("toml").value = toml;
   });
   replace(byId("factors"), form.element);

@@ -2,9 +2,10 @@
 
 import { h } from "../core/dom.js";
 import { colour } from "../core/theme.js";
+import { _ } from "../core/words.js";
 
 const COLOURS = { info: "accent", warning: "weak", error: "bad" };
-const WORDS = { error: "error", warning: "warning", info: "for information", excluded: "left out of the fit" };
+const WORDS = { error: _("error"), warning: _("warning"), info: _("for information"), excluded: _("left out of the fit") };
 /** Height of the bars; a graver finding's is higher, so that they are told apart in grey, too. */
 const HEIGHTS = { info: 4, warning: 6, error: 8 };
 

@@ -4,6 +4,7 @@ import { h, s } from "../core/dom.js";
 import { NONE, number } from "../core/format.js";
 import { bands } from "./bands.js";
 import { colour } from "../core/theme.js";
+import { _, decimal } from "../core/words.js";
 
 const DASHES = { dash: [8, 5], dot: [2, 4] };
 /** Width of the y axis: panels under one another share their zero. */
@@ -30,7 +31,7 @@ export function lines(panel, options = {}) {
     { class: "legend" },
     panel.series.length > 1 || panel.legend ? panel.series.map((one) => h("li", {}, key(one), one.label)) : [],
   );
-  const canvas = h("div", { class: "plot-canvas", role: "img", "aria-label": `Plot: ${title(panel)} over ${panel.x?.label ?? "time"}` });
+  const canvas = h("div", { class: "plot-canvas", role: "img", "aria-label": _("Plot: {what} over {x}", { what: title(panel), x: panel.x?.label ?? _("time") }) });
   const element = h("div", { class: "plot-panel" }, h("div", { class: "plot-head" }, heading, legend, readout), canvas);
 
   let plot = null;
@@ -59,7 +60,7 @@ export function lines(panel, options = {}) {
         scales: { x: { time: false, range: (u, low, high) => range ?? [low, high] }, y: { range: padded } },
         axes: [
           { ...axis, size: options.bottom === false ? 8 : 34, values: options.bottom === false ? () => [] : (u, ticks) => named(ticks, panel.x?.unit ?? "s") },
-          { ...axis, size: AXIS, values: (u, ticks) => ticks.map((t) => String(+t.toPrecision(6)).replace("-", "−")) },
+          { ...axis, size: AXIS, values: (u, ticks) => ticks.map((t) => decimal(String(+t.toPrecision(6)).replace("-", "−"))) },
         ],
         series: [
           {},
@@ -139,7 +140,7 @@ export function lines(panel, options = {}) {
 
 /** Ticks of x; the last one carries the unit. */
 function named(ticks, unit) {
-  const texts = ticks.map((t) => String(+t.toPrecision(6)).replace("-", "−"));
+  const texts = ticks.map((t) => decimal(String(+t.toPrecision(6)).replace("-", "−")));
   if (texts.length && unit) texts[texts.length - 1] += ` ${unit}`;
   return texts;
 }

@@ -5,6 +5,7 @@ import { settled } from "../core/pace.js";
 import { bandsKey } from "./bands.js";
 import { onTheme } from "../core/theme.js";
 import { lines } from "./lines.js";
+import { _ } from "../core/words.js";
 
 let count = 0;
 
@@ -59,7 +60,7 @@ export function linked(panels, options) {
 
   const knob = (text, label, work) => button(text, work, { class: "small", "aria-label": label, title: label });
   const modes = ["zoom", "exclude"].map((name) =>
-    button(name === "zoom" ? "Drag to zoom" : "Drag to exclude", () => setMode(name), { class: "small", "aria-pressed": String(name === mode) }),
+    button(name === "zoom" ? _("Drag to zoom") : _("Drag to exclude"), () => setMode(name), { class: "small", "aria-pressed": String(name === mode) }),
   );
   function setMode(name) {
     mode = name;
@@ -67,21 +68,21 @@ export function linked(panels, options) {
     for (const panel of made) panel.canvas.dataset.drag = name;
   }
 
-  const legend = h("ul", { class: "legend", "aria-label": "Marks in the plots" });
+  const legend = h("ul", { class: "legend", "aria-label": _("Marks in the plots") });
   const marks = () => replace(legend, options.spans ? bandsKey(options.spans()) : []);
   const tools = h(
     "div",
     { class: "plot-tools" },
-    h("div", { class: "button-row", role: "group", "aria-label": "What dragging does" }, options.onExclude ? modes : []),
+    h("div", { class: "button-row", role: "group", "aria-label": _("What dragging does") }, options.onExclude ? modes : []),
     legend,
     h(
       "div",
-      { class: "button-row", role: "group", "aria-label": "Zoom" },
-      knob("+", "Zoom in", () => zoom(0.5)),
-      knob("−", "Zoom out", () => zoom(2)),
-      knob("←", "Earlier", () => pan(-0.3)),
-      knob("→", "Later", () => pan(0.3)),
-      knob("Whole", "Whole recording", () => go(null)),
+      { class: "button-row", role: "group", "aria-label": _("Zoom") },
+      knob("+", _("Zoom in"), () => zoom(0.5)),
+      knob("−", _("Zoom out"), () => zoom(2)),
+      knob("←", _("Earlier"), () => pan(-0.3)),
+      knob("→", _("Later"), () => pan(0.3)),
+      knob(_("Whole"), _("Whole recording"), () => go(null)),
     ),
   );
 
@@ -92,7 +93,7 @@ export function linked(panels, options) {
       class: "plots",
       role: "group",
       tabindex: "0",
-      "aria-label": `${options.label}. Arrow keys move, plus and minus zoom, 0 shows all.`,
+      "aria-label": `${options.label}. ${_("Arrow keys move, plus and minus zoom, 0 shows all.")}`,
       on: {
         keydown: (event) => {
           if (event.ctrlKey || event.metaKey || event.altKey || !keys[event.key]) return;

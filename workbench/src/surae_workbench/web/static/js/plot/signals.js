@@ -2,6 +2,7 @@
 
 import { EMG, EMG_SHORT, roleText, shownAs } from "../core/format.js";
 import { linked } from "./linked.js";
+import { _ } from "../core/words.js";
 
 /**
  * Linked plots of a recording; two million samples stay smooth because only what is seen is fetched.
@@ -14,7 +15,7 @@ export function signalPlots(options) {
     ...emg.map((role, i) => ({ role, title: `EMG ${EMG_SHORT[EMG.indexOf(role)]}`, series: [{ label: role, colour: `series-${i === 0 ? 2 : 1}` }], height: 92 })),
     ...["angle", "torque"].filter((role) => options.roles.includes(role)).map((role) => ({
       role,
-      title: role === "angle" ? "Angle, dorsiflexion positive" : "Torque, triceps positive",
+      title: role === "angle" ? _("Angle, dorsiflexion positive") : _("Torque, triceps positive"),
       series: [{ label: roleText(role), colour: "series-1" }],
       height: role === "torque" ? 180 : 140,
     })),

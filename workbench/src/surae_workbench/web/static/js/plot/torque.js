@@ -2,16 +2,17 @@
 
 import { lines } from "./lines.js";
 import { onTheme } from "../core/theme.js";
+import { _ } from "../core/words.js";
 
 /** A plot of both; the measured torque is broad and pale, the modelled one thin and dark. */
 export function torquePlot() {
   const panel = lines({
-    title: "Torque, triceps positive",
+    title: _("Torque, triceps positive"),
     unit: "Nm",
     height: 220,
     series: [
-      { label: "measured", colour: "measured", width: 4 },
-      { label: "modelled", colour: "modelled", width: 1.6 },
+      { label: _("measured"), colour: "measured", width: 4 },
+      { label: _("modelled"), colour: "modelled", width: 1.6 },
     ],
   });
   onTheme(panel.redraw);

@@ -7,20 +7,21 @@ import { attempt, calm, complain, tell } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
 import { findingsTable } from "./findings.js";
 import { mappingTable } from "./mapping.js";
+import { _ } from "../core/words.js";
 
-const UNDO = "Undo takes it back.";
+const UNDO = _("Undo takes it back.");
 
 /** Change what one finding is about, at once. */
 export async function mend(id, finding) {
   const { mapping } = await get(`/api/recordings/${id}/description`);
   for (const [role, change] of Object.entries(finding.mend.channels)) Object.assign(mapping.channels[role], change);
   await post("/api/descriptions", { recordings: [id], mapping });
-  tell(`${finding.mend.label}: done. ${UNDO}`);
+  tell(`${_(finding.mend.label, finding.mend.given)}: ${_("done")}. ${UNDO}`);
 }
 
 /** What a mapping makes of a recording, in a line. */
 export const ranges = (channels) =>
-  h("p", { class: "muted small" }, channels.map((c) => `${roleText(c.role)} ${shownRange(c.low, c.high, c.unit)} at ${rate(c.rate_hz)}`).join(" · "));
+  h("p", { class: "muted small" }, channels.map((c) => `${roleText(c.role)} ${shownRange(c.low, c.high, c.unit)}, ${rate(c.rate_hz)}`).join(" · "));
 
 /** A form in `place` that describes a recording; `done` is called at its end, with what was said. */
 export async function describe(id, place, box, done) {
@@ -28,7 +29,7 @@ export async function describe(id, place, box, done) {
   const { mapping } = answer;
   const table = h("div");
   const seen = h("div", { "aria-live": "polite" });
-  const emg = select({}, [["raw", "raw"], ["envelope", "envelope"]], mapping.emg ?? "raw");
+  const emg = select({}, [["raw", _("raw")], ["envelope", _("envelope")]], mapping.emg ?? "raw");
   const gravity = h("input", { type: "checkbox", checked: mapping.fixed.m === 0 });
   const others = answer.alike.map((other) => [other.id, h("input", { type: "checkbox" }), other.name]);
 
@@ -42,7 +43,7 @@ export async function describe(id, place, box, done) {
     calm(box);
     try {
       const made = await post("/api/descriptions/preview", body());
-      replace(seen, h("h3", {}, "As it will be"), ranges(made.channels), findingsTable(made.findings, null));
+      replace(seen, h("h3", {}, _("As it will be")), ranges(made.channels), findingsTable(made.findings, null));
     } catch (error) {
       replace(seen);
       complain(box, error);
@@ -54,24 +55,24 @@ export async function describe(id, place, box, done) {
     check();
   };
   for (const input of [emg, gravity]) input.addEventListener("change", check);
-  const save = h("button", { type: "submit", class: "primary" }, "Save this description");
+  const save = h("button", { type: "submit", class: "primary" }, _("Save this description"));
   const form = h(
     "form",
     { class: "panel", on: { submit: async (event) => {
       event.preventDefault();
       const made = await attempt(box, () => post("/api/descriptions", body()), save);
       if (!made) return;
-      tell(`${made.recordings.map((one) => one.name).join(", ")}: described anew. ${UNDO}`);
+      tell(`${made.recordings.map((one) => one.name).join(", ")}: ${_("described anew.")} ${UNDO}`);
       replace(place);
       done();
     } } },
     table,
-    h("p", { class: "muted small" }, "For a column that was not imported, add the trial again."),
-    h("div", { class: "fields" }, field("EMG is", emg)),
-    h("label", { class: "check" }, gravity, "Inertia and gravity are taken out of the torque already (inverse dynamics)"),
-    others.length > 0 && h("fieldset", { class: "plain" }, h("legend", {}, "The same for these, which have the same columns"), others.map(([, tick, name]) => h("label", { class: "check" }, tick, name))),
+    h("p", { class: "muted small" }, _("For a column that was not imported, add the trial again.")),
+    h("div", { class: "fields" }, field(_("EMG is"), emg)),
+    h("label", { class: "check" }, gravity, _("Inertia and gravity are taken out of the torque already (inverse dynamics)")),
+    others.length > 0 && h("fieldset", { class: "plain" }, h("legend", {}, _("The same for these, which have the same columns")), others.map(([, tick, name]) => h("label", { class: "check" }, tick, name))),
     seen,
-    h("div", { class: "button-row" }, save, button("Cancel", () => { calm(box); replace(place); done(); })),
+    h("div", { class: "button-row" }, save, button(_("Cancel"), () => { calm(box); replace(place); done(); })),
   );
   replace(place, form);
   changed();

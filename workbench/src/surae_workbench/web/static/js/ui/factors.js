@@ -1,20 +1,21 @@
 // The factors of a study as a form, which writes the TOML.
 
 import { field, h } from "../core/dom.js";
+import { _ } from "../core/words.js";
 
 /** Numbers that may be varied: what they are called, what they are, and where one begins. */
 const NUMBERS = [
-  ["chirp_amplitude", "Amplitude of the chirp [rad]", "0, 0.1, 0.2"],
-  ["chirp_rate", "Rise of its frequency [Hz/s]", "0.159"],
-  ["noise", "Noise, part of each signal", "0.05"],
+  ["chirp_amplitude", _("Amplitude of the chirp [rad]"), "0, 0.1, 0.2"],
+  ["chirp_rate", _("Rise of its frequency [Hz/s]"), "0.159"],
+  ["noise", _("Noise, part of each signal"), "0.05"],
 ];
-const COUNTS = [["subjects", "Virtual legs", "2"], ["repeats", "Trials of each", "1"]];
+const COUNTS = [["subjects", _("Virtual legs"), "2"], ["repeats", _("Trials of each"), "1"]];
 /** What may be chosen: its key among the choices, and what it is called. */
 const CHOICES = [
-  ["protocol", "profiles", "Movement", ["multiple-holds"]],
-  ["task", "tasks", "Effort", ["part-passive"]],
-  ["population", "populations", "Population", ["healthy"]],
-  ["model", "models", "Model that is fitted", ["muscle"]],
+  ["protocol", "profiles", _("Movement"), ["multiple-holds"]],
+  ["task", "tasks", _("Effort"), ["part-passive"]],
+  ["population", "populations", _("Population"), ["healthy"]],
+  ["model", "models", _("Model that is fitted"), ["muscle"]],
 ];
 
 /**
@@ -43,14 +44,14 @@ export function factors(choices, changed) {
     };
     for (const [key, ticks] of lists) {
       const values = ticks.filter(([, tick]) => tick.checked).map(([value]) => JSON.stringify(value));
-      ticks[0][1].setCustomValidity(values.length ? "" : "choose at least one");
+      ticks[0][1].setCustomValidity(values.length ? "" : _("choose at least one"));
       good &&= values.length > 0;
       add(key, values);
     }
     for (const [key, input] of numbers) {
       const values = input.value.split(/[,;\s]+/).filter(Boolean).map(Number);
       const fine = values.length > 0 && values.every((value) => Number.isFinite(value) && value >= 0);
-      input.setCustomValidity(fine ? "" : "numbers of 0 or more, with commas between them");
+      input.setCustomValidity(fine ? "" : _("numbers of 0 or more, with commas between them"));
       good &&= fine;
       // TOML tells whole numbers from others: these are all others.
       add(key, values.map((value) => (Number.isInteger(value) ? value.toFixed(1) : String(value))));
@@ -67,8 +68,8 @@ export function factors(choices, changed) {
   const element = h(
     "div",
     { class: "panel", on: { input: write } },
-    h("div", { class: "fields" }, field("Name", name), counts.map(([, input, label]) => field(label, input))),
-    h("div", { class: "fields" }, numbers.map(([, input, label]) => field(label, input, "several with commas"))),
+    h("div", { class: "fields" }, field(_("Name"), name), counts.map(([, input, label]) => field(label, input))),
+    h("div", { class: "fields" }, numbers.map(([, input, label]) => field(label, input, _("several with commas")))),
     lists.map(([, ticks, label]) => h("fieldset", { class: "plain" }, h("legend", {}, label), ticks.map(([value, tick]) => h("label", { class: "check" }, tick, value)))),
   );
   return { element, write };

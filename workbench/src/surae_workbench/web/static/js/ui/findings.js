@@ -3,16 +3,17 @@
 import { button, h, table } from "../core/dom.js";
 import { roleText, span } from "../core/format.js";
 import { mark } from "./marks.js";
+import { _, language, many } from "../core/words.js";
 
 /** A list of findings; `act` gives {show, exclude, mend} of a finding, and the trial's `duration`; null: nothing to do. */
 export function findingsTable(findings, act) {
-  if (!findings.length) return h("p", { class: "muted" }, "The check found nothing to object to.");
+  if (!findings.length) return h("p", { class: "muted" }, _("The check found nothing to object to."));
   const ranked = [...findings].sort((a, b) => order(a) - order(b) || (a.start_s ?? -1) - (b.start_s ?? -1));
   return table(
-    "Findings",
-    ["Severity", "Signal", "When", "What, and what to do", ...(act ? [h("span", { class: "sr" }, "Actions")] : [])],
+    _("Findings"),
+    [_("Severity"), _("Signal"), _("When"), _("What, and what to do"), ...(act ? [h("span", { class: "sr" }, _("Actions"))] : [])],
     ranked.map((one) => row(one, act)),
-    { class: "findings", caption: `${findings.length} ${findings.length === 1 ? "finding" : "findings"} of the check` },
+    { class: "findings", caption: many("{n} finding of the check", "{n} findings of the check", findings.length) },
   );
 }
 
@@ -23,14 +24,16 @@ const timed = (one) => one.start_s !== null && one.start_s !== undefined && one.
 export const part = (one, duration) => timed(one) && one.end_s - one.start_s < 0.9 * duration;
 
 function row(one, act) {
-  const what = `${one.message}`;
+  // In other languages it is said what such findings are of; what this one is, in English below.
+  const own = language === "en";
+  const what = own ? one.message : _(one.kind);
   return h(
     "tr",
     {},
     h("td", {}, mark(one.severity)),
     h("td", {}, one.channel ? roleText(one.channel) : "—"),
     h("td", { class: "nowrap" }, timed(one) ? span(one.start_s, one.end_s) : "—"),
-    h("td", {}, what, one.advice && h("div", { class: "muted small" }, one.advice)),
+    h("td", {}, what, h("div", { class: "muted small" }, own ? one.advice : _(one.usual)), !own && h("div", { class: "muted small", lang: "en" }, one.message)),
     act &&
       h(
         "td",
@@ -39,9 +42,9 @@ function row(one, act) {
           h(
             "div",
             { class: "button-row" },
-            button("Show", () => act.show(one), { class: "small", "aria-label": `Show ${what}` }),
-            part(one, act.duration()) && button("Exclude", () => act.exclude(one), { class: "small", "aria-label": `Exclude ${span(one.start_s, one.end_s)}` }),
-            one.mend && button(one.mend.label, () => act.mend(one), { class: "small primary" }),
+            button(_("Show"), () => act.show(one), { class: "small", "aria-label": _("Show {what}", { what }) }),
+            part(one, act.duration()) && button(_("Exclude"), () => act.exclude(one), { class: "small", "aria-label": _("Exclude {span}", { span: span(one.start_s, one.end_s) }) }),
+            one.mend && button(_(one.mend.label, one.mend.given), () => act.mend(one), { class: "small primary" }),
           ),
       ),
   );

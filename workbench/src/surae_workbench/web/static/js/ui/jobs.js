@@ -3,17 +3,18 @@
 import { get, post } from "../core/api.js";
 import { replace } from "../core/dom.js";
 import { attempt, complain } from "../core/notice.js";
+import { _ } from "../core/words.js";
 
 /** What a job is doing before it counts. */
 const PHASES = {
-  reading: "Reading",
-  preparing: "Preparing the signals",
-  compiling: "Compiling the model (only once)",
+  reading: _("Reading …"),
+  preparing: _("Preparing the signals …"),
+  compiling: _("Compiling the model (only once) …"),
 };
 
 /** How far a job is, in words: what is counted, or its phase. */
 export const progressText = (report, what) =>
-  report.total ? `${what}: ${report.done} of ${report.total}` : `${PHASES[report.phase] ?? "At work"} …`;
+  report.total ? _("{what}: {done} of {total}", { ...report, what }) : PHASES[report.phase] ?? _("At work …");
 
 const ENDED = ["done", "failed", "cancelled", "interrupted"];
 export const ended = (job) => ENDED.includes(job.state);
@@ -75,10 +76,10 @@ export function jobControls({ start, stop, said, bar = null, line = null }, box,
   function watch(found) {
     working(found);
     bar?.removeAttribute("value");
-    said.textContent = "At work …";
+    said.textContent = _("At work …");
     follow(found.id, {
       state: (now) => {
-        if (now.state === "queued") (line ?? said).textContent = `Waiting, ${now.position ?? 1} in line`;
+        if (now.state === "queued") (line ?? said).textContent = _("Waiting, {n} in line", { n: now.position ?? 1 });
         if (now.progress) heard(now.progress);
       },
       progress: heard,

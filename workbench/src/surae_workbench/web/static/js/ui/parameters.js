@@ -2,11 +2,12 @@
 
 import { h, table } from "../core/dom.js";
 import { number, quantity, unitText } from "../core/format.js";
+import { _ } from "../core/words.js";
 
 const STEPS = 1000;
 /** Bounds from zero far beyond the start: the lower end of the slider gets more room. */
 const POWER = 3;
-const GROUPS = { limb: "Limb", passive: "Passive tissue", active: "Muscles and EMG", tendon: "Tendons", reflex: "Reflexes" };
+const GROUPS = { limb: _("Limb"), passive: _("Passive tissue"), active: _("Muscles and EMG"), tendon: _("Tendons"), reflex: _("Reflexes") };
 
 /** Where on its slider a value is, 0 … STEPS: logarithmic where the bounds span a decade. */
 function scaleOf({ lower, upper, default: usual }) {
@@ -33,8 +34,8 @@ function scaleOf({ lower, upper, default: usual }) {
  * @param on {slide(name, value), settle(name, value), set(name, changes|null, label)}
  */
 export function parameterTable(on) {
-  const head = ["Parameter", "Slider", "Free", "Start or value", "Lower", "Upper", "Prior median", "Prior spread"];
-  const element = table("Parameters", head, [], { class: "parameters", caption: "The sliders show what the torque would be; the fit begins at the start values. The spread of a prior is that of its logarithm, or of the value where it may be negative." });
+  const head = [_("Parameter"), _("Slider"), _("Free"), _("Start or value"), _("Lower"), _("Upper"), _("Prior median"), _("Prior spread")];
+  const element = table(_("Parameters"), head, [], { class: "parameters", caption: _("The sliders show what the torque would be; the fit begins at the start values. The spread of a prior is that of its logarithm, or of the value where it may be negative.") });
   const body = element.querySelector("tbody");
   let rows = new Map();
   let locked = false;
@@ -89,15 +90,15 @@ function makeRow(first, on) {
   let dragging = false;
   const { name } = p;
 
-  const slider = h("input", { type: "range", min: 0, max: STEPS, step: 1, "aria-label": `Slider of ${name}` });
+  const slider = h("input", { type: "range", min: 0, max: STEPS, step: 1, "aria-label": _("Slider of {name}", { name }) });
   const readout = h("span", { class: "num small" });
-  const free = h("input", { type: "checkbox", "aria-label": `${name} is free` });
-  const box = (label) => h("input", { type: "number", step: "any", "aria-label": `${label} of ${name}` });
-  const [value, lower, upper, median, spread] = ["Value", "Lower bound", "Upper bound", "Prior median", "Prior spread"].map(box);
+  const free = h("input", { type: "checkbox", "aria-label": _("{name} is free", { name }) });
+  const box = (label) => h("input", { type: "number", step: "any", "aria-label": _("{label} of {role}", { label, role: name }) });
+  const [value, lower, upper, median, spread] = [_("Value"), _("Lower bound"), _("Upper bound"), _("Prior median"), _("Prior spread")].map(box);
   const element = h(
     "tr",
     {},
-    h("th", { scope: "row" }, h("span", { class: "name" }, h("span", {}, name, unitText(p.unit) && h("small", {}, ` [${unitText(p.unit)}]`)), h("small", {}, p.meaning))),
+    h("th", { scope: "row" }, h("span", { class: "name" }, h("span", {}, name, unitText(p.unit) && h("small", {}, ` [${unitText(p.unit)}]`)), h("small", {}, _(p.meaning)))),
     h("td", { class: "slide" }, h("div", {}, slider, readout)),
     h("td", {}, free),
     h("td", {}, value),
@@ -136,14 +137,14 @@ function makeRow(first, on) {
     return Object.keys(made).length || p.optional ? made : null; // an optional one is there while it is mentioned
   }
   const numeric = (input, fallback) => (input.value.trim() === "" ? fallback : Number(input.value));
-  free.addEventListener("change", () => on.set(name, differing({ free: free.checked }), `${free.checked ? "free" : "fix"} ${name}`));
-  value.addEventListener("change", () => on.set(name, differing({ value: numeric(value, p.default.value) }), `${name} = ${value.value || "default"}`));
-  lower.addEventListener("change", () => on.set(name, differing({ lower: numeric(lower, p.default.lower) }), `lower bound of ${name}`));
-  upper.addEventListener("change", () => on.set(name, differing({ upper: numeric(upper, p.default.upper) }), `upper bound of ${name}`));
+  free.addEventListener("change", () => on.set(name, differing({ free: free.checked }), free.checked ? _("free {name}", { name }) : _("fix {name}", { name })));
+  value.addEventListener("change", () => on.set(name, differing({ value: numeric(value, p.default.value) }), `${name} = ${value.value || _("default")}`));
+  lower.addEventListener("change", () => on.set(name, differing({ lower: numeric(lower, p.default.lower) }), _("lower bound of {name}", { name })));
+  upper.addEventListener("change", () => on.set(name, differing({ upper: numeric(upper, p.default.upper) }), _("upper bound of {name}", { name })));
   function prior() {
     const both = median.value !== "" && spread.value !== "";
     if (!both && median.value + spread.value !== "") return; // half given: wait for the other
-    on.set(name, differing({ prior: both ? { median: Number(median.value), spread: Number(spread.value) } : null }), both ? `prior of ${name}` : `no prior of ${name}`);
+    on.set(name, differing({ prior: both ? { median: Number(median.value), spread: Number(spread.value) } : null }), both ? _("prior of {name}", { name }) : _("no prior of {name}", { name }));
   }
   median.addEventListener("change", prior);
   spread.addEventListener("change", prior);
@@ -162,7 +163,7 @@ function makeRow(first, on) {
       put(upper, p.upper);
       put(median, p.prior?.median);
       put(spread, p.prior?.spread);
-      value.title = p.prescribed === null ? `default ${number(p.default.value)}` : `the recording prescribes ${number(p.prescribed)}`;
+      value.title = p.prescribed === null ? _("default {value}", { value: number(p.default.value) }) : _("the recording prescribes {value}", { value: number(p.prescribed) });
       for (const input of [lower, upper, median, spread]) input.disabled = !p.free;
       if (!dragging) showSlider(p.slider);
     },

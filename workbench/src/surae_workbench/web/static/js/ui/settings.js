@@ -1,6 +1,7 @@
 // Model, priors, loss and the rest of what a fit may be given, as the server describes the settings.
 
 import { field, h, replace, select } from "../core/dom.js";
+import { _ } from "../core/words.js";
 
 /** Draw the settings of a draft; `store(what, label)` keeps a change. */
 export function settingsForm(main, more, models, draft, store, recordings) {
@@ -46,28 +47,28 @@ function setting(one, draft, store) {
     const flag = one.kind === "flag";
     const listed = one.choices.some(([value]) => value === now) || now === null ? now : one.default;
     const own = now?.name ? [["", now.name]] : []; // a table, known by its file
-    const knob = select({ id }, [...own, ...one.choices], own.length ? "" : flag ? (now ? "yes" : "") : (listed ?? one.default ?? ""));
-    knob.addEventListener("change", () => keep(flag ? knob.value === "yes" : knob.value || null, `${one.label}: ${knob.selectedOptions[0].textContent}`));
-    if (!one.file) return field(one.label, knob);
-    const file = h("input", { type: "file", accept: ".csv,.txt", "aria-label": `${one.label}: a file` });
+    const knob = select({ id }, [...own, ...one.choices.map(([value, text]) => [value, _(text)])], own.length ? "" : flag ? (now ? "yes" : "") : (listed ?? one.default ?? ""));
+    knob.addEventListener("change", () => keep(flag ? knob.value === "yes" : knob.value || null, `${_(one.label)}: ${knob.selectedOptions[0].textContent}`));
+    if (!one.file) return field(_(one.label), knob);
+    const file = h("input", { type: "file", accept: ".csv,.txt", "aria-label": _("{label}: a file", { label: _(one.label) }) });
     file.addEventListener("change", async () => {
       const [picked] = file.files;
-      if (picked) keep({ name: picked.name, text: await picked.text() }, `${one.label}: ${picked.name}`);
+      if (picked) keep({ name: picked.name, text: await picked.text() }, `${_(one.label)}: ${picked.name}`);
     });
-    return field(one.label, h("div", {}, knob, file));
+    return field(_(one.label), h("div", {}, knob, file));
   }
   const off = one.optional && one.path.length > 1; // 0 switches it off
   const knob = h("input", {
     type: "number", step: one.kind === "whole" ? 1 : "any", id, min: off ? 0 : one.least, max: one.most,
     value: now === false ? 0 : now === one.default ? "" : (now ?? ""),
-    placeholder: one.default ?? (off ? "off" : ""), title: off ? "0: without this filter" : "",
+    placeholder: one.default ?? (off ? _("off") : ""), title: off ? _("0: without this filter") : "",
   });
   knob.addEventListener("change", () => {
     if (!knob.checkValidity()) return knob.reportValidity();
     const value = knob.value === "" ? null : Number(knob.value);
-    return keep(off && value === 0 ? false : value, `${one.label} ${knob.value || "default"}`);
+    return keep(off && value === 0 ? false : value, `${_(one.label)} ${knob.value || _("default")}`);
   });
-  return field(one.label, knob);
+  return field(_(one.label), knob);
 }
 
 /** What the laboratory measured beforehand, each with how far it may be off. */
@@ -80,28 +81,28 @@ function known(draft, store) {
     return store({ knowledge: stated.length ? Object.fromEntries(stated) : null }, label);
   };
   const number = (id, label, value, most, change) => {
-    const knob = h("input", { type: "number", step: "any", id, min: 0.1, max: most, value: value ?? "", placeholder: "not known" });
+    const knob = h("input", { type: "number", step: "any", id, min: 0.1, max: most, value: value ?? "", placeholder: _("not known") });
     knob.addEventListener("change", () => {
       if (!knob.checkValidity()) return knob.reportValidity();
-      return keep(change(knob.value === "" ? null : Number(knob.value)), `${label} ${knob.value || "not known"}`);
+      return keep(change(knob.value === "" ? null : Number(knob.value)), `${label} ${knob.value || _("not known")}`);
     });
     return field(label, knob);
   };
-  const tared = select({ id: "set-knowledge-plate" }, [["", "not known"], ["tared", "taken away before (tared)"]], now.plate ? "tared" : "");
-  tared.addEventListener("change", () => keep({ plate: tared.value ? {} : null }, `Empty device: ${tared.selectedOptions[0].textContent}`));
+  const tared = select({ id: "set-knowledge-plate" }, [["", _("not known")], ["tared", _("taken away before (tared)")]], now.plate ? "tared" : "");
+  tared.addEventListener("change", () => keep({ plate: tared.value ? {} : null }, `${_("Empty device")}: ${tared.selectedOptions[0].textContent}`));
   const axis = (sd) => ({ axis_mm: sd === null ? null : { value: now.axis_mm?.value ?? 0, sd } });
   return [
-    field("Empty device", tared),
-    number("set-knowledge-axis", "Ankle’s axis from the device’s ± [mm]", now.axis_mm?.sd, 30, axis),
-    number("set-knowledge-geometry", "Own geometry, scale ± [%]", now.geometry_sd_percent, 50, (sd) => ({ geometry_sd_percent: sd })),
+    field(_("Empty device"), tared),
+    number("set-knowledge-axis", _("Ankle’s axis from the device’s ± [mm]"), now.axis_mm?.sd, 30, axis),
+    number("set-knowledge-geometry", _("Own geometry, scale ± [%]"), now.geometry_sd_percent, 50, (sd) => ({ geometry_sd_percent: sd })),
   ];
 }
 
 /** Recordings of maximum contractions. */
 function contractions(recordings, draft, store) {
   const knob = h("select", { id: "set-mvc", multiple: true }, recordings.map((one) => h("option", { value: one.id, selected: draft.mvc.includes(one.id) }, one.name)));
-  knob.addEventListener("change", () => store({ mvc: [...knob.selectedOptions].map((one) => one.value) }, "maximum contractions"));
-  return field("Maximum contractions", knob);
+  knob.addEventListener("change", () => store({ mvc: [...knob.selectedOptions].map((one) => one.value) }, _("maximum contractions")));
+  return field(_("Maximum contractions"), knob);
 }
 
 /** What may drive the muscles beside the EMG as it is: its parameters come and go together. */
@@ -110,7 +111,7 @@ function drive({ name, label, parameters: members }, values, store) {
   knob.addEventListener("change", () => {
     const each = (value) => Object.fromEntries(members.map((one) => [one, value]));
     const change = knob.checked ? { parameters: each({ free: true }) } : { parameters: each(null), sliders: each(null) };
-    store(change, `${label}: ${knob.checked ? "yes" : "no"}`);
+    store(change, `${_(label)}: ${knob.checked ? _("yes") : _("no")}`);
   });
-  return h("label", { class: "check" }, knob, label);
+  return h("label", { class: "check" }, knob, _(label));
 }

@@ -3,6 +3,7 @@
 import { remove } from "../core/api.js";
 import { button, h, replace, scroll } from "../core/dom.js";
 import { attempt, tell } from "../core/notice.js";
+import { _, many } from "../core/words.js";
 
 /** Rows that are shown at a time; what is looked for among more is found by its words. */
 const SHOWN = 100;
@@ -28,7 +29,7 @@ export function sortable(caption, columns) {
       : column.title;
     column.look = [column.numeric && "num", column.look].filter(Boolean).join(" ") || null;
     column.head = h("th", { scope: "col", class: column.look }, title);
-    if (!column.title) column.head.append(h("span", { class: "sr" }, column.label ?? "Actions"));
+    if (!column.title) column.head.append(h("span", { class: "sr" }, column.label ?? _("Actions")));
     head.append(column.head);
   }
 
@@ -47,7 +48,7 @@ export function sortable(caption, columns) {
     return direction * (typeof x === "number" ? x - y : String(x).localeCompare(String(y), undefined, { numeric: true }));
   }
 
-  const find = h("input", { type: "search", "aria-label": `Find in ${caption}`, placeholder: "Find", maxlength: 200, on: { input: () => draw() } });
+  const find = h("input", { type: "search", "aria-label": _("Find in {table}", { table: caption }), placeholder: _("Find"), maxlength: 200, on: { input: () => draw() } });
   const said = h("span", { class: "muted small", role: "status" });
   const tools = h("div", { class: "button-row", hidden: true }, find, said);
 
@@ -56,7 +57,7 @@ export function sortable(caption, columns) {
     const text = (row) => columns.map((column) => column.value?.(row) ?? "").join(" ").toLowerCase();
     const found = words.length ? rows.filter((row) => words.every((word) => text(row).includes(word))) : rows;
     tools.hidden = rows.length <= SHOWN;
-    said.textContent = found.length > SHOWN ? `The first ${SHOWN} of ${found.length}` : `${found.length} found`;
+    said.textContent = found.length > SHOWN ? _("The first {n} of {whole}", { n: SHOWN, whole: found.length }) : many("{n} found", "{n} found", found.length);
     const sorted = by ? [...found].sort(compare) : found;
     replace(
       body,
@@ -82,14 +83,14 @@ export function sortable(caption, columns) {
 }
 
 /** A button that deletes an entry; `done` is called then. */
-export const deleteButton = (url, name, box, done, more = "") =>
+export const deleteButton = (url, name, box, done) =>
   button(
-    "Delete",
+    _("Delete"),
     () =>
       attempt(box, async () => {
         await remove(url);
-        tell(`Deleted ${name}${more}. Undo brings it back.`);
+        tell(_("Deleted {name}. Undo brings it back.", { name }));
         await done();
       }),
-    { class: "small danger", "aria-label": `Delete ${name}` },
+    { class: "small danger", "aria-label": _("Delete {name}", { name }) },
   );

@@ -1,6 +1,7 @@
 // Trials to choose from; and several files of one layout, which one description serves.
 
 import { h, tick } from "../core/dom.js";
+import { _ } from "../core/words.js";
 
 /** A list to choose trials from: `chosen` has ids, `choose(one, wanted)` is called, `about` says more. */
 export const trialList = (trials, chosen, choose, about) =>
@@ -9,7 +10,7 @@ export const trialList = (trials, chosen, choose, about) =>
       "li",
       {},
       tick(one.name, chosen.has(one.id), (wanted) => choose(one, wanted), { "data-focus": one.id }),
-      h("a", { href: `/recordings/${one.id}`, class: "small", "aria-label": `Look at ${one.name}` }, "Look"),
+      h("a", { href: `/recordings/${one.id}`, class: "small", "aria-label": _("Look at {name}", one) }, _("Look")),
       h("span", { class: "muted small" }, about(one).filter(Boolean).join(" · ")),
     ),
   ));
@@ -20,7 +21,7 @@ export const trialsAmong = (files) => (files.length > 1 && files.every((one) => 
 /** The description of one trial, as that of another says; throws where it has no such column. */
 export function forTrial(one, mapping) {
   const channels = Object.entries(mapping.channels).map(([role, channel]) => {
-    if (!one.columns.some((column) => column.name === channel.column)) throw new Error(`it has no column ${channel.column}`);
+    if (!one.columns.some((column) => column.name === channel.column)) throw new Error(_("it has no column {column}", channel));
     return [role, { ...channel, upload: one.id }];
   });
   return { ...mapping, name: one.name.replace(/\.[^.]*$/, ""), channels: Object.fromEntries(channels) };
