@@ -6,18 +6,19 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-import surae_workbench
 
+import surae_workbench
 from surae.api import words_in
 from surae.base.names import LANGUAGES
 
 HERE = Path(surae_workbench.__file__).parent
 #: What is no language: names, formats, what browsers and servers read.
-NO_WORDS = set("""
-    surae CSV rad R² µV °/s² Nm mV uV TA GL SOL GM OK SHA sha256 RMSE VAF EMG rad/s rad/s2 rad/s² Hz Hz/s kB MB min
-    English Nederlands Deutsch Français POST PATCH DELETE AbortError X-CSRF-Token Content-Type
-    fit.json my-trials --output --rehearse live s M R N
-""".split())  # fmt: skip
+_NAMES = """
+    surae CSV rad R² µV °/s² Nm mV uV TA GL SOL GM OK SHA sha256 RMSE VAF EMG rad/s rad/s2 rad/s² Hz
+    Hz/s kB MB min English Nederlands Deutsch Français POST PATCH DELETE AbortError X-CSRF-Token
+    Content-Type fit.json my-trials --output --rehearse live s M R N
+"""
+NO_WORDS = set(_NAMES.split())
 #: What the server says in a word, marked in one place.
 WORDS = set(
     re.findall(
