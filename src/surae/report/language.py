@@ -3,6 +3,7 @@
 English messages stand in the source, in calls of `Words` that are named ``_``, or marked by `N_`.
 """
 
+from collections.abc import Sequence
 from functools import cache
 from gettext import NullTranslations
 from importlib.resources import files
@@ -53,7 +54,7 @@ class Words:
         self.language = language
         self._decimal = "."
         self._messages = NullTranslations()
-        self.messages: dict[str, str | tuple[str, ...]] = {}
+        self.messages: dict[str, str | Sequence[str]] = {}
         if language != "en":
             from babel.messages.mofile import write_mo
             from babel.messages.pofile import read_po
@@ -67,7 +68,7 @@ class Words:
             write_mo(compiled, messages)
             #: Translations by the English messages, several forms as a list: what scripts read.
             self.messages = {
-                m.id if isinstance(m.id, str) else m.id[0]: m.string for m in messages if m.id
+                m.id if isinstance(m.id, str) else m.id[0]: m.string or () for m in messages if m.id
             }
             compiled.seek(0)
             self._messages = Translations(compiled)

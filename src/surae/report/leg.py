@@ -110,11 +110,10 @@ def leg_answers(
 
 def first_answer(trials: Sequence[Trial], _: Words) -> str:
     """What held angles say of stiffness before any fit, in a sentence; empty where nothing."""
-    holds, _ = _measured(trials, {})
-    slope = measured_slope(holds, (), AT)
-    if slope is None:
+    held = measured_slope(_measured(trials, {})[0], (), AT)
+    if held is None:
         return ""
-    return _("Measured slope of the relaxed ankle: {slope}.", slope=cards.slope_text(slope, _))
+    return _("Measured slope of the relaxed ankle: {slope}.", slope=cards.slope_text(held, _))
 
 
 def compared(

@@ -131,10 +131,15 @@ def judge(
     judgement: dict[str, Any] = {
         "findings": quality.as_dict()["findings"],
         "seconds": max(float(c.time[-1] - c.time[0]) for c in recording.channels.values()),
-        "use": trial.use, "effort_judged": judged, "effort": effort,
+        "use": trial.use,
+        "effort_judged": judged,
+        "effort": effort,
         "why": trial.problem or trial.why,
-        "grade": None, "vaf": None, "reasons": [],
-    }  # fmt: skip
+        "grade": None,
+        "vaf": None,
+        "reasons": [],
+    }
+    against: tuple[str, ...] = ()  # the reasons, as the catalogue has them  # fmt: skip
     if trial.use == "fit":
         try:
             # What intervals would have to be widened by, which takes as long again, nobody asks.
@@ -148,12 +153,17 @@ def judge(
                 "vaf": quick.vaf,
                 "reasons": list(quick.adequacy.reasons),
             }
+            against = tuple(reason.plain for reason in quick.adequacy.against)
     said = verdict(quality, judgement)
     doubted = wrong is not None and said["verdict"] == "keep"
     if doubted:
-        said = {"verdict": "look", "advice": wrong}
+        said = {"verdict": "look", "advice": wrong or ""}
     told = {
-        _.language: {"advice": _(wrong) if doubted and wrong else _advice(quality, judgement, _)}
+        _.language: {
+            "advice": _(wrong)
+            if doubted and wrong
+            else _advice(quality, judgement["grade"], against, _)
+        }
         for _ in _others()
     }
     return judgement | said | {"told": told}
@@ -164,19 +174,19 @@ def _others() -> Iterator["Words"]:
     return (api.words_in(language) for language in LANGUAGES if language != "en")
 
 
-def _advice(quality: Quality, judgement: Mapping[str, Any], _: "Words") -> str:
+def _advice(quality: Quality, grade: str | None, against: Sequence[str], _: "Words") -> str:
     """What `verdict` advises, in another language: what a finding is of, instead of its numbers."""
     worst = sorted(quality.findings, key=_causes_first)
     for severity in ("error", "warning"):
-        if severity == "warning" and judgement["grade"] == "inadequate":
+        if severity == "warning" and grade == "inadequate":
             break
         for each in worst:
             if each.severity == severity:
                 return _.finding(each.code)
-    reasons = "; ".join(dict.fromkeys(map(_.reason, judgement["reasons"])))
-    if judgement["grade"] is None:
+    reasons = "; ".join(dict.fromkeys(map(_, against)))
+    if grade is None:
         return _("Nothing to fit in this trial.")
-    if judgement["grade"] == "inadequate" or not reasons:
+    if grade == "inadequate" or not reasons:
         return reasons
     return _("Alone it leaves open: {what}.", what=reasons)
 
@@ -284,7 +294,7 @@ def together(
     return {
         "told": {
             _.language: {
-                "reasons": [*dict.fromkeys(map(_.reason, fit.adequacy.reasons))],
+                "reasons": [*dict.fromkeys(_(reason.plain) for reason in fit.adequacy.against)],
                 "leg": of_leg(measures, _) if known else [],
                 "next": [_("Measure {name} next.", name=next_["proposed"])]
                 if next_["proposed"]

@@ -94,8 +94,12 @@ async function inspect(given = null) {
   };
   const read = (await Promise.all([...included].map((id) => seen(id).catch((error) => complain(box.inspect, error))))).filter(Boolean);
   showUploads();
-  trials = trialsAmong(read);
-  const together = trials.length ? trials[0] : read.length > 1 ? await both() : read[0];
+  // A description beside several trials is of one of them, and serves all.
+  const described = read.some((one) => isMapping(one.id));
+  trials = trialsAmong(read.filter((one) => !isMapping(one.id)));
+  const together = trials.length && !described ? trials[0] : read.length > 1 ? await both() : read[0];
+  const ofTrial = (one) => Object.values(together?.mapping.channels ?? {}).some((channel) => channel.upload === one.id);
+  if (described) trials.sort((a, b) => ofTrial(b) - ofTrial(a));
   byId("upload-progress").textContent = "";
   const several = trials.length > 0 && _("The settings below apply to all: {names}.", { names: trials.map((one) => one.name).join(", ") });
   const notes = [several, ...(together?.notes ?? [])].filter(Boolean);
