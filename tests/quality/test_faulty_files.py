@@ -104,3 +104,29 @@ def test_a_fit_without_findings_says_so_in_its_report(tmp_path, noisy) -> None:
     assert fit.quality[0].findings == ()
     fit.report(tmp_path / "report.html")
     assert "Nothing was found." in (tmp_path / "report.html").read_text()
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Zeit [ms];Winkel [deg];Drehmoment [Nm];EMG_TA [mV];EMG_SOL [mV]",
+        "tijd [ms];hoek enkel [deg];koppel [Nm];EMG TA [mV];EMG SOL [mV]",
+        "Temps [ms];Angle cheville [deg];Couple [Nm];EMG tibial antérieur [mV];EMG soléaire [mV]",
+    ],
+)
+def test_a_check_reads_other_languages_columns_and_says_so(tmp_path, header) -> None:
+    time = np.arange(3000.0)
+    angle = 15.0 * np.sin(2e-3 * np.pi * 0.5 * time)
+    emg = np.random.default_rng(0).standard_normal((3000, 2)) * 0.01
+    rows = np.column_stack([time, angle, 3.0 + 0.3 * angle, emg])
+    lines = [";".join(f"{x:.6g}".replace(".", ",") for x in row) for row in rows]
+    (tmp_path / "a.csv").write_text("\n".join([header, *lines]), encoding="utf-8")
+    said = [f.message for f in surae.check(tmp_path / "a.csv").findings if f.code == "as-read"]
+    assert len(said) == 1
+    assert "taken for what its column's name and unit say" in said[0]
+    with pytest.raises(InputError, match="surae inspect"):
+        surae.read(tmp_path / "a.csv")  # a fit takes nothing that nobody has seen
+    without = header.replace(" [deg]", "")  # no unit is guessed
+    (tmp_path / "b.csv").write_text("\n".join([without, *lines]), encoding="utf-8")
+    with pytest.raises(InputError, match="which is the angle"):
+        surae.check(tmp_path / "b.csv")

@@ -19,6 +19,7 @@ from surae.quality.timing import axis_findings
 from surae.recording import MUSCLES, Channel, Recording
 from surae.recording.channels import Scaling, channel
 from surae.recording.formats import open_table
+from surae.recording.inspection import recording_by_names
 from surae.recording.reading import read_described, recording_of_table
 from surae.recording.roles import NAMES
 from surae.recording.source import Source, open_source
@@ -35,8 +36,9 @@ def recording_or_findings(path: PathLike) -> tuple[Recording | Quality, Commande
     """A file's recording and the motion that it says was commanded, or what its samples lack.
 
     A file that `surae.read` refuses for samples that are missing or times that do not increase is
-    checked nevertheless: that is a finding, and what is left of the signals is looked at. The
-    commanded motion is a column ``commanded_angle_rad`` of the file.
+    checked nevertheless: that is a finding, and what is left of the signals is looked at. So is a
+    file whose columns have other names than ours, where they and their units leave nothing open.
+    The commanded motion is a column ``commanded_angle_rad`` of the file.
 
     Raises
     ------
@@ -51,9 +53,13 @@ def recording_or_findings(path: PathLike) -> tuple[Recording | Quality, Commande
         recording = recording_of_table(table, source.name, (source.file,))
     except InputError:
         faulty = _faulty(source, table)
-        if faulty is None:
+        if faulty is not None:
+            return faulty, None
+        foreign = not any(plain(name) in NAMES for name in table.names)
+        named = recording_by_names(path) if foreign else None
+        if named is None:
             raise
-        return faulty, None
+        return named, None
     return recording, _commanded_column(table)
 
 

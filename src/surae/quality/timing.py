@@ -13,6 +13,7 @@ from surae.quality.finding import Finding, make_finding
 from surae.quality.numeric import quantile
 from surae.quality.trial import CheckedTrial
 from surae.recording import Channel, Recording
+from surae.recording.inspection import BY_NAME
 from surae.signals.timebase import GAP_STEPS, timing
 
 #: Jitter above this part of a step is worth a warning: the signals are then interpolated, which
@@ -126,7 +127,8 @@ def too_short(recording: Recording) -> Iterator[Finding]:
 
 #: What a reader says that it did to samples, as it stands in a channel's source.
 _DONE = re.compile(
-    r"\d+ unreadable [^;]*bridged by straight lines|times rounded to [^;]*|the header states [^;]*"
+    r"\d+ unreadable [^;]*bridged by straight lines|times rounded to [^;]*|the header states [^;]*|"
+    + re.escape(BY_NAME)
 )
 
 

@@ -13,12 +13,13 @@ from surae.base.frozen import FrozenDict
 from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
-from surae.recording.channels import gaps_of, stated_unit, written_unit
+from surae.recording.channels import Scaling, gaps_of, stated_unit, written_unit
+from surae.recording.channels import channel as read_channel
 from surae.recording.described import LONGEST_BRIDGE_S
 from surae.recording.emg_kind import Look, contradiction, look_of, relation
 from surae.recording.formats import open_table
 from surae.recording.reading import is_mapping
-from surae.recording.recording import FILM_ROLES, MUSCLES, ROLES
+from surae.recording.recording import FILM_ROLES, MUSCLES, ROLES, Recording
 from surae.recording.roles import (
     CONFIDENCES,
     Guess,
@@ -33,6 +34,8 @@ from surae.recording.source import open_source
 from surae.recording.table import Column, Sampling, Table, load_each, sampling_of, some
 
 _SIDES = ("left", "right")
+#: What a channel's source says where only its column's name tells what it is.
+BY_NAME = "taken for what its column's name and unit say, its sign as in the file"
 #: A dead input takes so many of its converter's steps at most; so many samples show them.
 _DEAD, _LOOKED_AT, _FEW = 3.0, 5000, 100
 #: What differs between rules of the same kind.
@@ -204,6 +207,32 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
         emg, emg_rule, direction,
     )  # fmt: skip
     return replace(inspection, advice=tuple(_advice(inspection)))
+
+
+def recording_by_names(path: PathLike) -> Recording | None:
+    """A file's recording as `inspect` understands the names and units of its columns.
+
+    It is good for a check, which says so, and for no fit: signs are as in the file. None where the
+    angle or what the EMG is stays open, or a unit is not stated: none is guessed.
+    """
+    found = inspect(path)
+    emg = [role for role in found.roles if role.startswith("emg_")]
+    if "angle" not in found.roles or found.open or (emg and found.emg is None):
+        return None
+    source = open_source(path)
+    table = open_table(source)
+    columns = table.load(tuple(c.column for c in found.roles.values()))
+    channels = {}
+    for role, each in found.roles.items():
+        if each.known_unit is None:
+            return None
+        scaling = Scaling(each.known_unit, scale=each.scale)
+        own = read_channel(role, columns[each.column], scaling, table)
+        channels[role] = replace(own, source=f"{own.source}; {BY_NAME}")
+    return Recording(
+        name=source.name, channels=channels, emg=found.emg or "raw", side=found.side,
+        files=(source.file,),
+    )  # fmt: skip
 
 
 def _opened(path: PathLike) -> Table:

@@ -10,7 +10,7 @@ capitals. In this order:
 3. ``torque``, ``moment``: the torque. ``velocity``, ``speed``, ``omega``: the angular velocity.
    ``acceleration`` with ``ankle`` or ``angular``: the angular acceleration. ``angle``,
    ``position``, ``dorsiflexion``, ``goniometer``: the angle. They are *named* with the word
-   ankle, *likely* without.
+   ankle, *likely* without. German, Dutch and French words count alike.
 4. Muscles: tibialis anterior, gastrocnemius lateralis and medialis and soleus, in full or as
    ``tib_ant``, ``lat_gas``, ``med_gas`` (*named*); as ``TA``, ``GL``, ``LG``, ``GM``, ``MG``,
    ``SOL`` (*likely*, *named* with the word EMG).
@@ -25,6 +25,7 @@ for a torque) makes it less certain, and an EMG only *possible*; it must be said
 
 import itertools
 import re
+import unicodedata
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -91,10 +92,11 @@ _SIDES: dict[str, Side] = {
     "l": "left", "lt": "left", "left": "left", "links": "left", "gauche": "left",
 }  # fmt: skip
 
-_ANKLE = {"ankle", "ank", "enkel", "cheville", "talocrural"}
+_ANKLE = {"ankle", "ank", "enkel", "cheville", "talocrural", "sprunggelenk", "osg"}
 _OTHER_JOINTS = {
     "hip", "knee", "pelvis", "lumbar", "subtalar", "mtp", "toe", "toes", "elbow", "wrist",
-    "shoulder", "trunk", "neck", "heup", "knie", "adduction", "abduction", "inversion", "eversion",
+    "shoulder", "trunk", "neck", "heup", "knie", "hufte", "hanche", "genou", "coude",
+    "adduction", "abduction", "inversion", "eversion",
 }  # fmt: skip
 _OTHER_SENSORS = {
     "acc", "accel", "accelerometer", "gyro", "gyroscope", "mag", "imu", "quat", "ecg", "ekg", "eog",
@@ -105,12 +107,21 @@ _OTHER_SENSORS = {
 #: Words of force plates and load cells: their moments are about their own axes. A plate or platform
 #: alone may be that which the foot is moved by.
 _PLATE = {"forceplate", "ground", "fx", "fy", "fz", "mx", "my", "mz"}
-_TORQUE = {"torque", "moment", "drehmoment", "koppel", "torq", "tor"}
-_VELOCITY = {"velocity", "vel", "speed", "omega", "angvel"}
-_ACCELERATION = {"acceleration", "accel", "acc", "alpha", "angacc"}
+_TORQUE = {
+    "torque", "moment", "drehmoment", "koppel", "torq", "tor", "couple", "krachtmoment",
+    "draaimoment",
+}  # fmt: skip
+_VELOCITY = {
+    "velocity", "vel", "speed", "omega", "angvel", "vitesse", "snelheid", "hoeksnelheid",
+    "geschwindigkeit", "winkelgeschwindigkeit",
+}  # fmt: skip
+_ACCELERATION = {
+    "acceleration", "accel", "acc", "alpha", "angacc", "winkelbeschleunigung", "hoekversnelling",
+}  # fmt: skip
 _ANGLE = {
     "angle", "angles", "ang", "position", "pos", "theta", "goniometer", "gonio", "dorsiflexion",
-    "flexion", "winkel", "hoek", "rotation",
+    "flexion", "winkel", "hoek", "rotation", "gelenkwinkel", "sprunggelenkwinkel",
+    "sprunggelenkswinkel", "enkelhoek", "dorsaalflexie", "dorsalextension",
 }  # fmt: skip
 _EMG = {"emg", "semg", "bip", "bipolar", "emgenv", "envelope"}
 
@@ -122,11 +133,11 @@ _FILMS = {  # a fascicle has a pennation: that word goes first
 #: A tracker's count of the film's frames.
 _FRAMES = {"frame", "frames"}
 
-_LATERAL = {"lat", "lateral", "lateralis"}
-_MEDIAL = {"med", "medial", "medialis"}
-_GASTROCNEMIUS = {"gas", "gast", "gastro", "gastroc", "gastrocs", "gastrocnemius"}
+_LATERAL = {"lat", "lateral", "lateralis", "laterale"}
+_MEDIAL = {"med", "medial", "medialis", "mediale"}
+_GASTROCNEMIUS = {"gas", "gast", "gastro", "gastroc", "gastrocs", "gastrocnemius", "gastrocnemien"}
 _TIBIALIS = {"tib", "tibialis", "tibial"}
-_ANTERIOR = {"ant", "anterior"}
+_ANTERIOR = {"ant", "anterior", "anterieur"}
 _OTHER_MUSCLES = {
     "glut", "gluteus", "gmax", "gmed", "glmax", "glmed", "post", "posterior", "peroneus", "per",
     "rect", "rectus", "rf", "vas", "vl", "vm", "vastus", "bf", "biceps", "semimem", "semiten",
@@ -138,7 +149,7 @@ _WHOLE = {
     "lgas": "emg_gl", "gaslateralis": "emg_gl",
     "medgas": "emg_gm", "gasmed": "emg_gm", "gastrocmed": "emg_gm", "gastromed": "emg_gm",
     "mgas": "emg_gm", "gasmedialis": "emg_gm",
-    "soleus": "emg_sol",
+    "soleus": "emg_sol", "soleaire": "emg_sol",
 }  # fmt: skip
 _SHORT = {
     "ta": "emg_ta", "gl": "emg_gl", "lg": "emg_gl", "gm": "emg_gm", "mg": "emg_gm",
@@ -255,8 +266,11 @@ def joint_of_muscles(names: Sequence[str]) -> str | None:
 
 
 def words_of(name: str) -> tuple[str, ...]:
-    """The words of a name, in small letters: ``"EMG_TA"``, ``"ankleAngle_r"``."""
-    parts = (part for piece in _BETWEEN.split(plain(name)) for part in _CAMEL.split(piece))
+    """The words of a name, small and without accents: ``"EMG_TA"``, ``"Accélération"``."""
+    bare = "".join(
+        c for c in unicodedata.normalize("NFKD", plain(name)) if not unicodedata.combining(c)
+    )
+    parts = (part for piece in _BETWEEN.split(bare) for part in _CAMEL.split(piece))
     return tuple(part.casefold() for part in parts if part)
 
 
