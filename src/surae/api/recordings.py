@@ -18,7 +18,6 @@ from surae.quality import (
     Quality,
     check_recording,
     commanded_file,
-    of_joint,
     recording_of,
     recording_or_findings,
     used,
@@ -214,7 +213,7 @@ def _checked(
             if own in (None, ANKLE):
                 quality = examined(measured, protocol, exclude)
             else:
-                quality = of_joint(check_recording(used(measured, exclude)[0], protocol), own)
+                quality = check_recording(used(measured, exclude)[0], protocol, joint=own)
         if prepared:
             kept = (f for f in quality.findings if (f.code, f.severity) != ("emg-kind", "warning"))
             quality = replace(quality, findings=tuple(kept))

@@ -238,7 +238,8 @@ def _parameters(
                 note = (
                     f"known only to ±{percent(half / abs(value))}: the data contradict this model; "
                     f"with some of {', '.join(against.missing)} it is elsewhere (fit model auto), "
-                    "though another trial of this leg would give the same with this model"
+                    f"though another trial of this {problem.options.anatomy.body} would give the "
+                    "same with this model"
                 )
         elif not np.isfinite(estimated.sigma2):
             verdict = Verdict.UNDETERMINED

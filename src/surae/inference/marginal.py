@@ -29,6 +29,7 @@ from surae.inference.parameter import (
 )
 from surae.inference.result import PosteriorMode
 from surae.inference.uncertainty.combined import Budget, Uncertainty
+from surae.model.joint import Joint
 from surae.model.laboratory import group_of
 from surae.model.sources import SOURCES
 from surae.signals import steady_emg
@@ -50,7 +51,7 @@ def marginal(
     withheld = f"nothing is identified with {', '.join(bounds)} at a bound" if bounds else ""
     if adequacy.grade is Grade.INADEQUATE:
         withheld = INADEQUATE
-    judged = {}
+    judged, joint = {}, problem.options.anatomy
     for name in problem.free:
         p, budget = table[name], known.budget(known.along(name))
         if p.at_bound or group_of(name) is not None or not budget.sd > 0.0:
@@ -59,7 +60,7 @@ def marginal(
         half = (ci95[1] - ci95[0]) / 2.0
         again = known.interval(name, NORMAL * budget.repeat)
         repeatable = (again[1] - again[0]) / 2.0 <= IDENTIFIED * abs(p.value) and not withheld
-        verdict, note = _judge(p, half, budget, repeatable=repeatable, withheld=withheld)
+        verdict, note = _judge(p, half, budget, joint, repeatable=repeatable, withheld=withheld)
         prior = found.population.get(name)
         if verdict is Verdict.IDENTIFIED and prior:
             value, scale = p.value, 1.0
@@ -70,8 +71,8 @@ def marginal(
                 but = "hardly better than before any measurement"
             elif abs(value - prior.mean) > _FAR * prior.sd and name not in problem.spec.weights:
                 but = (
-                    "farther from other legs' than legs are: a prior that does not fit holds it "
-                    "back"
+                    f"farther from other {joint.body}s' than {joint.body}s are: a prior that does "
+                    "not fit holds it back"
                 )
             if but:
                 verdict, note = Verdict.WEAK, f"{note}, but {but}"
@@ -106,8 +107,8 @@ def _by_path(name: str, problem: FitProblem) -> str:
     if filmed or problem.settings.geometry_of == GEOMETRY_OF[1]:
         return ""
     return (
-        "only relative to the assumed path, whose zero is not known: give the leg's own lengths, "
-        "or film the muscle"
+        "only relative to the assumed path, whose zero is not known: give the "
+        f"{problem.options.anatomy.body}'s own lengths, or film the muscle"
     )
 
 
@@ -127,7 +128,13 @@ def _filmed(known: Uncertainty, problem: FitProblem, table: Mapping[str, Paramet
 
 
 def _judge(
-    p: ParameterEstimate, half: float, budget: Budget, *, repeatable: bool, withheld: str
+    p: ParameterEstimate,
+    half: float,
+    budget: Budget,
+    joint: Joint,
+    *,
+    repeatable: bool,
+    withheld: str,
 ) -> tuple[Verdict, str]:
     """Verdict, and what is missing and would help."""
     relative = half / abs(p.value) if p.value else np.inf
@@ -143,10 +150,10 @@ def _judge(
         return Verdict.UNDETERMINED, "not determined: its interval is as wide as its value"
     sentence = f"known only to ±{percent(relative)}"
     if repeatable:
-        sentence += ", though another trial of this leg would give the same"
+        sentence += f", though another trial of this {joint.body} would give the same"
     source = max(budget.shares, key=lambda s: budget.shares[s])
     if budget.shares[source] >= _WORTH:
-        sentence += f": {SOURCES[source].advice}"
+        sentence += f": {joint.worded(SOURCES[source].advice)}"
         left = budget.without.get(source)
         if left is not None and left < 0.8 * budget.sd:
             sentence += f"; that would narrow it to about ±{percent(relative * left / budget.sd)}"

@@ -5,7 +5,7 @@ lengthens as the angle rises, `tib` its antagonist, whatever the joint calls the
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -77,12 +77,20 @@ class Joint:
                 )
 
     @property
+    def headings(self) -> tuple[str, str]:
+        """The groups' names with a capital."""
+        first, second = (group[:1].upper() + group[1:] for group in self.groups)
+        return first, second
+
+    @property
     def silent(self) -> tuple[int, ...]:
         """The channels, of TA, GL, SOL, GM, that stand for no muscle."""
         return tuple(i for i, muscle in enumerate(self.muscles) if not muscle)
 
-    def worded(self, text: str, language: str = "en", given: Iterable[str] = ()) -> str:
-        """A text about the ankle in the words of this joint; what users gave stays as it is.
+    def worded(self, text: str, language: str = "en") -> str:
+        """A text about the ankle in the words of this joint, before anything is filled into it.
+
+        What stands in braces is filled in later and stays.
 
         Raises
         ------
@@ -97,8 +105,7 @@ class Joint:
             )
         own = _words(self) if language == "en" else self.words[language]
         own = {word.lower(): instead for word, instead in own.items()}
-        kept = tuple(sorted({name for name in given if name}, key=len, reverse=True))
-        return _pattern(language, kept).sub(
+        return _pattern(language).sub(
             lambda match: _as(match[0], own[match[0].lower()]) if match["word"] else match[0], text
         )
 
@@ -145,19 +152,18 @@ ANKLE = Joint(
                    "Bein|Beine|den Fuß|des Fußes|Fuß|Fußplatte"),
             ("fr", "la cheville|mollet|du mollet|tibial|du tibial|"
                    "le soléaire et les deux gastrocnémiens|flexion dorsale|de flexion dorsale|"
-                   "de flexion plantaire|première jambe|deuxième jambe|les jambes|la jambe|"
-                   "cette jambe|l’autre jambe|jambe|le pied|du pied"),
+                   "flexion plantaire|de flexion plantaire|première jambe|deuxième jambe|"
+                   "les jambes|la jambe|cette jambe|l’autre jambe|jambe|le pied|du pied"),
         )
     }),
 )  # fmt: skip
 
 
 @cache
-def _pattern(language: str, kept: tuple[str, ...]) -> re.Pattern[str]:
-    """The ankle's words in a language, or a text that stays, as the thesis's title does."""
+def _pattern(language: str) -> re.Pattern[str]:
+    """The ankle's words in a language, or a place to be filled in."""
     words = sorted(_words(ANKLE) if language == "en" else ANKLE.words[language], key=len)
-    stays = "|".join(map(re.escape, ("Estimating ankle", *kept)))
-    return re.compile(rf"{stays}|\b(?P<word>{'|'.join(reversed(words))})\b", re.IGNORECASE)
+    return re.compile(rf"\{{[^{{}}]*\}}|\b(?P<word>{'|'.join(reversed(words))})\b", re.IGNORECASE)
 
 
 def read_joint(path: PathLike) -> Joint:

@@ -2,12 +2,12 @@
 
 from surae.quality.commanded import Commanded
 from surae.quality.finding import CODES, KINDS, SEVERITIES, Finding, FindingKind, Quality, Skipped
-from surae.quality.reading import commanded_file, of_joint, recording_of, recording_or_findings
+from surae.quality.reading import commanded_file, recording_of, recording_or_findings
 from surae.quality.registry import CHECKS, Check, check_recording
 from surae.quality.used import used
 
 __all__ = [
     "CHECKS", "CODES", "KINDS", "SEVERITIES", "Check", "Commanded", "Finding", "FindingKind",
-    "Quality", "Skipped", "check_recording", "commanded_file", "of_joint", "recording_of",
+    "Quality", "Skipped", "check_recording", "commanded_file", "recording_of",
     "recording_or_findings", "used",
 ]  # fmt: skip

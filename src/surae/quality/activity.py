@@ -11,7 +11,7 @@ from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import quantile, quantiles, runs, smooth, span_of
 from surae.quality.reflex import Reflex, reflex
 from surae.quality.trial import CheckedTrial
-from surae.recording import MUSCLE_NAMES, MUSCLES
+from surae.recording import MUSCLES
 
 #: Activity as a part of the largest in the trial that a relaxed muscle stays below, and as a
 #: multiple of its own level of rest.
@@ -63,7 +63,7 @@ def passive_part(trial: CheckedTrial) -> Iterator[Finding]:
         level = float(envelope[active].max())
         yield make_finding(
             "passive-not-passive", channel.role, span_of(trial.time, where), level / top,
-            f"The {MUSCLE_NAMES[muscle]} is active for {seconds:.2g} s of the passive part, up "
+            f"The {trial.names[muscle]} is active for {seconds:.2g} s of the passive part, up "
             f"to {100 * level / top:.2g} % of its largest activity.",
         )  # fmt: skip
 
@@ -84,7 +84,7 @@ def active_part(trial: CheckedTrial) -> Iterator[Finding]:
         if left > PASSIVE_LEFT and trial.torque is not None:
             top = float(np.abs(trial.torque).max())
             text = f"The EMG of no muscle shows effort, but the torque reaches {top:.2g} Nm and "
-            text += f"{left:.2g} Nm of it (root mean square) are no passive leg's."
+            text += f"{left:.2g} Nm of it (root mean square) are no passive {trial.joint.body}'s."
             advice = "This is no passive trial: see whether the amplifier was on, its gain set and "
             advice += "the electrodes connected, and record again."
             yield replace(_never(trial, None, tuple(idle), text, advice), severity="error")
@@ -97,8 +97,8 @@ def active_part(trial: CheckedTrial) -> Iterator[Finding]:
         )  # fmt: skip
         return
     sides = {
-        "triceps surae": (trial.triceps, "g2 to g4 and l0_tri"),
-        MUSCLE_NAMES["ta"]: (tuple(m for m in idle if m == "ta"), "g1 and l0_tib"),
+        trial.joint.groups[0]: (trial.triceps, "g2 to g4 and l0_tri"),
+        trial.joint.groups[1]: (tuple(m for m in idle if m == "ta"), "g1 and l0_tib"),
     }
     still = {name: side for name, side in sides.items() if side[0] and all(map(idle.get, side[0]))}
     for name, (muscles, lost) in still.items():
@@ -178,7 +178,7 @@ def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
     triceps, ta = trial.group("triceps", fast=True), trial.group("ta", fast=True)
     width = round(0.15 * trial.rate_hz)
     if triceps is None or ta is None:
-        raise Unjudged("There is no EMG of both sides of the ankle.")
+        raise Unjudged(f"There is no EMG of both sides of the {trial.joint.name}.")
     if all(quantile(e, 0.98) < _rest(trial.emg[m].unit) for m, e in trial.slow.items()):
         return  # nothing stands out at all
     levels = []
@@ -193,6 +193,6 @@ def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
     where = np.flatnonzero(both)
     yield make_finding(
         "co-contraction", "emg_ta", span_of(trial.time, where), share,
-        f"Triceps and tibialis anterior are active together in {100 * share:.0f} % of the time "
-        "in which either is.",
+        f"{trial.joint.short[0].capitalize()} and {trial.joint.groups[1]} are active together in "
+        f"{100 * share:.0f} % of the time in which either is.",
     )  # fmt: skip

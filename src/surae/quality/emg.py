@@ -7,7 +7,7 @@ import numpy as np
 from surae.quality.finding import Finding, make_finding, quantity, weight_of
 from surae.quality.numeric import equal_runs, quantile, runs, smooth, span_of
 from surae.quality.trial import CheckedTrial
-from surae.recording import MUSCLE_NAMES, MUSCLES, Channel
+from surae.recording import MUSCLES, Channel
 from surae.recording.emg_kind import emg_contradictions
 
 #: A muscle that never exceeds this [V] is at rest: maximal efforts give 2e-4 V and more.
@@ -76,7 +76,7 @@ def missing(trial: CheckedTrial) -> Iterator[Finding]:
         is_fixed = weight in trial.recording.fixed
         yield make_finding(
             "emg-missing", role, trial.span, None,
-            f"There is no EMG of the {MUSCLE_NAMES[muscle]}"
+            f"There is no EMG of the {trial.names[muscle]}"
             + (f"; its weight {weight} is fixed." if is_fixed else "."),
             severity="info" if is_fixed else "warning",
             advice="Its force is credited to the other muscles: read their weights with care."
@@ -91,10 +91,10 @@ def flat(trial: CheckedTrial) -> Iterator[Finding]:
     strongest = max(tops.values(), default=0.0)
     for muscle, channel in trial.emg.items():
         if muscle not in tops:
-            yield _flat(channel, f"is constant at {float(channel.values[0]):.3g}")
+            yield _flat(trial, channel, f"is constant at {float(channel.values[0]):.3g}")
         elif tops[muscle] < SILENT * strongest:
             share = 100 * tops[muscle] / strongest
-            yield _flat(channel, f"never exceeds {share:.2g} % of the strongest muscle's")
+            yield _flat(trial, channel, f"never exceeds {share:.2g} % of the strongest muscle's")
         else:
             yield from _dropouts(trial, channel)
 
@@ -116,15 +116,18 @@ def _dropouts(trial: CheckedTrial, channel: Channel) -> Iterator[Finding]:
         long &= values[first] < high
     for begin, count in zip(first[long], length[long], strict=True):
         state = f"keeps the value {values[begin]:.3g} for {count / channel.rate_hz:.2g} s"
-        yield _flat(channel, state, int(begin), int(begin + count - 1))
+        yield _flat(trial, channel, state, int(begin), int(begin + count - 1))
 
 
-def _flat(channel: Channel, state: str, first: int = 0, last: int = -1) -> Finding:
+def _flat(
+    trial: CheckedTrial, channel: Channel, state: str, first: int = 0, last: int = -1
+) -> Finding:
     start, end = float(channel.time[first]), float(channel.time[last])
     whole, muscle = (start, end) == span_of(channel.time), channel.role.removeprefix("emg_")
     return make_finding(
         "emg-flat", channel.role, (start, end), end - start,
-        f"The EMG of the {MUSCLE_NAMES[muscle]} {state}.", severity="error" if whole else "warning",
+        f"The EMG of the {trial.names[muscle]} {state}.",
+        severity="error" if whole else "warning",
         advice=f"Check electrode and cable; fix {weight_of(muscle)} at 0 if the muscle was at "
         "rest, else record again."
         if whole
@@ -151,7 +154,7 @@ def clipped(trial: CheckedTrial) -> Iterator[Finding]:
                 continue
             yield make_finding(
                 "emg-clipped", channel.role, span_of(channel.time, where), share,
-                f"{count} samples of the EMG of the {MUSCLE_NAMES[muscle]} stop at "
+                f"{count} samples of the EMG of the {trial.names[muscle]} stop at "
                 f"{quantity(float(values[where[0]]), channel)}.",
                 severity="warning" if share < 1e-3 else "error",
             )  # fmt: skip
@@ -180,7 +183,7 @@ def aliased(trial: CheckedTrial) -> Iterator[Finding]:
         if ratio > FOLDED:
             yield make_finding(
                 "emg-aliased", channel.role, span_of(channel.time), ratio,
-                f"The EMG of the {MUSCLE_NAMES[muscle]} is as strong at half its sampling rate, "
+                f"The EMG of the {trial.names[muscle]} is as strong at half its sampling rate, "
                 f"{0.5 * channel.rate_hz:.4g} Hz, as below: what is faster has folded into it.",
             )  # fmt: skip
 
@@ -208,7 +211,7 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
             continue
         yield make_finding(
             "emg-offset", channel.role, span_of(channel.time), level,
-            f"The EMG of the {MUSCLE_NAMES[muscle]} {rest} {quantity(level, channel)} instead "
+            f"The EMG of the {trial.names[muscle]} {rest} {quantity(level, channel)} instead "
             f"of 0 ({100 * ratio:.0f} % of its "
             + ("standard deviation)." if trial.emg_kind == "raw" else "highest)."),
             severity="warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
@@ -240,7 +243,7 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
         yield make_finding(
             "emg-artefact", channel.role, span_of(channel.time, where), float(size[worst]),
             f"{len(spans)} artefact{'s' * (len(spans) > 1)} in the EMG of the "
-            f"{MUSCLE_NAMES[muscle]}, the largest of {quantity(float(size[worst]), channel)} at "
+            f"{trial.names[muscle]}, the largest of {quantity(float(size[worst]), channel)} at "
             f"{channel.time[worst]:.3f} s.",
             unit=channel.unit,
             advice="Fasten cable and electrode; "

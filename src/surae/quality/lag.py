@@ -8,7 +8,6 @@ from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import correlations, smooth
 from surae.quality.torque_model import LONGEST
 from surae.quality.trial import CheckedTrial
-from surae.recording import MUSCLE_NAMES
 
 #: Lead and lag of all EMG for the torque [s]. True activation may be 30 ms faster or slower than
 #: the one assumed, and muscles and tendons take their time. `surae.inference.diagnosis` tells more.
@@ -62,7 +61,7 @@ def electrode_lag(trial: CheckedTrial) -> Iterator[Finding]:
 def _finding(trial: CheckedTrial, muscle: str, lag: float, beside: str) -> Finding:
     return make_finding(
         "electrode-lag", f"emg_{muscle}", trial.span, lag,
-        f"The EMG of the {MUSCLE_NAMES[muscle]} is {1e3 * abs(lag):.0f} ms "
+        f"The EMG of the {trial.names[muscle]} is {1e3 * abs(lag):.0f} ms "
         f"{'later' if lag > 0.0 else 'earlier'} than {beside}.",
     )  # fmt: skip
 

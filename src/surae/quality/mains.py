@@ -1,6 +1,6 @@
 """Mains hum, a line in the EMG's spectrum at 50 or 60 Hz; and electrodes that hear nothing else."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from surae.base.units import FloatArray
 from surae.quality.finding import Finding, Unjudged, make_finding, quantity
 from surae.quality.numeric import runs, span_of
 from surae.quality.trial import CheckedTrial
-from surae.recording import MUSCLE_NAMES, Channel
+from surae.recording import Channel
 
 #: Frequencies of mains [Hz].
 MAINS = (50.0, 60.0)
@@ -38,7 +38,7 @@ def hum(trial: CheckedTrial) -> Iterator[Finding]:
         heard = True
         yield make_finding(
             "mains-hum", channel.role, span_of(channel.time), amplitude,
-            f"The EMG of the {MUSCLE_NAMES[muscle]} holds a hum of {frequency:.1f} Hz with an "
+            f"The EMG of the {trial.names[muscle]} holds a hum of {frequency:.1f} Hz with an "
             f"amplitude of {quantity(amplitude, channel)} ({amplitude / rms:.2g} of its "
             "standard deviation).",
             severity="warning" if amplitude < rms else "error", unit=channel.unit,
@@ -87,10 +87,10 @@ def off(trial: CheckedTrial) -> Iterator[Finding]:
     fast = [c for c in trial.emg.values() if c.rate_hz > 2.2 * MAINS[-1]]
     if trial.emg_kind != "raw" or not fast:
         raise Unjudged("Only raw EMG shows it.")
-    yield from (finding for channel in fast if (finding := _off(channel)) is not None)
+    yield from (finding for channel in fast if (finding := _off(channel, trial.names)) is not None)
 
 
-def _off(channel: Channel) -> Finding | None:
+def _off(channel: Channel, names: Mapping[str, str]) -> Finding | None:
     size = round(_PIECE * channel.rate_hz)
     count = len(channel.values) // size
     if count * _PIECE < 2.0 * _SHORTEST:
@@ -114,7 +114,7 @@ def _off(channel: Channel) -> Finding | None:
     if now < _TIMES * before or first == 0 or (count - last) * _PIECE >= _SHORTEST:
         return None  # one that hears its muscle again has not come off
     start = float(channel.time[first * size])
-    muscle = MUSCLE_NAMES[channel.role.removeprefix("emg_")]
+    muscle = names[channel.role.removeprefix("emg_")]
     return make_finding(
         "electrode-off", channel.role,
         (start, channel.time[min(last * size, len(channel.time) - 1)]), now,

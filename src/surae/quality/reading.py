@@ -9,7 +9,6 @@ from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.frozen import read_only
 from surae.base.units import FACTORS, SI, FloatArray, kind, plain
-from surae.model.joint import Joint
 from surae.protocol import read_protocol
 from surae.quality.commanded import Commanded
 from surae.quality.finding import Finding, Quality, Skipped, make_finding
@@ -181,26 +180,3 @@ def recording_of(inputs: ModelInputs, *, derivatives: bool = False) -> Recording
             unit = inputs.emg_unit if role.startswith("emg_") else SI[kind(role)]
             channels[role] = Channel(role, inputs.time, values, unit, "prepared")
     return Recording(inputs.name, channels, emg="envelope", fixed=inputs.fixed, files=inputs.files)
-
-
-#: Checks with limits of the ankle, or by a quick fit that has its arms.
-_ANKLES = (
-    "angle-sign", "angle-still", "angle-units", "emg-unit", "film-unit", "reflex-suspected",
-    "time-unit", "torque-artefact", "torque-offset", "torque-unit",
-)  # fmt: skip
-
-
-def of_joint(quality: Quality, joint: Joint) -> Quality:
-    """Findings in a joint's words, but for those by the ankle's limits and of no muscle."""
-    silent = {f"emg_{MUSCLES[channel]}" for channel in joint.silent}
-    findings = tuple(
-        replace(each, message=joint.worded(each.message), advice=joint.worded(each.advice))
-        for each in quality.findings
-        if each.code not in _ANKLES and each.channel not in silent
-    )
-    others = (skip for skip in quality.skipped if skip.check not in _ANKLES)
-    skipped = (
-        *(replace(skip, reason=joint.worded(skip.reason)) for skip in others),
-        *(Skipped(code, "Its limits are known of the ankle alone.") for code in _ANKLES),
-    )
-    return replace(quality, findings=findings, skipped=skipped)

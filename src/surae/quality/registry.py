@@ -6,12 +6,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.base.plugins import plugins
+from surae.model.joint import ANKLE, Joint
 from surae.quality import activity, emg, film, lag, mains, position, reflex, timing, torque
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped, Unjudged
 from surae.quality.trial import CheckedTrial, Signals, trial_of
-from surae.recording import Recording
+from surae.recording import MUSCLES, Recording
 
+#: Checks with limits of the ankle, or by a quick fit that has its arms.
+_ANKLES = (
+    "angle-sign", "angle-still", "angle-units", "emg-unit", "film-unit", "reflex-suspected",
+    "time-unit", "torque-artefact", "torque-offset", "torque-unit",
+)  # fmt: skip
 #: Samples that signals need for anything but their time to be judged.
 _FEWEST = 32
 #: Rate below which nothing but the time is looked at [Hz].
@@ -63,19 +69,21 @@ CHECKS: tuple[Check, ...] = (
 
 
 def check_recording(
-    recording: Recording, commanded: Commanded | None = None, signals: Signals | None = None
-) -> Quality:
-    """All findings of a recording, the most severe first, then by time.
+    recording: Recording, commanded: Commanded | None = None, signals: Signals | None = None,
+    joint: Joint = ANKLE,
+) -> Quality:  # fmt: skip
+    """All findings of a recording of a joint, the most severe first, then by time.
 
     It is as it was measured: checks see faults that preparation would hide. `commanded` is the
     motion that the device was to follow, and the requested effort; `signals` are the recording's
-    own, where they have been made already.
+    own, where they have been made already. Of another joint than the ankle it has none by the
+    ankle's limits, and none of channels that stand for no muscle.
     """
     findings = [*timing.time_axes(recording), *timing.too_short(recording)]
     skipped: list[Skipped] = []
     reason = unfit(recording)
     if reason is None:
-        trial = trial_of(recording, commanded, signals)
+        trial = trial_of(recording, commanded, signals, joint)
         for check in (*CHECKS, *plugins("checks", Check).values()):
             try:
                 findings += check.run(trial)
@@ -83,6 +91,11 @@ def check_recording(
                 skipped += [Skipped(code, str(reason)) for code in check.codes]
     else:
         skipped += [Skipped(code, reason) for check in CHECKS for code in check.codes]
+    if joint != ANKLE:
+        silent = {f"emg_{MUSCLES[channel]}" for channel in joint.silent}
+        findings = [f for f in findings if f.code not in _ANKLES and f.channel not in silent]
+        skipped = [skip for skip in skipped if skip.check not in _ANKLES]
+        skipped += [Skipped(code, "Its limits are not known of this joint.") for code in _ANKLES]
     return Quality(recording.name, ordered(findings), tuple(skipped))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from surae.base.units import FloatArray
 from surae.protocol import DEVICES
 from surae.quality.baseline import baseline
-from surae.quality.finding import Finding, Unjudged, make_finding
+from surae.quality.finding import KINDS, Finding, Unjudged, make_finding
 from surae.quality.numeric import IndexArray, correlation, equal_runs, quantile, span_of
 from surae.quality.torque_model import passive_columns
 from surae.quality.trial import CheckedTrial
@@ -117,24 +117,27 @@ def sign(trial: CheckedTrial) -> Iterator[Finding]:
     """A torque that acts against the muscles that make it."""
     if trial.torque is None or trial.model is None:
         raise Unjudged("There is no torque, or too little of it.")
-    model, wrong, unit = trial.model, "", "1"
+    model, joint, wrong, unit = trial.model, trial.joint, "", "1"
     if model.part and model.known:
         # The stronger group decides: the weaker may only show the other's crosstalk.
         group = max(model.part, key=lambda name: abs(model.part[name]))
         strength, unit = model.part[group], "Nm"
         if group == "triceps" and strength < 0.0:
-            wrong = f"the triceps pulls with {strength:.2g} Nm, which should be positive"
+            wrong = f"the {joint.short[0]} pulls with {strength:.2g} Nm, which should be positive"
         elif group == "ta" and strength > 0.0:
-            wrong = f"the tibialis anterior pulls with {strength:.2g} Nm, which should be negative"
+            wrong = f"the {joint.groups[1]} pulls with {strength:.2g} Nm, which should be negative"
     elif float(np.ptp(trial.angle)) > 0.2:
         strength = correlation(passive_columns(trial.angle)[0], trial.torque)
         if strength < _AGAINST:
-            wrong = "it falls where the triceps is stretched, instead of rising"
+            wrong = f"it falls where the {joint.short[0]} is stretched, instead of rising"
     else:
         raise Unjudged("Neither EMG nor angle say what the torque should be.")
     if wrong:
         text = f"The torque has the wrong sign: {wrong}."
-        yield make_finding("torque-sign", "torque", trial.span, strength, text, unit=unit)
+        advice = joint.worded(KINDS["torque-sign"].advice)
+        yield make_finding(
+            "torque-sign", "torque", trial.span, strength, text, unit=unit, advice=advice
+        )
 
 
 def offset(trial: CheckedTrial) -> Iterator[Finding]:

@@ -1,5 +1,6 @@
 """A recording as the checks look at it: every signal once, on one coarse time axis."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from typing import Literal
@@ -8,6 +9,7 @@ import numpy as np
 
 from surae.base.frozen import read_only
 from surae.base.units import FloatArray
+from surae.model.joint import ANKLE, Joint
 from surae.protocol.effort import effort, named_task
 from surae.quality.commanded import Commanded, recognised
 from surae.quality.numeric import BoolArray, correlation, quantiles, smooth, span_of
@@ -65,6 +67,7 @@ class CheckedTrial(Signals):
     effort: FloatArray | None  #: The requested effort, given or recognised, shape (n, 4).
     #: What torque, angle and EMG have to do with each other; None without torque.
     model: TorqueModel | None
+    joint: Joint = ANKLE  #: The joint, whose words findings have.
 
     @property
     def span(self) -> tuple[float, float]:
@@ -83,6 +86,11 @@ class CheckedTrial(Signals):
         return {muscle: channel for muscle, channel in self.emg.items() if muscle in self.slow}
 
     @property
+    def names(self) -> Mapping[str, str]:
+        """What the muscles of the channels are called."""
+        return dict(zip(MUSCLES, self.joint.muscles, strict=True))
+
+    @property
     def triceps(self) -> tuple[str, ...]:
         """The heads of the triceps surae that have EMG which is not constant."""
         return tuple(m for m in MUSCLES[1:] if m in self.slow)
@@ -97,8 +105,9 @@ class CheckedTrial(Signals):
 
 
 def trial_of(
-    recording: Recording, commanded: Commanded | None = None, signals: Signals | None = None
-) -> CheckedTrial:
+    recording: Recording, commanded: Commanded | None = None, signals: Signals | None = None,
+    joint: Joint = ANKLE,
+) -> CheckedTrial:  # fmt: skip
     """Bring a recording's signals to what the checks compare.
 
     The channels share a span of time. A commanded profile that is not given is recognised from the
@@ -119,6 +128,7 @@ def trial_of(
         commanded=commanded or recognised(recording.channels["angle"]),
         effort=_requested_effort(time, slow, commanded),
         model=model,
+        joint=joint,
     )
 
 

@@ -28,6 +28,7 @@ class BudgetTable:
     """Shares of the variance of every estimated parameter that has an interval."""
 
     sources: tuple[str, ...]  #: Names in FIT.json of those that are shown.
+    labels: tuple[str, ...]  #: What they are called.
     #: By parameter: how well it is known, and its shares in the order of `sources`. Empty where
     #: nothing but noise is looked at.
     rows: Mapping[str, tuple[str, tuple[float, ...]]]
@@ -39,7 +40,7 @@ def budget_of(result: FitResult, assessment: Assessment) -> BudgetTable:
     known = {p.name: p for p in assessment.parameters.values() if p.budget and p.ci95}
     helps = what_to_measure(assessment)
     if assessment.uncertainty.is_of_noise_alone or not known:
-        return BudgetTable((), {}, helps)
+        return BudgetTable((), (), {}, helps)
     met = {source for p in known.values() for source in p.budget if p.budget[source] >= _SHOWN}
     sources = tuple(source for source in SOURCES if source in met)
     rows = {
@@ -49,7 +50,9 @@ def budget_of(result: FitResult, assessment: Assessment) -> BudgetTable:
         )
         for name, p in known.items()
     }
-    return BudgetTable(sources, rows, (*what_would_help(result, assessment), *helps))
+    worded = result.problem.options.anatomy.worded
+    labels = tuple(worded(SOURCES[source].label) for source in sources)
+    return BudgetTable(sources, labels, rows, (*what_would_help(result, assessment), *helps))
 
 
 #: The anchor of what to measure next.
@@ -71,7 +74,7 @@ def budget_section(budget: BudgetTable) -> block.Section:
     if budget.helps:
         blocks.append(block.Points("What would help:", budget.helps, NEXT))
     if budget.rows:
-        labels = [SOURCES[source].label for source in budget.sources]
+        labels = budget.labels
         first = [labels[shares.index(max(shares))] for _, shares in budget.rows.values()]
         main = max(dict.fromkeys(first), key=first.count)
         alt = (
@@ -108,18 +111,18 @@ def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...
             text += f" instead of ±{percent(before)}"
             gains.setdefault(remedy, {})[name] = part, text
 
-    known = assessment.uncertainty
+    known, worded = assessment.uncertainty, result.problem.options.anatomy.worded
     for name in result.problem.free:
         budget = known.budget(known.along(name))
         for source, without in budget.without.items():
             if budget.shares.get(source, 0.0) >= _WORTH:
-                note(SOURCES[source].advice, name, without / budget.sd)
+                note(worded(SOURCES[source].advice), name, without / budget.sd)
     for muscle, words in _MUSCLES.items():
         filmed = covariance_if_filmed(result, known, muscle)
         if filmed is not None:
             parts = np.sqrt(np.diag(filmed) / np.diag(known.covariance(*result.problem.free)))
             for name, part in zip(result.problem.free, parts.tolist(), strict=True):
-                note(f"film the {words}", name, part)
+                note(worded(f"film the {words}"), name, part)
     narrowed = {remedy: sorted(by_name.values()) for remedy, by_name in gains.items()}
     ranked = sorted(narrowed, key=lambda remedy: -sum(1.0 - part for part, _ in narrowed[remedy]))
     return tuple(_sentence(remedy, narrowed[remedy]) for remedy in ranked)

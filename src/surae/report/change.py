@@ -11,7 +11,6 @@ from surae.measures.measured import torque_curve
 from surae.report import block
 from surae.report.cards import AssessedFit, change_card, differing, light, reason_of, sides
 from surae.report.figures.leg import visits_figure
-from surae.report.joint import given_in, relabelled, reworded
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import compared, visit_angle
 from surae.report.output import Report
@@ -26,7 +25,7 @@ def change_report(
     `fits` are both that were compared, `baselines` further visits from before anything changed;
     torque and stiffness are given at `angle` [deg].
     """
-    _ = words_in(language)
+    _ = words_in(language, fits[1][0].problem.options.anatomy)
     at = visit_angle(fits[1]) if angle is None else angle
     lead = compared(*fits, baselines=baselines, legs=change.legs)
     names = sides(change, _)
@@ -52,10 +51,7 @@ def change_report(
         footer=_("Made by surae for research."),
         language=language,
     )
-    joint = fits[1][0].problem.options.anatomy
-    given = given_in(*(result for result, _ in (*fits, *baselines)))
-    document = reworded(joint, document, given, language)
-    return Report(document, relabelled(joint, [("visits", drawn)], given, language))
+    return Report(document, [("visits", drawn)])
 
 
 def _every(change: Change, at: float, _: Words) -> block.Section:

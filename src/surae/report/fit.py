@@ -14,7 +14,7 @@ from surae.quality import Quality
 from surae.report import block
 from surae.report.budget import NEXT, BudgetTable, budget_of, budget_section
 from surae.report.figures import Figure
-from surae.report.figures.holds import HOLDS, are_holds, holds_figure
+from surae.report.figures.holds import are_holds, holds_figure, holds_section
 from surae.report.figures.research import (
     budget_figure,
     correlation_figure,
@@ -23,7 +23,6 @@ from surae.report.figures.research import (
 )
 from surae.report.figures.tendon import film_figure, tendon_figure
 from surae.report.figures.torque import predictions_figure, torque_figure
-from surae.report.joint import given_in, relabelled, reworded
 from surae.report.laboratory import (
     family_section,
     known_section,
@@ -33,7 +32,7 @@ from surae.report.laboratory import (
 from surae.report.output import Report
 from surae.report.parameters import parameters_section, shown_parameters
 from surae.report.provenance import provenance_section
-from surae.report.recordings import GROUPS, recording_section
+from surae.report.recordings import recording_section
 from surae.report.sections import (
     correlation_section,
     geometry_section,
@@ -56,6 +55,8 @@ def fit_report(
     `predictions` are of other recordings, `quality` is what was found in each before it was fitted.
     """
     traces, budget = traces_of(result), budget_of(result, assessment)
+    joint = result.problem.options.anatomy
+    kicker = joint.worded("Ankle muscle parameters")
     names = [recording.name for recording in assessment.recordings]
     several = f", {len(names)} recordings in one joint fit" if len(names) > 1 else ""
     recordings = (
@@ -68,7 +69,7 @@ def fit_report(
     details = (
         parameters_section(result, assessment, next_anchor=NEXT if budget.helps else ""),
         *([findings_section(found)] if found else []),
-        *([HOLDS] if are_holds(traces) else []),
+        *([holds_section(traces)] if are_holds(traces) else []),
         *recordings,
     )
     research = (
@@ -83,16 +84,16 @@ def fit_report(
         provenance_section(result, versions),
     )
     document = block.Document(
-        kicker="Ankle muscle parameters",
+        kicker=kicker,
         heading=" + ".join(names),
         under=(
             f"Fitted with the {result.problem.spec.title}{several}. Report of "
             f"{created.strftime('%Y-%m-%d %H:%M %Z').strip()}."
         ),
-        title=f"Ankle muscle parameters: {', '.join(names)}",
+        title=f"{kicker}: {', '.join(names)}",
         blocks=(
             _summary(result, assessment, traces),
-            *predictions_section(assessment, predictions),
+            *predictions_section(assessment, predictions, joint),
             block.Section("Details", details, "details", "more"),
             block.Section("Research", research, "research", "more"),
         ),
@@ -103,11 +104,10 @@ def fit_report(
         ),
     )
     figures = _figures(budget, traces, assessment, predictions)
-    joint = result.problem.options.anatomy
     if isinstance(result.problem.options.geometry, GeometryTable):
-        figures = chain(figures, [("geometry", geometry_figure(result.problem.options, GROUPS))])
-    given = given_in(result, more=[p.name for p in predictions])
-    return Report(reworded(joint, document, given), relabelled(joint, figures, given), traces)
+        drawn = geometry_figure(result.problem.options, joint.headings)
+        figures = chain(figures, [("geometry", drawn)])
+    return Report(document, figures, traces)
 
 
 def predictions_report(assessment: Assessment, predictions: Sequence[Prediction]) -> Report:

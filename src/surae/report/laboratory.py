@@ -6,6 +6,7 @@ from surae.base.formatting import NO_NUMBER, estimate, significant
 from surae.inference import Assessment, FitResult, ParameterEstimate
 from surae.inference.adequacy import Grade
 from surae.inference.each import trial_spread
+from surae.inference.result import Candidate
 from surae.model import get_model
 from surae.model.laboratory import group_of
 from surae.model.sources import NUISANCES, Gaussian
@@ -21,8 +22,8 @@ _UNUSUAL = 2.0
 
 def known_section(result: FitResult) -> tuple[block.Section, ...]:
     """What was known beforehand; nothing where nothing was stated."""
-    known = result.problem.settings.knowledge
-    if known is None or not known.lines():
+    known, worded = result.problem.settings.knowledge, result.problem.options.anatomy.worded
+    if known is None or not (lines := known.lines()):
         return ()
     heads = block.columns("What", "How well", "From", wide=(1,))
     title = "What was known beforehand"
@@ -31,10 +32,18 @@ def known_section(result: FitResult) -> tuple[block.Section, ...]:
             "Steps of the session and what the laboratory stated. None of it is taken for exact: "
             "its own uncertainty is in every interval, and it is held against the torque."
         ),
-        block.Grid(title, heads, block.rows(known.lines())),
+        block.Grid(title, heads, block.rows((worded(what), how, of) for what, how, of in lines)),
         *block.paragraphs(known.doubts, "warning"),
     )
     return (block.Section(title, blocks, "known", "page"),)
+
+
+#: What stands with the table of imperfections.
+_NUISANCES = (
+    "No laboratory can rule these out. Each was given what a careful laboratory knows of it "
+    "beforehand, mean ± standard deviation, and estimated along with the leg; what stays unknown "
+    "of it is in every interval of this report."
+)
 
 
 def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[block.Section, ...]:
@@ -51,18 +60,17 @@ def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[block
     else:
         estimates = [p for name, p in assessment.nuisances.items() if name in found.beliefs]
         present = {group_of(p.name) for p in estimates}
-        groups = [f"{s.label}: {s.meaning}" for group, s in NUISANCES.items() if group in present]
+        worded = result.problem.options.anatomy.worded
+        groups = [
+            worded(f"{s.label}: {s.meaning}") for group, s in NUISANCES.items() if group in present
+        ]
         heads = block.columns("Imperfection", "Assumed", "Estimate", "95 % interval", "Unit",
                               "Source", numbers=(1, 3), wide=(0, 5),
                               looks={2: "number value", 4: "unit"})  # fmt: skip
         rows = block.rows(_row(p, found.beliefs[p.name]) for p in estimates)
         title = "Imperfections: what was assumed and what came out"
         blocks += [
-            block.Text(
-                "No laboratory can rule these out. Each was given what a careful laboratory knows "
-                "of it beforehand, mean ± standard deviation, and estimated along with the leg; "
-                "what stays unknown of it is in every interval of this report."
-            ),
+            block.Text(worded(_NUISANCES)),
             block.Text(f"{'; '.join(groups)}.", "note"),
             block.Grid(title, heads, rows, "laboratory"),
         ]
@@ -112,11 +120,17 @@ def family_text(result: FitResult, assessment: Assessment) -> str:
     if assessment.adequacy.grade is Grade.INADEQUATE:
         return "The fit is inadequate: what the data ask for means nothing."
     chosen = result.found.candidates[0]
-    departures = ", ".join(NUISANCES[group].label for group in chosen.groups)
+    departures = _labels(result, chosen)
     return (
         f"These data fit better with {departures or 'the plain model'} (probability "
         f"{_chance(chosen.weight)}). The intervals include what others would give."
     )
+
+
+def _labels(result: FitResult, candidate: Candidate) -> str:
+    """What a candidate has in it."""
+    worded = result.problem.options.anatomy.worded
+    return ", ".join(worded(NUISANCES[group].label) for group in candidate.groups)
 
 
 def family_section(result: FitResult, assessment: Assessment) -> tuple[block.Section, ...]:
@@ -134,7 +148,7 @@ def family_section(result: FitResult, assessment: Assessment) -> tuple[block.Sec
     ):
         rows = block.rows(
             (get_model(each.model).title,
-             ", ".join(NUISANCES[group].label for group in each.groups) or "none",
+             _labels(result, each) or "none",
              _chance(each.weight))
             for each in candidates
         )  # fmt: skip

@@ -14,6 +14,7 @@ from surae.base.errors import InputError
 from surae.base.formatting import ends, of_interval
 from surae.base.names import LANGUAGES
 from surae.base.words import N_
+from surae.model.joint import ANKLE, Joint
 from surae.quality.finding import KINDS
 
 #: What measures, and one parameter, are called, in the order in which they are shown.
@@ -45,13 +46,16 @@ GROUPS = (N_("healthy adults"), N_("spastic ankles after stroke"))
 
 
 class Words:
-    """The page's messages in one language; a language without catalogue is refused."""
+    """The page's messages in one language, of one joint; one without catalogue is refused.
 
-    def __init__(self, language: str = "en") -> None:
+    A joint's words stand in a message before anything is filled in.
+    """
+
+    def __init__(self, language: str = "en", joint: Joint = ANKLE) -> None:
         if language not in LANGUAGES:
             known = ", ".join(LANGUAGES)
             raise InputError(f"no page in language {language!r}; use one of: {known}")
-        self.language = language
+        self.language, self._joint = language, joint
         self._decimal = "."
         self._messages = NullTranslations()
         self.messages: dict[str, str | Sequence[str]] = {}
@@ -76,11 +80,13 @@ class Words:
     def __call__(self, message: str, **given: str) -> str:
         """A message, filled in."""
         text = self._messages.gettext(message) if message else ""
+        text = self._joint.worded(text, self.language)
         return text.format(**given) if given else text
 
     def many(self, one: str, several: str, n: int, **given: str) -> str:
         """The message for so many; ``{n}`` in it is their number."""
-        return self._messages.ngettext(one, several, n).format(n=n, **given)
+        text = self._joint.worded(self._messages.ngettext(one, several, n), self.language)
+        return text.format(n=n, **given)
 
     def number(self, text: str) -> str:
         """A number, or several in a text without words, as they are written here."""
@@ -123,7 +129,7 @@ class Words:
         return f"{text[:1].upper()}{text[1:]}. {self(kind.advice)}"
 
 
-#: The messages of a language, read once.
+#: The messages of a language and a joint, read once.
 words_in = cache(Words)
 
 

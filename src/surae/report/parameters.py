@@ -29,7 +29,7 @@ def parameters_section(
         row = _row(p, priors.get(p.name), next_anchor)
         groups.setdefault(p.group, []).append(row[:3] + row[5:] if marginal else row)
     if marginal:
-        note = (
+        note = result.problem.options.anatomy.worded(
             "Repeatable: another trial of this leg would give the same within 10 %; below it, "
             "where its value would lie (95 %). What all trials of the leg share, such as "
             "crosstalk, is not in that."

@@ -130,7 +130,8 @@ def fit_settings(result: FitResult) -> list[tuple[str, str]]:
         for each, record in settings_of(type(request)):
             value = getattr(request, each.name)
             if each.name not in _ELSEWHERE and value != default_of(each):
-                facts.append((record.label or each.name.capitalize(), _written(value)))
+                label = problem.options.anatomy.worded(record.label or each.name.capitalize())
+                facts.append((label, _written(value)))
     return facts
 
 

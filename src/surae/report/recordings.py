@@ -14,15 +14,12 @@ from surae.report.cycles import find_cycles
 from surae.report.provenance import excluded_text
 from surae.report.traces import Traces
 
-#: Names of the two muscle groups, in the order of their rows.
-GROUPS = ("Triceps surae", "Tibialis anterior")
-
 
 def recording_section(
     number: int, quality: RecordingQuality, traces: Traces, white: Whiteness
 ) -> block.Section:
     """Describe a recording, its fit and the residual."""
-    low, high = float(traces.angle.min()), float(traces.angle.max())
+    low, high, joint = float(traces.angle.min()), float(traces.angle.max()), traces.joint
     span = f"{signed(low, 2)} … {signed(high, 2)} rad"
     degrees = f"{signed(np.degrees(low), 0)} … {signed(np.degrees(high), 0)}°"
     least, most = float(traces.measured.min()), float(traces.measured.max())
@@ -57,12 +54,12 @@ def recording_section(
     count = 0 if cycles is None else len(cycles.spans)
     torque_alt = (
         f"Panels against {short(round(duration, 2))} s of time: EMG that was recorded; "
-        f"ankle angle from {span.replace('…', 'to')}; measured and modelled torque, VAF "
+        f"{joint.name} angle from {span.replace('…', 'to')}; measured and modelled torque, VAF "
         f"{percentage(quality.vaf)} %; parts of the modelled torque."
     )
     over = (
         f"Beside time, the mean and the standard deviation over {count} cycles, each from one "
-        "largest dorsiflexion to the next. "
+        f"largest {joint.directions[0]} to the next. "
     )
     residual = (
         block.Text(text),
@@ -85,9 +82,12 @@ def recording_section(
         block.Picture(
             f"torque-{number}",
             torque_alt,
-            f"{over if count else ''}EMG envelopes, ankle angle, measured (wide, pale) and "
-            "modelled (thin, dark) torque, and the parts of the modelled torque: passive tissue, "
-            "neural (active contraction), inertia and gravity of foot and footplate.",
+            (over if count else "")
+            + joint.worded(
+                "EMG envelopes, ankle angle, measured (wide, pale) and modelled (thin, dark) "
+                "torque, and the parts of the modelled torque: passive tissue, neural (active "
+                "contraction), inertia and gravity of foot and footplate."
+            ),
             "still cycles" if count else "still",
         ),
         block.Section("Residual: measured minus modelled torque", residual, look="residual"),
@@ -167,7 +167,7 @@ def warnings_of(traces: Traces) -> tuple[str, ...]:
     """Warn where the model has no finite number."""
     texts = []
     if traces.tendon is not None:
-        for name, first in zip(GROUPS, traces.tendon.unsolved, strict=True):
+        for name, first in zip(traces.joint.headings, traces.tendon.unsolved, strict=True):
             if first is not None:
                 texts.append(
                     f"{name}: the balance of forces could not be solved at {_at(traces, first)}; "

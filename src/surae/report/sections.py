@@ -8,7 +8,7 @@ from surae.inference import Assessment, FitResult, Prediction, Verdict, pooled
 from surae.inference.assessment import described, variance_inflation
 from surae.inference.identifiability.identified import Direction, Identified, identifiability
 from surae.inference.parameter import IDENTIFIED
-from surae.model.joint import ANKLE
+from surae.model.joint import ANKLE, Joint
 from surae.report import block
 
 
@@ -53,7 +53,7 @@ _FALL = 5.0
 
 
 def predictions_section(
-    assessment: Assessment, predictions: Sequence[Prediction]
+    assessment: Assessment, predictions: Sequence[Prediction], joint: Joint = ANKLE
 ) -> tuple[block.Section, ...]:
     """How other recordings are predicted: a row and a figure each; nothing where there are none."""
     if not predictions:
@@ -70,7 +70,7 @@ def predictions_section(
     if assessment.vaf - together.vaf > _FALL:
         text += (
             " The parameters carry over only in part: they describe the recordings they were "
-            "fitted to better than the leg."
+            f"fitted to better than the {joint.body}."
         )
     table = block.Grid(
         "How well other recordings are predicted",

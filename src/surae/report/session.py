@@ -14,12 +14,11 @@ from surae.report import block, trials
 from surae.report.budget import budget_of, budget_section
 from surae.report.cards import AssessedFit, is_known, titled
 from surae.report.figures import Figure
-from surae.report.figures.holds import HOLDS, are_holds, holds_figure
+from surae.report.figures.holds import are_holds, holds_figure, holds_section
 from surae.report.figures.research import budget_figure
 from surae.report.figures.tendon import film_figure
 from surae.report.figures.torque import fit_figure
 from surae.report.figures.trials import trials_figure
-from surae.report.joint import given_in, relabelled, reworded
 from surae.report.laboratory import known_section
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import LegAnswers, leg_answers
@@ -81,7 +80,8 @@ def session_report(
     leg: FittedLeg, *, created: datetime, before: AssessedFit | None = None, language: str = "en"
 ) -> Report:
     """The leg's page: its answers, then details and research, which are in English alone."""
-    _, shown = words_in(language), leg.shown
+    shown = leg.shown
+    _ = words_in(language, ANKLE if shown is None else shown[0].problem.options.anatomy)
     contradicted = trials.contradictions(leg.alone, leg.together)
     answers = leg_answers(leg.session.trials, leg.fits, shown, _, contradicted=tuple(contradicted),
                           before=before, nerve=leg.nerve)  # fmt: skip
@@ -108,16 +108,8 @@ def session_report(
         footer=footer,
         language=language,
     )
-    anatomy = ANKLE if shown is None else shown[0].problem.options.anatomy
-    told = leg.session
-    given = given_in(
-        *([] if shown is None else [shown[0]]),
-        more=[told.name, told.condition, told.notes, *(trial.name for trial in told.trials)],
-    )
-    document = reworded(anatomy, document, given, language)
-    own = dict(relabelled(anatomy, figures.items(), given, language)).items()
     traces = () if leg.joint is None or language != "en" else traces_of(leg.joint[0])
-    return Report(document, own, traces)
+    return Report(document, figures.items(), traces)
 
 
 def _details(
@@ -144,7 +136,7 @@ def _details(
         details.append(block.Section("Torque", (picture,), "torques"))
         if are_holds(traced := traces_of(shown[0])):
             figures["holds"] = holds_figure(traced)
-            details.append(HOLDS)
+            details.append(holds_section(traced))
         details.append(block.Section("The fit", (adequacy_words(shown[1].adequacy),), "fit"))
         details += known_section(shown[0])
         if answers.measures is not None:

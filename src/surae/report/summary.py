@@ -12,7 +12,6 @@ from surae.inference.parameter import ParameterEstimate
 from surae.measures.compute import judged_measures, points
 from surae.measures.table import LEADING
 from surae.report.budget import what_would_help
-from surae.report.joint import given_in, reworded
 from surae.report.laboratory import family_text
 from surae.report.parameters import repeatable, shown_parameters
 from surae.report.provenance import emphasis_text
@@ -43,7 +42,6 @@ def fit_table(result: FitResult, assessment: Assessment, width: int = 100) -> Te
         ),
         below=tuple("\n".join(group) for group in groups if group),
     )
-    table = reworded(result.problem.options.anatomy, table, given_in(result))
     return replace(table, below=tuple(_folded(table.below, width)))
 
 

@@ -18,6 +18,7 @@ from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.fascicles import Fascicles, followed
 from surae.model import TendonState
+from surae.model.joint import ANKLE, Joint
 from surae.model.simulator import TorqueParts
 from surae.recording import MUSCLES
 from surae.report.provenance import excluded_spans
@@ -45,6 +46,7 @@ class Traces:
     optimal: tuple[float, float]
     weight: FloatArray | None  #: What each sample counts in the fit.
     films: tuple[Fascicles, ...] = ()  #: Filmed fascicles, beside the model's.
+    joint: Joint = ANKLE  #: The joint, whose words its figures have.
 
     @property
     def counted(self) -> npt.NDArray[np.bool_]:
@@ -80,6 +82,7 @@ def traces_of(result: FitResult) -> tuple[Traces, ...]:
             optimal=(result.values.get("l0_tri", np.nan), result.values.get("l0_tib", np.nan)),
             weight=recording.weight,
             films=followed(problem.spec, problem.options, result.values, recording),
+            joint=problem.options.anatomy,
         )
         for (recording, simulator), residual in zip(tied, result.residuals, strict=True)
         if recording.torque is not None
@@ -161,7 +164,7 @@ def _recording(traces: Traces, points: int) -> dict[str, Any]:
         ("Torque", "Nm", [("measured", traces.measured), ("modelled", traces.modelled)]),
         ("Residual", "Nm", [("measured minus modelled", traces.residual)]),
         ("Parts of the modelled torque", "Nm", parts),
-        ("Ankle angle", "°", [("angle", np.degrees(traces.angle))]),
+        (traces.joint.worded("Ankle angle"), "°", [("angle", np.degrees(traces.angle))]),
     ]
     if muscles:
         emg = traces.emg * (1e3 if volts else 1.0)

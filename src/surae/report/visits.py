@@ -14,7 +14,6 @@ from surae.report import block
 from surae.report.cards import AssessedFit, change_card, over
 from surae.report.figures import Figure
 from surae.report.figures.leg import over_time_figure
-from surae.report.joint import given_in, relabelled, reworded
 from surae.report.language import words_in
 from surae.report.leg import fixed_quantities
 from surae.report.output import Report
@@ -38,7 +37,8 @@ def visits_report(
     All are compared over the end of the range that every one of them moved through. Two legs, where
     their sides differ, are compared as such.
     """
-    _, end = words_in(language), common_end(visit.fit[0] for visit in visits)
+    _ = words_in(language, visits[after].fit[0].problem.options.anatomy)
+    end = common_end(visit.fit[0] for visit in visits)
     sides = [fixed_quantities(visit.fit, end) for visit in visits]
     legs = visits[before].side != visits[after].side
     change = compare_sessions(sides[before], sides[after], legs=legs)
@@ -70,7 +70,4 @@ def visits_report(
                                  lost)  # fmt: skip
         blocks.append(block.Picture("visits", _("Stiffness over the visits"), said, "here", 100))
     document = block.Document("", "", "", "", tuple(blocks), "", language)
-    joint = visits[after].fit[0].problem.options.anatomy
-    given = given_in(*(visit.fit[0] for visit in visits), more=[visit.name for visit in visits])
-    return Report(reworded(joint, document, given, language),
-                  relabelled(joint, figures, given, language))  # fmt: skip
+    return Report(document, figures)

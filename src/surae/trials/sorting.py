@@ -21,7 +21,7 @@ from surae.quality.numeric import quantile, smooth
 from surae.quality.position import perturbing
 from surae.quality.registry import unfit
 from surae.quality.trial import Signals, signals_of
-from surae.recording import MUSCLE_NAMES, MUSCLES, Recording
+from surae.recording import MUSCLES, Recording
 from surae.recording.described import ALONE, EFFORTS, EMPTY, TrialDescription
 from surae.recording.roles import words_of
 from surae.signals.alone import one_at_a_time
@@ -235,7 +235,7 @@ def _effort(
             if not trial.moves and harder and own[muscle].top >= _HARDER * max(harder):
                 times = own[muscle].top / max(harder)
                 return "maximal", (
-                    f"the {MUSCLE_NAMES[muscle]} is {times:.2g} times as active as in any trial "
+                    f"the EMG of {muscle.upper()} is {times:.2g} times what it is in any trial "
                     "that moves"
                 )
     if not shares:
@@ -243,5 +243,5 @@ def _effort(
     muscle = max(shares, key=lambda m: shares[m])
     percent = 100 * shares[muscle]
     part = f"reaches {percent:.0f} %" if percent >= 1.0 else "stays below 1 %"
-    text = f"the {MUSCLE_NAMES[muscle]} {part} of its largest activity in the session"
+    text = f"the EMG of {muscle.upper()} {part} of its largest in the session"
     return ("active" if shares[muscle] > _RELAXED else "passive"), text

@@ -10,6 +10,7 @@ from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.identifiability.advice import trade_off
 from surae.inference.uncertainty.combined import information_root
+from surae.model.joint import Joint
 from surae.model.registry import PARAMETERS
 
 #: Widening by the others from which a parameter trades off with them: that of two parameters with a
@@ -118,7 +119,13 @@ def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Id
             alone=sigma / effect if effect > 0 else None,
             collinearity=widened,
             partners=partners,
-            advice=_advice(name, partners, silent=effect == 0, at_bound=name not in names),
+            advice=_advice(
+                name,
+                partners,
+                problem.options.anatomy,
+                silent=effect == 0,
+                at_bound=name not in names,
+            ),
         )
     return Identifiability(names, weakest, condition, parameters)
 
@@ -143,10 +150,12 @@ def _partners(
     return tuple(other for other in most.changes if other != name)[:_PARTNERS]
 
 
-def _advice(name: str, partners: tuple[str, ...], *, silent: bool, at_bound: bool) -> str:
+def _advice(
+    name: str, partners: tuple[str, ...], joint: Joint, *, silent: bool, at_bound: bool
+) -> str:
     """What to do to know a parameter better, in one sentence."""
     parameter = PARAMETERS.get(name)
-    more = parameter.advice if parameter else "another movement or effort, or fix it"
+    more = joint.worded(parameter.advice if parameter else "another movement or effort, or fix it")
     fewer = more.removesuffix(", or fix it")
     if silent:
         return f"The torque does not depend on {name} here: fix it, or {fewer}."
@@ -157,7 +166,8 @@ def _advice(name: str, partners: tuple[str, ...], *, silent: bool, at_bound: boo
     known = trade_off(name, partners)
     if known is None:
         return f"{name} trades off with {listed(partners)}: fix one of them, or {fewer}."
-    return f"{name} trades off with {listed(partners)}, as {known.because}: {known.advice}."
+    why = joint.worded(f"{known.because}: {known.advice}")
+    return f"{name} trades off with {listed(partners)}, as {why}."
 
 
 def unexplained(R: FloatArray, j: int, others: Sequence[int]) -> float:

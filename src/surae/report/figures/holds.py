@@ -19,19 +19,6 @@ _ENDS, _LEVELS = (0.05, 0.95), 7
 #: EMG is averaged over this [s]: about what activation takes.
 _AVERAGED = 0.4
 
-HOLDS = block.Section(
-    "Torque over angle and effort",
-    (
-        block.Picture(
-            "holds", "Torque of each hold over its angle, and over the EMG at each angle.",
-            "Left: where each hold’s torque lies 90 % of the time, measured (wide, pale) and "
-            "modelled (thin, dark). Right: measured torque over the EMG, triceps less tibialis, at "
-            "each angle.", "here",
-        ),
-    ),
-    "holds",
-)  # fmt: skip
-
 
 def are_holds(trials: Sequence[Traces]) -> bool:
     """Whether all hold still, at angles that together show torque over angle."""
@@ -39,6 +26,19 @@ def are_holds(trials: Sequence[Traces]) -> bool:
     return all(high - low < STILL for low, _, high in angles) and tell_together(
         middle for _, middle, _ in angles
     )
+
+
+def holds_section(trials: Sequence[Traces]) -> block.Section:
+    """Where the torque of holds over angle and EMG stands."""
+    picture = block.Picture(
+        "holds", "Torque of each hold over its angle, and over the EMG at each angle.",
+        trials[0].joint.worded(
+            "Left: where each hold’s torque lies 90 % of the time, measured (wide, pale) and "
+            "modelled (thin, dark). Right: measured torque over the EMG, triceps less tibialis, at "
+            "each angle."
+        ), "here",
+    )  # fmt: skip
+    return block.Section("Torque over angle and effort", (picture,), "holds")
 
 
 def holds_figure(trials: Sequence[Traces]) -> Figure:
@@ -62,8 +62,9 @@ def holds_figure(trials: Sequence[Traces]) -> Figure:
         right.plot([net[part].mean() for part in parts], [each.measured[p].mean() for p in parts],
                    "o-", color=colour, ms=3, linewidth=1.3,
                    label=f"{at:.0f}°".replace("-", "−"))  # fmt: skip
-    figures.dress(left, "Torque [Nm]", "Ankle angle [°], dorsiflexion positive")
-    figures.dress(right, "", "EMG, triceps less tibialis [% of the largest]")
+    worded = trials[0].joint.worded
+    figures.dress(left, "Torque [Nm]", worded("Ankle angle [°], dorsiflexion positive"))
+    figures.dress(right, "", worded("EMG, triceps less tibialis [% of the largest]"))
     left.legend(frameon=False, fontsize=8, labelcolor=INK, loc="upper left")
     right.legend(frameon=False, fontsize=7, labelcolor=INK, loc="upper left", ncols=2)
     return figure

@@ -123,7 +123,7 @@ def budget_figure(budget: BudgetTable) -> Figure:
     figures.dress(axes, "", "Share of the variance [%]", grid=False)
     begins = np.zeros(len(names))
     patches = []
-    for number, source in enumerate(budget.sources):
+    for number, (source, label) in enumerate(zip(budget.sources, budget.labels, strict=True)):
         colour, hatch = SOURCES[source].look
         look: dict[str, Any] = {
             "facecolor": _COLOURS[colour],
@@ -132,7 +132,7 @@ def budget_figure(budget: BudgetTable) -> Figure:
             "linewidth": 0.5,
         }
         axes.barh(names, shares[:, number], left=begins, height=0.72, **look)
-        patches.append(Patch(label=SOURCES[source].label, **look))
+        patches.append(Patch(label=label, **look))
         begins += shares[:, number]
     axes.set_xlim(0.0, 100.0)
     axes.invert_yaxis()

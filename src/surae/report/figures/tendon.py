@@ -11,7 +11,6 @@ from surae.inference.fascicles import Fascicles
 from surae.model import TendonLaw, TendonState
 from surae.report import figures
 from surae.report.figures import BLUE, GREY, INK, OCHRE, RED, WIDTH
-from surae.report.recordings import GROUPS
 from surae.report.traces import Traces
 
 _MILLI = 1e3
@@ -29,7 +28,7 @@ def tendon_figure(traces: Traces, state: TendonState) -> Figure:
     figure = figures.new_figure(10.2)
     grid = figure.add_gridspec(6, 2, height_ratios=[1.25, 1.1, 1.0, 1.35, 0.03, 1.75], wspace=0.05)
     start, end = float(traces.time[0]), float(traces.time[-1])
-    for row, name in enumerate(GROUPS):
+    for row, name in enumerate(traces.joint.headings):
         force = figure.add_subplot(grid[3, row])
         above = [figure.add_subplot(grid[i, row], sharex=force) for i in range(3)]
         length, velocity, elongation = above

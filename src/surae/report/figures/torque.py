@@ -129,7 +129,7 @@ def _emg(
 
 def _angle(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
     _dress(row, "Angle [rad]")
-    figures.heading(row[0], "Ankle angle, dorsiflexion positive")
+    figures.heading(row[0], traces.joint.worded("Ankle angle, dorsiflexion positive"))
     _draw(row, traces, cycles, traces.angle, {"color": INK, "linewidth": 1.1})
     figures.dress_degrees(row[-1])
 
@@ -137,7 +137,7 @@ def _angle(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
 def draw_torque(row: _Row, traces: Traces, cycles: Cycles | None = None) -> None:
     """Measured and modelled torque against time, and over the cycle where there is a column."""
     _dress(row, "Torque [Nm]")
-    figures.heading(row[0], "Torque, triceps positive")
+    figures.heading(row[0], traces.joint.worded("Torque, triceps positive"))
     _draw(row, traces, cycles, traces.measured, _MEASURED, "measured")
     _draw(row, traces, cycles, traces.modelled, _MODELLED, "modelled")
     figures.shade_excluded(row[0], traces.time, traces.excluded)
