@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import surae
-from surae.recording import write_csv
+from perturbed_ankle import ramps
+from surae.recording import MUSCLES, write_csv
 from surae_workbench.web.curves import window
 
 from .conftest import PATIENCE, LentChild
@@ -233,3 +234,27 @@ def test_what_the_samples_do_not_say_is_asked(browser, tmp_path) -> None:
     mapping["channels"]["torque"]["unit"] = "Nm"
     answer = browser.post("/api/imports", json={"mapping": mapping | {"emg": "envelope"}})
     assert answer.status_code == 201, answer.text
+
+
+def test_a_recordings_page_tells_how_much_is_nerve(browser, tmp_path) -> None:
+    stretched = ramps((10.0, 10.0, 120.0, 120.0), neural=6.0)
+    names = {
+        "angle": "angle_rad",
+        "torque": "torque_Nm",
+        **{f"emg_{m}": f"emg_{m}_V" for m in MUSCLES},
+    }
+    columns = {names[role]: channel.values for role, channel in stretched.channels.items()}
+    time = stretched.channels["angle"].time
+    write_csv(tmp_path / "ramps.csv", {"time_s": time, **columns}, ["emg: envelope"])
+    id_ = browser.recording(tmp_path / "ramps.csv")
+    assert "How much is nerve?" in browser.get(f"/nerve/{id_}").text
+    asked = {"recordings": id_, "by": "stretches"}
+    told = browser.get("/api/nerve", params=asked).json()["html"]
+    assert "with EMG" in told
+    assert told.count("<img") == 2
+    kept = browser.get("/api/nerve/report.html", params=asked)
+    assert "with EMG" in kept.text
+    assert 'filename="stretches-' in kept.headers["content-disposition"]
+    refused = browser.get("/api/nerve", params={**asked, "by": "perturbations"})
+    assert refused.status_code == 400
+    assert "surae stretches" in refused.json()["error"]

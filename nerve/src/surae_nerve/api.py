@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from datetime import datetime
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from surae.api.given import AnyRecording, read_in, several
 from surae.base.errors import InputError
@@ -12,6 +12,9 @@ from surae.recording import Recording, leaving_gaps, read
 from surae_nerve.answer import Impedance, joined
 from surae_nerve.impedance import inertia_of_empty, perturbed
 from surae_nerve.stretches import Stretches, answers
+
+if TYPE_CHECKING:
+    from surae.report.output import Report
 
 
 def impedance(
@@ -109,18 +112,14 @@ def stretches(
     return answers([_measured(each, mapping, corrections) for each in given])
 
 
-def write_stretches_page(path: PathLike, stretches: Stretches) -> None:
-    """Write the page of stretches, HTML or by its ending PDF."""
-    from surae_nerve.page import stretches_report  # matplotlib
+def page_of(found: Impedance | Stretches) -> "Report":
+    """The page of what was found, to be written as HTML or PDF."""
+    from surae_nerve.page import impedance_report, stretches_report  # matplotlib
 
-    stretches_report(stretches, created=datetime.now().astimezone()).write(path)
-
-
-def write_impedance_page(path: PathLike, impedance: Impedance) -> None:
-    """Write the page of perturbed recordings, HTML or by its ending PDF."""
-    from surae_nerve.page import impedance_report  # matplotlib
-
-    impedance_report(impedance, created=datetime.now().astimezone()).write(path)
+    created = datetime.now().astimezone()
+    if isinstance(found, Impedance):
+        return impedance_report(found, created=created)
+    return stretches_report(found, created=created)
 
 
 def _measured(

@@ -314,8 +314,8 @@ def _curves(pieces: Sequence[Piece], found: Cascade, direction: int) -> Curves:
     coherence = np.abs(ratios[0]) ** 2 * power / spread
     gain, model_gain, own_gain = (np.abs(each[used]) for each in ratios)
     phase, model_phase = (np.rad2deg(np.angle(each[used])) for each in ratios[:2])
-    free = responses(pieces, direction)
     lag, v = lags(piece.rate, True), fitted.values
+    free = responses(pieces, direction, v.get("threshold", 0.0))
     shape = np.zeros(len(lag))
     if fitted.structure.direction:
         h = v["gain"] * muscle(piece.s, v["omega"], v["zeta"]) * np.exp(-piece.s * v["delay"])

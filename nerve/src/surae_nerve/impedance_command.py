@@ -47,7 +47,7 @@ def command(
         impedance.save(output)
     show_answer(impedance.as_table())
     if report is not None:
-        from surae_nerve.api import write_impedance_page
+        from surae_nerve.api import page_of
 
-        write_impedance_page(report, impedance)
+        page_of(impedance).write(report)
     show_files({"impedance": output, "report": report})

@@ -24,14 +24,14 @@ def lags(rate: float, reflex: bool) -> FloatArray:
     return np.arange(-most, most + 1) / rate
 
 
-def lagged(piece: Piece, direction: int, rate: float) -> ComplexArray:
-    """Spectra of the angle, and of the velocity in one direction, at every lag; (k, half).
+def lagged(piece: Piece, direction: int, rate: float, threshold: float = 0.0) -> ComplexArray:
+    """Spectra of the angle, and of velocity in one direction beyond a threshold, at every lag.
 
-    Pieces of one recording have a common `rate` [Hz] of lags.
+    Shape (k, half). Pieces of one recording have a common `rate` [Hz] of lags.
     """
     rows = [piece.angle * np.exp(-np.outer(lags(rate, False), piece.s))]
     if direction:
-        velocity, _ = piece.stretched(direction, 0.0)
+        velocity, _ = piece.stretched(direction, threshold)
         rows.append(velocity * np.exp(-np.outer(lags(rate, True), piece.s)))
     return np.concatenate(rows)
 
@@ -62,13 +62,16 @@ def free_noise(pieces: Sequence[Piece]) -> Noise:
     return noise
 
 
-def responses(pieces: Sequence[Piece], direction: int) -> tuple[FloatArray, FloatArray]:
+def responses(
+    pieces: Sequence[Piece], direction: int, threshold: float = 0.0
+) -> tuple[FloatArray, FloatArray]:
     """Least squares of the torque itself, as others give it: responses of both paths.
 
     Intrinsic [Nm/rad per lag], shape (k,); reflex [Nm·s/rad per lag], empty without a direction.
     """
     x = np.concatenate(
-        [_centred(p.signals(lagged(p, direction, pieces[0].rate))) for p in pieces], axis=1
+        [_centred(p.signals(lagged(p, direction, pieces[0].rate, threshold))) for p in pieces],
+        axis=1,
     )
     y = np.concatenate([_centred(p.signals(p.torque)) for p in pieces])
     c = solved(x, y, _RIDGE)

@@ -90,7 +90,7 @@ class Stretches(Tabular, Saved):
             first = [v for v in s.emg_onset_deg.values() if v is not None]
             numbers = (s.peak_torque_Nm, s.elastic_Nm, s.viscous_Nm, s.inertial_Nm, s.neural_Nm)
             texts = [NO_NUMBER if v is None else f"{v:.1f}" for v in numbers]
-            onset_ = f"{min(first):.0f}" if first else NO_NUMBER
+            onset_ = f"{round(min(first))}" if first else NO_NUMBER
             catch = NO_NUMBER if s.catch_deg is None else f"{s.catch_deg:.0f}"
             place = f"{s.start_s:.2f}", s.direction, f"{s.speed_deg_s:.0f}"
             span = f"{s.from_deg:.0f} to {s.to_deg:.0f}"

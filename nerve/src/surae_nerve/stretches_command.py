@@ -40,7 +40,7 @@ def command(
         found.save(output)
     show_answer(found.as_table())
     if report is not None:
-        from surae_nerve.api import write_stretches_page
+        from surae_nerve.api import page_of
 
-        write_stretches_page(report, found)
+        page_of(found).write(report)
     show_files({"stretches": output, "report": report})

@@ -270,6 +270,26 @@ def _compared(comparison: str, language: str) -> dict[str, Any]:
     return api.visits_blocks(visits, asked["before"], asked["after"], language)
 
 
+def nerve(recordings: Mapping[str, str], by: str, output: str = "") -> str:
+    """What is tissue and what reflex in recordings, by name and file, as a page shows it.
+
+    Where `output` says so it is written as a file to keep.
+    """
+    try:
+        from surae_nerve import api as telling
+    except ImportError:
+        raise InputError(
+            "tissue and reflex need one more package: pip install surae-nerve"
+        ) from None
+    read = [replace(imports.read_recording(path), name=name) for name, path in recordings.items()]
+    tell = telling.impedance if by == "perturbations" else telling.stretches
+    page = telling.page_of(tell(read))
+    if output:
+        page.write(output)
+        return ""
+    return api.part_of(**page.plain())
+
+
 def warm() -> None:
     """Load what a report needs, which takes longer than the report."""
     sliders.warm()

@@ -18,9 +18,9 @@ from surae_workbench.web.workbench import Workbench
 
 #: What a route may answer, for the description of the API.
 Responses = dict[int | str, dict[str, Any]]
-_TYPES = {"html": "text/html", "pdf": "application/pdf"}
+TYPES = {"html": "text/html", "pdf": "application/pdf"}
 #: A report, or a table, as a file.
-REPORT: Responses = {200: {"content": {kind: {} for kind in _TYPES.values()}}}
+REPORT: Responses = {200: {"content": {kind: {} for kind in TYPES.values()}}}
 CSV: Responses = {200: {"content": {"text/csv": {}}}}
 #: The errors that any route may answer with.
 ERRORS: Responses = {
@@ -86,4 +86,4 @@ def report_file(bench: Workbench, row: Entry, kind: str, task: str, **settings: 
 
     key = (row["id"], kind + settings.get("language", ""))
     data = bench.reports.get(key, lambda: made_file(f"report.{kind}", write))
-    return Response(data, media_type=_TYPES[kind], headers=attachment(row["name"], f".{kind}"))
+    return Response(data, media_type=TYPES[kind], headers=attachment(row["name"], f".{kind}"))

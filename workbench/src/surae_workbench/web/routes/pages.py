@@ -52,6 +52,7 @@ for _page in (
     ("/", "project", ""),
     ("/import", "import", ""),
     ("/recordings/{id}", "recording", "recording"),
+    ("/nerve/{id}", "nerve", "recording"),
     ("/fit", "fit", ""),
     ("/analyse", "analyse", ""),
     ("/live", "live", ""),

@@ -1,9 +1,10 @@
 """Subjects and recordings: what they are, how they look, what is wrong with them."""
 
 from collections import Counter
+from functools import partial
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Response
 
 from surae import api
 from surae.base.units import FloatArray
@@ -12,13 +13,25 @@ from surae_workbench.web.curves import window
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.project import dated
 from surae_workbench.web.remap import present_mapping, proposals
-from surae_workbench.web.routes.common import ERRORS, Bench, PathId, offer_deletion
+from surae_workbench.web.routes.common import (
+    ERRORS,
+    REPORT,
+    TYPES,
+    Bench,
+    PathId,
+    attachment,
+    made_file,
+    offer_deletion,
+)
 from surae_workbench.web.rows import Entry
 from surae_workbench.web.schemas import Points, RecordingPatch, SubjectRequest
 from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
 
+#: Ids of recordings, with commas between them; and what tells of them.
+Several = Annotated[str, Query(pattern=r"^[0-9a-f]{16}(,[0-9a-f]{16}){0,19}$")]
+By = Literal["perturbations", "stretches"]
 Instant = Annotated[float | None, Query(allow_inf_nan=False, ge=-1e9, le=1e9)]
 
 
@@ -148,6 +161,33 @@ def get_window(
         t, v = window(time, values, start, end, points)
         shown.append({"role": name, "unit": unit, "t": t.tolist(), "v": v.tolist()})
     return {"signals": shown}
+
+
+@router.get("/nerve")
+def get_nerve(recordings: Several, by: By, bench: Bench) -> dict[str, str]:
+    """How much is nerve in recordings of one leg, as the report shows it."""
+    return {"html": bench.workers.ask("tasks:nerve", recordings=_of_one(bench, recordings), by=by)}
+
+
+@router.get("/nerve/report.{kind}", response_class=Response, responses=REPORT)
+def get_nerve_report(
+    kind: Literal["html", "pdf"], recordings: Several, by: By, bench: Bench
+) -> Response:
+    """The same as one file to keep."""
+    own = _of_one(bench, recordings)
+    write = partial(bench.workers.ask, "tasks:nerve", recordings=own, by=by)
+    data = made_file(f"nerve.{kind}", lambda path: write(output=str(path)))
+    return Response(
+        data, media_type=TYPES[kind], headers=attachment(f"{by}-{next(iter(own))}", f".{kind}")
+    )
+
+
+def _of_one(bench: Workbench, ids: str) -> dict[str, str]:
+    """Files of recordings of one leg, by name."""
+    rows = [bench.project.need("recording", id_) for id_ in dict.fromkeys(ids.split(","))]
+    if len({(row["subject"], row["side"]) for row in rows}) > 1:
+        raise RefusedError(400, "these recordings are of several legs; take those of one")
+    return {row["name"]: str(bench.project.recording_path(row)) for row in rows}
 
 
 #: Times [s], values and unit of signals by name.
