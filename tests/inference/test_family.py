@@ -12,7 +12,7 @@ import surae
 from richer_legs import richer_leg
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
-from surae.inference import LeastSquares, Verdict, assess, make_problem, solve
+from surae.inference import AssessedFit, LeastSquares, Verdict, assess, make_problem, solve
 from surae.inference.adequacy import _laboratory, judge_adequacy
 from surae.inference.coordinates import is_straight
 from surae.inference.each import trial_spread
@@ -113,7 +113,7 @@ def test_every_share_of_a_budget_is_told(fitted):
 
 
 def test_a_family_survives_a_file(fitted, tmp_path):
-    save_fit(tmp_path / "fit.json", fitted, assess(fitted))
+    save_fit(tmp_path / "fit.json", AssessedFit(fitted, assess(fitted)))
     again = load_saved(tmp_path / "fit.json").result
     assert again == fitted
     assert assess(again) == assess(fitted)
@@ -152,7 +152,7 @@ def test_several_recordings_have_their_own_zeros(short, tmp_path):
         for name in ("m", "k_tri", "l0_tri"):
             away = abs(each.values[name] - alone.parameters[name])
             assert away < 4.0 * each.sem[name]
-    save_fit(tmp_path / "fit.json", result, worth)
+    save_fit(tmp_path / "fit.json", AssessedFit(result, worth))
     assert load_saved(tmp_path / "fit.json").result == result
 
 
@@ -300,7 +300,7 @@ def test_a_slack_length_is_as_unsure_as_its_stiffness(fitted):
 
 def test_a_search_goes_on_where_it_ended(brief, tmp_path):
     """Profile and posterior are of the posterior that was fitted, also from a file."""
-    save_fit(tmp_path / "fit.json", brief, assess(brief))
+    save_fit(tmp_path / "fit.json", AssessedFit(brief, assess(brief)))
     again = load_saved(tmp_path / "fit.json").result
     posterior, mode = resumed(again)
     assert posterior.problem.free == brief.problem.free
@@ -364,7 +364,8 @@ def test_a_length_on_a_path_whose_zero_is_free_is_not_the_legs_own(fitted):
     assert told["k_tri"].verdict is Verdict.IDENTIFIED
     # a film, the path's own zero or the person's own lengths bring the claim back
     problem = certain.problem
-    free = SimpleNamespace(free=problem.free, settings=problem.settings)
+    said = {"settings": problem.settings, "options": problem.options}
+    free = SimpleNamespace(free=problem.free, **said)
     assert _by_path("l0_tri", free)
     for known in (
         SimpleNamespace(free=(*problem.free, "film_zero_gm"), settings=problem.settings),
@@ -372,8 +373,7 @@ def test_a_length_on_a_path_whose_zero_is_free_is_not_the_legs_own(fitted):
         SimpleNamespace(free=problem.free, settings=SimpleNamespace(geometry_of="person")),
     ):
         assert not _by_path("l0_tri", known)
-    assert _by_path("l0_tib", SimpleNamespace(free=("length_zero_tib", "film_zero_gm"),
-                                              settings=problem.settings))  # fmt: skip
+    assert _by_path("l0_tib", SimpleNamespace(free=("length_zero_tib", "film_zero_gm"), **said))
 
 
 def test_a_departure_beyond_what_legs_have_makes_the_fit_doubtful_and_is_named(fitted):
@@ -386,7 +386,7 @@ def test_a_departure_beyond_what_legs_have_makes_the_fit_doubtful_and_is_named(f
             values={**fitted.values, name: value},
             found=replace(fitted.found, beliefs={**fitted.found.beliefs, name: far}),
         )  # fmt: skip
-        reasons = " ".join(text for _, text in _laboratory(odder))
+        reasons = " ".join(map(str, _laboratory(odder)))
         assert ("(joint_damping): implausible" in reasons) == odd
 
 

@@ -16,7 +16,7 @@ import surae
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.base.records import FORMAT, decode, encode
-from surae.inference import assess, fit_problem, make_problem
+from surae.inference import AssessedFit, assess, fit_problem, make_problem
 from surae.inference.saved.fit_json import as_dict, load_saved, save_fit
 from surae.inference.saved.parameters_json import read_parameters
 from surae.protocol import Protocol, generate
@@ -53,7 +53,7 @@ def result():
 @pytest.fixture(scope="module")
 def text(result, tmp_path_factory):
     path = tmp_path_factory.mktemp("fit") / "fit.json"
-    save_fit(path, result, assess(result, alternatives=True))
+    save_fit(path, AssessedFit(result, assess(result, alternatives=True)))
     return path.read_text("utf-8")
 
 
@@ -118,7 +118,7 @@ def test_verdicts_are_those_of_the_file_and_it_is_said_where_they_would_be_other
     other = "doubtful" if grade != "doubtful" else "adequate"
     later = [{"code": "of tomorrow", "values": {"x": 1.0}, "is_grave": True}]
     data["adequacy"] = {"grade": other, "reasons": ["so it was"], "r2": None, "codes": later}
-    with pytest.warns(UserWarning, match="by this version"):
+    with pytest.warns(UserWarning, match="By this version"):
         fit = load_text(json.dumps(data), tmp_path)
     assert (fit.parameters[name].verdict, fit.adequacy.grade) == ("undetermined", other)
     assert fit.parameters[name].meaning
@@ -184,7 +184,9 @@ def test_no_number_that_json_does_not_know(text, result):
     json.loads(text, parse_constant=refuse)
     # A start that overflowed has no sum; it comes back as infinite.
     starts = (replace(result.found.starts[0], sse=math.inf), *result.found.starts[1:])
-    data = as_dict(replace(result, found=replace(result.found, starts=starts)), assess(result))
+    data = as_dict(
+        AssessedFit(replace(result, found=replace(result.found, starts=starts)), assess(result))
+    )
     assert data["starts"]["all"][0]["sse"] is None
     json.dumps(data, allow_nan=False)
 
@@ -360,7 +362,7 @@ def test_a_model_that_overflows_is_a_status_with_advice(overflown):
 
 def test_a_model_that_overflows_can_be_saved_and_read(overflown, tmp_path):
     path = tmp_path / "fit.json"
-    save_fit(path, overflown, assess(overflown))
+    save_fit(path, AssessedFit(overflown, assess(overflown)))
     data = json.loads(path.read_text("utf-8"))
     assert (data["vaf"], data["rmse_Nm"], data["ipde"], data["sse"]) == (None, None, None, None)
     assert surae.load(path).status == "failed"

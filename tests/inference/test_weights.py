@@ -8,7 +8,7 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
-from surae.inference import Interval, assess, fit_problem, fit_robust, make_problem
+from surae.inference import AssessedFit, Interval, assess, fit_problem, fit_robust, make_problem
 from surae.inference.residual import vaf, weighted_vaf
 from surae.inference.saved.fit_json import load_saved, save_fit
 from surae.model import ModelOptions, get_model
@@ -101,7 +101,7 @@ def robust_fit(noisy):
 
 def test_a_robust_weighted_fit_survives_its_file(robust_fit, tmp_path) -> None:
     assessment = assess(robust_fit)
-    save_fit(tmp_path / "fit.json", robust_fit, assessment)
+    save_fit(tmp_path / "fit.json", AssessedFit(robust_fit, assessment))
     content = json.loads((tmp_path / "fit.json").read_text(encoding="utf-8"))
     assert content["vaf_weighted"] == assessment.vaf_weighted
     assert content["recordings"][0]["vaf_weighted"] == assessment.vaf_weighted
@@ -129,7 +129,7 @@ def test_a_robust_weighted_fit_survives_its_file(robust_fit, tmp_path) -> None:
 )
 def test_damaged_outliers(change, says, robust_fit, tmp_path) -> None:
     path = tmp_path / "fit.json"
-    save_fit(path, robust_fit, assess(robust_fit))
+    save_fit(path, AssessedFit(robust_fit, assess(robust_fit)))
     content = json.loads(path.read_text(encoding="utf-8"))
     content["outliers"] |= change
     path.write_text(json.dumps(content), encoding="utf-8")
@@ -139,7 +139,7 @@ def test_damaged_outliers(change, says, robust_fit, tmp_path) -> None:
 
 def test_an_older_file_has_neither(fitted, tmp_path) -> None:
     path = tmp_path / "fit.json"
-    save_fit(path, fitted, assess(fitted))
+    save_fit(path, AssessedFit(fitted, assess(fitted)))
     content = json.loads(path.read_text(encoding="utf-8"))
     for name in ("outliers", "vaf_weighted"):
         assert content.pop(name) is None

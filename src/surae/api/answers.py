@@ -94,10 +94,9 @@ def write_change_page(
     """
     from surae.report.change import change_report  # matplotlib
 
-    sides, before = ([(f.result, f.assessment) for f in each] for each in (fits, baselines))
     change_report(
-        change, sides, created=datetime.now().astimezone(), baselines=before, language=language,
-        angle=angle,
+        change, fits, created=datetime.now().astimezone(), baselines=baselines,
+        language=language, angle=angle,
     ).write(path)  # fmt: skip
 
 
@@ -111,8 +110,7 @@ def visits_blocks(
     """
     from surae.report.visits import Visit, visits_report  # matplotlib
 
-    known = [(name, day, side, fit_of(fit)) for name, day, side, fit in visits]
-    made = [Visit(*visit[:3], (visit[3].result, visit[3].assessment)) for visit in known]
+    made = [Visit(name, day, side, fit_of(fit)) for name, day, side, fit in visits]
     plain = visits_report(made, before, after, language=language).plain(lines=True)
     return {key: plain[key] for key in ("blocks", "images")}
 

@@ -13,15 +13,14 @@ from surae.base.files import PathLike
 from surae.base.formatting import nearest
 from surae.base.frozen import FrozenDict
 from surae.base.tables import Tabular, TextTable
-from surae.inference import FitResult
+from surae.inference import AssessedFit
 from surae.inference.adequacy import Adequacy
-from surae.inference.assessment import Assessment, assess
+from surae.inference.assessment import assess
 from surae.inference.parameter import ParameterEstimate
 from surae.inference.saved.fit_json import save_fit
 from surae.inference.uncertainty.covariance import Covariance
 from surae.inference.validation import Prediction, predict_others
 from surae.model import TendonState, TorqueParts
-from surae.quality import Quality
 from surae.recording.frames import library
 from surae.settings import FitSettings
 
@@ -49,12 +48,8 @@ class Estimates(Tabular, FrozenDict[str, ParameterEstimate]):
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Fit(Tabular):
+class Fit(Tabular, AssessedFit):
     """A fit and what it is worth."""
-
-    result: FitResult  #: What was found: values, residuals, every start.
-    assessment: Assessment  #: What it is worth: intervals, correlations, verdicts.
-    quality: tuple[Quality, ...] = ()  #: What was found in each recording before it was fitted.
 
     def as_table(self) -> TextTable:
         """The fit on one screen, as texts.
@@ -364,7 +359,7 @@ class Fit(Tabular):
         InputError
             The file cannot be written.
         """
-        save_fit(path, self.result, self.assessment, self.quality)
+        save_fit(path, self)
 
     def figure(self, path: PathLike, *, width: float = 170.0) -> None:
         """Draw the fit for a paper: lines with embedded fonts as ``.svg`` or ``.pdf``, or a PNG.

@@ -176,14 +176,11 @@ class SessionResult:
     def _report(self, before: "SessionResult | None", language: str) -> "Report":
         from surae.report.session import FittedLeg, session_report  # matplotlib
 
-        fits = {name: (fit.result, fit.assessment) for name, fit in self.fits.items()}
-        joint = None if self.joint is None else (self.joint.result, self.joint.assessment)
         leg = FittedLeg(
-            self.session, fits, joint, self.joined, self.failed, self.quality, self.predictions,
-            self.joint_predictions, self.interrupted, self.nerve,
+            self.session, self.fits, self.joint, self.joined, self.failed, self.quality,
+            self.predictions, self.joint_predictions, self.interrupted, self.nerve,
         )  # fmt: skip
-        earlier = None if before is None else before.main
-        first = None if earlier is None else (earlier.result, earlier.assessment)
+        first = None if before is None else before.main
         now = datetime.now().astimezone()
         return session_report(leg, created=now, before=first, language=language)
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from surae._version import __version__
 from surae.base.filed import filed
 from surae.base.formatting import chance
 from surae.base.frozen import Comparable
@@ -57,7 +58,10 @@ class RecordingQuality(Comparable):
     fascicles: tuple[FascicleQuality, ...] = ()
 
 
-@filed("robust", "uncertainty", "differs", rmse="rmse_Nm", covariance="correlation")
+@filed(
+    "robust", "uncertainty", "differs", rmse="rmse_Nm", covariance="correlation",
+    version="judged_by",
+)  # fmt: skip
 @dataclass(frozen=True, slots=True, eq=False)
 class Assessment(Comparable):
     """What a fit is worth."""
@@ -85,6 +89,7 @@ class Assessment(Comparable):
     uncertainty: Uncertainty  #: Of all free parameters together, of which all intervals are made.
     #: What `model="auto"` found of the laboratory; empty for a named model.
     nuisances: Mapping[str, ParameterEstimate] = field(default_factory=dict)
+    version: str = __version__  #: The version of surae that gave the verdicts.
     #: Where this version judges otherwise than the file that the verdicts are read from.
     differs: tuple[str, ...] = ()
 
@@ -259,7 +264,10 @@ def outdated(assessment: Assessment) -> str:
     if not assessment.differs:
         return ""
     text = "; ".join(assessment.differs)
-    return f"Judged by this version of surae {text}; surae reassess renews what the file says."
+    return (
+        f"Judged by surae {assessment.version}. By this version, {__version__}, {text}; surae "
+        "reassess renews what the file says."
+    )
 
 
 @dataclass(frozen=True, slots=True)

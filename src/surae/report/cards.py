@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from surae.base.formatting import NO_NUMBER, significant
-from surae.inference import Adequacy, Assessment, FitResult, Grade, Verdict
+from surae.inference import Adequacy, AssessedFit, Assessment, Grade, Verdict
 from surae.measures import Measure, Measures
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.measured import HeldPoint, MeasuredSlope, Stretch
@@ -16,7 +16,6 @@ from surae.model.sources import SOURCES
 from surae.report import block
 from surae.report.language import PARTS, Words
 
-AssessedFit = tuple[FitResult, Assessment]
 #: What a part of the torque is called, its share and the share's interval [%].
 Part = tuple[str, float, tuple[float, float] | None]
 #: What is compared between visits, chosen before any is seen; the first leads.
@@ -178,7 +177,7 @@ def made_of(
 
 
 def _no_calf(joint: AssessedFit) -> bool:
-    return not any(np.ptp(each.emg[:, _CALF]) for each in joint[0].problem.inputs)
+    return not any(np.ptp(each.emg[:, _CALF]) for each in joint.result.problem.inputs)
 
 
 def _tendon(of_fit: Measures, _: Words) -> block.Text:
@@ -269,7 +268,7 @@ def trust(
     if joint is None:
         none = Adequacy(Grade.INADEQUATE, (), np.nan)
         return (light(none, _("no fit of this leg could be made"), _),)
-    result, assessment = joint
+    result, assessment = joint.result, joint.assessment
     adequacy = assessment.adequacy
     if adequacy.grade is Grade.ADEQUATE and (contradicted or not follows):
         adequacy = replace(adequacy, grade=Grade.DOUBTFUL)
@@ -310,7 +309,7 @@ def next_trial(
         text = _("The same trials with EMG of the calf: soleus and both gastrocnemii.")
     else:
         weights: dict[str, float] = {}
-        for p in joint[1].parameters.values() if joint is not None else ():
+        for p in joint.assessment.parameters.values() if joint is not None else ():
             if p.free and p.verdict is not Verdict.IDENTIFIED:
                 for source, share in (p.budget or {}).items():
                     weights[source] = weights.get(source, 0.0) + share

@@ -5,11 +5,11 @@ from datetime import datetime
 
 from surae.base.formatting import NO_NUMBER
 from surae.base.words import JUDGEMENTS
-from surae.inference import Grade
+from surae.inference import AssessedFit, Grade
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.measured import torque_curve
 from surae.report import block
-from surae.report.cards import AssessedFit, change_card, differing, light, reason_of, sides
+from surae.report.cards import change_card, differing, light, reason_of, sides
 from surae.report.figures.leg import visits_figure
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import compared, visit_angle
@@ -25,13 +25,17 @@ def change_report(
     `fits` are both that were compared, `baselines` further visits from before anything changed;
     torque and stiffness are given at `angle` [deg].
     """
-    _ = words_in(language, fits[1][0].problem.options.anatomy)
+    _ = words_in(language, fits[1].result.problem.options.anatomy)
     at = visit_angle(fits[1]) if angle is None else angle
     lead = compared(*fits, baselines=baselines, legs=change.legs)
     names = sides(change, _)
-    worst = max(fits, key=lambda fit: list(Grade).index(fit[1].adequacy.grade))[1]
+    worst = max(fits, key=lambda fit: list(Grade).index(fit.assessment.adequacy.grade)).assessment
     drawn = visits_figure(
-        [(name, torque_curve(*fit)) for name, fit in zip(names, fits, strict=True)], _
+        [
+            (name, torque_curve(fit.result, fit.assessment))
+            for name, fit in zip(names, fits, strict=True)
+        ],
+        _,
     )
     curves = (block.Picture("visits", _("Torque of the relaxed ankle over its angle"), "", "here",
                            100),)  # fmt: skip

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surae.inference import AssessedFit
 from surae.measures import Measures, measures
 from surae.measures.change import Change, compare_sessions
 from surae.measures.compute import ANGLES
@@ -24,7 +25,6 @@ from surae.measures.quantity import Quantities, common_end, quantities
 from surae.measures.table import LEADING
 from surae.model.joint import ANKLE
 from surae.report import block, cards
-from surae.report.cards import AssessedFit
 from surae.report.figures import Figure
 from surae.report.figures.leg import shares_bar, stiffness_figure
 from surae.report.language import Words
@@ -58,13 +58,13 @@ def leg_answers(
     """
     holds, stretches = _measured(trials, fits)
     of_fit, at = None, _angle(joint, holds, stretches)
-    known = read_norms(joint=ANKLE if joint is None else joint[0].problem.options.anatomy)
+    known = read_norms(joint=ANKLE if joint is None else joint.result.problem.options.anatomy)
     if joint is not None:
         angles = {at, *ANGLES, *(_point(norm) for norm in known)}
-        of_fit = measures(*joint, sorted(angles))
+        of_fit = measures(joint.result, joint.assessment, sorted(angles))
     m = None if of_fit is None else of_fit[LEADING[0]]
     believed = m is not None and cards.is_known(m) and not cards.PASSIVE & set(contradicted)
-    model = torque_curve(*joint) if joint is not None and believed else None
+    model = torque_curve(joint.result, joint.assessment) if joint is not None and believed else None
     if joint is not None and model is not None:  # what was measured, as the curve and norms are
         holds, stretches = _weightless(joint, holds, stretches)
     zero = 0.0 if model is None else _zero(model, holds, stretches)
@@ -124,14 +124,14 @@ def compared(
 
     `baselines` are visits from before anything changed.
     """
-    end = common_end(fit[0] for fit in (before, after, *baselines))
+    end = common_end(fit.result for fit in (before, after, *baselines))
     sides = [fixed_quantities(fit, end) for fit in (before, after, *baselines)]
     return compare_sessions(sides[0], sides[1], sides[2:], legs=legs)
 
 
 def fixed_quantities(fit: AssessedFit, end: float) -> Quantities:
     """What visits are compared in, over the range up to `end` [deg]: few looks find more."""
-    return quantities(*fit, ANGLES[:1], end, cards.COMPARED)
+    return quantities(fit.result, fit.assessment, ANGLES[:1], end, cards.COMPARED)
 
 
 def visit_angle(fit: AssessedFit | None) -> float:
@@ -151,7 +151,7 @@ def _measured(
             degrees = float(np.degrees(trial.hold.angle))
             holds.append(HeldPoint(trial.name, degrees, trial.hold.torque))
         elif trial.name in fits:
-            for each in fits[trial.name][0].problem.inputs:
+            for each in fits[trial.name].result.problem.inputs:
                 if each.torque is not None:
                     stretches.append(stretch(each.name, each.angle, each.velocity, each.torque))
     return holds, stretches
@@ -163,7 +163,7 @@ def _angle(
     """Where stiffness is given: 10°, or the nearest of every 5° that was measured."""
     ends = [h.angle for h in holds] + [float(a) for s in stretches for a in s.angle[[0, -1]]]
     if joint is not None:
-        ends += measured_range(joint[0])
+        ends += measured_range(joint.result)
     if not ends or min(ends) <= AT <= max(ends):
         return AT
     near = max(ends) if max(ends) < AT else min(ends)
@@ -176,11 +176,11 @@ def _weightless(
     """What was measured without the weight that the fit found."""
     lighter = []
     for each in stretches:
-        weight = weight_torque(joint[0], each.angle)
+        weight = weight_torque(joint.result, each.angle)
         lighter.append(Stretch(each.name, each.angle, each.loading - weight,
                                each.unloading - weight))  # fmt: skip
     bare = [
-        replace(h, torque=h.torque - float(weight_torque(joint[0], np.array(h.angle))))
+        replace(h, torque=h.torque - float(weight_torque(joint.result, np.array(h.angle))))
         for h in holds
     ]
     return bare, lighter

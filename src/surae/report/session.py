@@ -6,13 +6,13 @@ from datetime import datetime
 
 from surae.base.formatting import percentage
 from surae.base.words import JUDGEMENTS
-from surae.inference import Assessment
+from surae.inference import AssessedFit, Assessment
 from surae.measures import Measure, Measures
 from surae.model.joint import ANKLE
 from surae.quality import Quality
 from surae.report import block, trials
 from surae.report.budget import budget_of, budget_section
-from surae.report.cards import AssessedFit, is_known, titled
+from surae.report.cards import is_known, titled
 from surae.report.figures import Figure
 from surae.report.figures.holds import are_holds, holds_figure, holds_section
 from surae.report.figures.research import budget_figure
@@ -49,12 +49,12 @@ class FittedLeg:
     @property
     def alone(self) -> dict[str, Assessment]:
         """What each trial's own fit is worth."""
-        return {trial: assessment for trial, (_, assessment) in self.fits.items()}
+        return {trial: fit.assessment for trial, fit in self.fits.items()}
 
     @property
     def together(self) -> Assessment | None:
         """What the joint fit is worth."""
-        return None if self.joint is None else self.joint[1]
+        return None if self.joint is None else self.joint.assessment
 
     @property
     def shown(self) -> AssessedFit | None:
@@ -81,7 +81,7 @@ def session_report(
 ) -> Report:
     """The leg's page: its answers, then details and research, which are in English alone."""
     shown = leg.shown
-    _ = words_in(language, ANKLE if shown is None else shown[0].problem.options.anatomy)
+    _ = words_in(language, ANKLE if shown is None else shown.result.problem.options.anatomy)
     contradicted = trials.contradictions(leg.alone, leg.together)
     answers = leg_answers(leg.session.trials, leg.fits, shown, _, contradicted=tuple(contradicted),
                           before=before, nerve=leg.nerve)  # fmt: skip
@@ -108,7 +108,7 @@ def session_report(
         footer=footer,
         language=language,
     )
-    traces = () if leg.joint is None or language != "en" else traces_of(leg.joint[0])
+    traces = () if leg.joint is None or language != "en" else traces_of(leg.joint.result)
     return Report(document, figures.items(), traces)
 
 
@@ -127,18 +127,20 @@ def _details(
     ]
     research: list[block.Section] = []
     if shown is not None:
-        r2 = [f"R² {percentage(each.r2)} %" for each in shown[1].recordings]
-        figures["torques"] = fit_figure(shown[0], r2)
+        r2 = [f"R² {percentage(each.r2)} %" for each in shown.assessment.recordings]
+        figures["torques"] = fit_figure(shown.result, r2)
         picture = block.Picture(
             "torques", "Measured torque of each trial, and the model’s.",
             "Measured torque (wide, pale) and the model’s (thin, dark), with its R².", "here",
         )  # fmt: skip
         details.append(block.Section("Torque", (picture,), "torques"))
-        if are_holds(traced := traces_of(shown[0])):
+        if are_holds(traced := traces_of(shown.result)):
             figures["holds"] = holds_figure(traced)
             details.append(holds_section(traced))
-        details.append(block.Section("The fit", (adequacy_words(shown[1].adequacy),), "fit"))
-        details += known_section(shown[0])
+        details.append(
+            block.Section("The fit", (adequacy_words(shown.assessment.adequacy),), "fit")
+        )
+        details += known_section(shown.result)
         if answers.measures is not None:
             research.append(_other_measures(answers.measures))
         for number, trial in enumerate(traced):
@@ -146,10 +148,13 @@ def _details(
                 drawn = f"film-{number}-{place}"
                 figures[drawn] = film_figure(trial, film)
                 details.append(film_block(drawn, film))
-        budget = budget_of(*shown)
+        budget = budget_of(shown.result, shown.assessment)
         if budget.rows:
             figures["budget"] = budget_figure(budget)
-        research += [parameters_section(*shown, next_anchor=""), budget_section(budget)]
+        research += [
+            parameters_section(shown.result, shown.assessment, next_anchor=""),
+            budget_section(budget),
+        ]
     details.append(trials.findings_section(leg.quality))
     if leg.fits:
         figures["trials"] = trials_figure(leg.alone, leg.together, disputed=contradicted)
@@ -161,7 +166,7 @@ def _details(
     if leg.joint is not None:
         blocks = tuple(
             block.Explorer(number, f"Signals of {i.name}, and the model’s torque", summary=i.name)
-            for number, i in enumerate(leg.joint[0].problem.inputs)
+            for number, i in enumerate(leg.joint.result.problem.inputs)
         )
         research.append(block.Section("Signals", blocks, "signals", "explorer"))
     return (

@@ -7,11 +7,12 @@ from datetime import date
 
 from surae.base.formatting import significant
 from surae.base.normal import NORMAL
+from surae.inference import AssessedFit
 from surae.measures.change import compare_sessions
 from surae.measures.quantity import common_end
 from surae.measures.table import LEADING
 from surae.report import block
-from surae.report.cards import AssessedFit, change_card, over
+from surae.report.cards import change_card, over
 from surae.report.figures import Figure
 from surae.report.figures.leg import over_time_figure
 from surae.report.language import words_in
@@ -37,8 +38,8 @@ def visits_report(
     All are compared over the end of the range that every one of them moved through. Two legs, where
     their sides differ, are compared as such.
     """
-    _ = words_in(language, visits[after].fit[0].problem.options.anatomy)
-    end = common_end(visit.fit[0] for visit in visits)
+    _ = words_in(language, visits[after].fit.result.problem.options.anatomy)
+    end = common_end(visit.fit.result for visit in visits)
     sides = [fixed_quantities(visit.fit, end) for visit in visits]
     legs = visits[before].side != visits[after].side
     change = compare_sessions(sides[before], sides[after], legs=legs)

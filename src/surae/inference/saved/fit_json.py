@@ -30,6 +30,7 @@ from surae.base.records import (
 from surae.base.units import FloatArray
 from surae.inference import LOSSES, FitProblem, FitResult, LeastSquares, PosteriorMode, Start
 from surae.inference.adequacy import Adequacy, Grade
+from surae.inference.assessed import AssessedFit
 from surae.inference.assessment import Assessment, assess
 from surae.inference.parameter import Interval, ParameterEstimate
 from surae.inference.reasons import Reason, as_given
@@ -51,27 +52,16 @@ _OF_EACH, _LABELS = ("value", "free", "lower", "upper"), ("name", "files", "step
 _ALIKE = 0.005
 
 
-@dataclass(frozen=True, slots=True)
-class SavedFit:
-    """What a FIT.json holds."""
-
-    result: FitResult  #: The fit.
-    assessment: Assessment  #: What it is worth, by the verdicts of the file.
-    quality: tuple[Quality, ...]  #: What was found in each recording; empty where nobody looked.
-
-
-def save_fit(
-    path: PathLike, result: FitResult, assessment: Assessment, quality: Sequence[Quality] = ()
-) -> None:
+def save_fit(path: PathLike, fit: AssessedFit) -> None:
     """Write a fit to `path`, all of it or nothing."""
-    write_json(path, as_dict(result, assessment, quality))
+    write_json(path, as_dict(fit))
 
 
-def as_dict(
-    result: FitResult, assessment: Assessment, quality: Sequence[Quality] = ()
-) -> dict[str, Any]:
+def as_dict(fit: AssessedFit) -> dict[str, Any]:
     """A fit as plain data, in the shape of FIT.json."""
-    problem, found, judged = result.problem, to_plain(result), to_plain(assessment)
+    result = fit.result
+    judged = to_plain(fit.assessment)
+    problem, found = result.problem, to_plain(result)
     for recording, white in zip(judged["recordings"], judged.pop("whiteness"), strict=True):
         recording["residual"] = white
     how = result.found
@@ -83,7 +73,7 @@ def as_dict(
         "status": result.status,
         "message": result.message,
         **judged,
-        "findings": to_plain(tuple(quality)),
+        "findings": to_plain(fit.quality),
         "starts": {
             "n": len(how.starts),
             "agreeing": how.agreeing,
@@ -159,7 +149,9 @@ class _Judged:
     adequacy: _Graded
     interval: Interval
     interval_note: str
+    surae: str  #: The version that fitted.
     nuisances: Mapping[str, ParameterEstimate] = field(default_factory=FrozenDict)
+    judged_by: str = ""  #: The version that gave the verdicts; older files have none.
 
 
 @filed(inputs="traces", left="traces")
@@ -179,7 +171,7 @@ class _File:
     search: _Search | None = None  #: Older files have none.
 
 
-def load_saved(path: PathLike) -> SavedFit:
+def load_saved(path: PathLike) -> AssessedFit:
     """Read the fit that `save_fit` wrote; equal to the one saved, to the last bit."""
     try:
         data = read_json(path)
@@ -197,7 +189,8 @@ def load_saved(path: PathLike) -> SavedFit:
         result = _result(file, data)
         if data.get("sha256", (own := _checksum(data))) != own:
             raise InputError("its numbers are not those that were fitted: somebody changed them")
-        return SavedFit(result, _as_judged(assess(result, alternatives=True), data), file.findings)
+        now = assess(result, alternatives=True)
+        return AssessedFit(result, _as_judged(now, data), file.findings)
     except (ArithmeticError, np.linalg.LinAlgError):
         raise InputError(f"{shown(path)}: a number in it is beyond any leg; fit again") from None
     except InputError as error:
@@ -232,6 +225,7 @@ def _as_judged(now: Assessment, data: Mapping[str, Any]) -> Assessment:
     return replace(
         now, parameters=saved.parameters, nuisances=saved.nuisances,
         adequacy=Adequacy(graded.grade, against, graded.r2),
+        version=saved.judged_by or saved.surae,
         interval=saved.interval, interval_note=saved.interval_note, differs=tuple(differs),
     )  # fmt: skip
 
