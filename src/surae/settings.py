@@ -302,13 +302,14 @@ class FitSettings:
         InputError
             A recording cannot be prepared so.
         """
-        from surae.signals import normalise, weighted
+        from surae.signals import normalise, settled, weighted
 
         made: tuple[ModelInputs, ...] = tuple(self.prepare(recording) for recording in recordings)
         if self.normalise is not None:
             made = normalise(made, self.normalise, mvc=[self.prepare(each) for each in mvc])
         elif mvc:
             raise InputError("mvc has no effect without normalise='mvc'; give both")
+        made = settled(made)
         return made if self.weights is None else weighted(made, self.weights)
 
     def prepare(self, recording: "Recording | ModelInputs") -> "ModelInputs":

@@ -35,6 +35,15 @@ def test_a_slow_movement_a_still_foot_and_noise_are_none(hz) -> None:
     assert not perturbing(0.02 * np.random.default_rng(1).standard_normal(len(t)), 100.0)
 
 
+def test_a_hold_that_begins_by_settling_is_none() -> None:
+    """Put in its place, a foot moves fast and little, and then no more."""
+    t = np.arange(0.0, 30.0, 0.01)
+    trembles = 1e-4 * np.random.default_rng(2).standard_normal(len(t))
+    for degrees in (0.9, 6.0):
+        settles = np.radians(degrees) * np.exp(-t / 0.08)
+        assert not perturbing(settles + trembles, 100.0)
+
+
 @pytest.mark.parametrize("kind", ["active", "isometric", "passive"])
 def test_legs_of_another_generator_are_neither_perturbed_nor_stretched(kind, tmp_path) -> None:
     make = pytest.importorskip("ankle_legs.make")

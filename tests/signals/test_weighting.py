@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
-from surae.signals import ModelInputs, Weighting, weighted
+from surae.signals import ModelInputs, Weighting, settled, weighted
 from surae.signals.weighting import activity
 
 
@@ -143,3 +143,28 @@ def test_nothing_left_or_nothing_to_weigh_by() -> None:
         one(Weighting(peaks=1.0), torque=None)
     with pytest.raises(InputError, match="no EMG whose peaks"):
         one(Weighting(peaks=1.0, activity="emg"), missing_emg=("ta", "gl", "sol", "gm"))
+
+
+def begins(level: float, *, steady: float = 0.0) -> ModelInputs:
+    """A burst in the middle, over noise, of a recording that begins at a part of its height."""
+    t = np.arange(0.0, 10.0, 0.01)
+    noise = np.abs(np.random.default_rng(3).standard_normal((len(t), 4)))
+    burst = np.maximum(np.exp(-(((t - 5.0) / 0.8) ** 2)), level * (t < 1.0))
+    emg = 1e-6 * noise + np.outer(1e-4 * burst * (steady == 0.0) + steady, [1.0, 0.5, 0.0, 1.0])
+    return trial(emg=emg)
+
+
+def test_nothing_counts_until_an_effort_from_before_the_recording_is_forgotten() -> None:
+    rest, active = settled([begins(0.0), begins(0.4)])
+    assert rest.weight is None
+    assert rest.steps == ()
+    assert np.flatnonzero(active.counts)[0] == 71
+    assert not active.emphasised
+    assert "what their EMG was before" in active.steps[-1]
+
+
+def test_steady_emg_and_short_recordings_count_whole() -> None:
+    assert settled([begins(0.0, steady=1e-4)])[0].weight is None
+    short = begins(0.4)
+    cut = {name: getattr(short, name)[:250] for name in ("time", "emg")}
+    assert settled([replace(short, **cut)])[0].weight is None

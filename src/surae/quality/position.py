@@ -24,6 +24,9 @@ DEPARTURE = 0.015
 #: Range [rad], time [s] and bandwidth [Hz] of small random perturbations: a held foot trembles by
 #: less.
 PERTURBED, PERTURBED_S, PERTURBED_HZ = (0.01, 0.175), 20.0, 5.0
+#: They go on: most stretches of so many seconds have this part of the least range, where a foot
+#: that is put in its place has moved once.
+_GOES_ON_S, _GOES_ON = 2.0, 0.5
 #: Least speed [rad/s] and range [rad] of a stretch, and its hold [s], as in `surae-nerve`; speed of
 #: a fast one [rad/s] (Tardieu's V3: as fast as possible), and a slow one's part of it.
 RAMP, FAST, SLOWER = (0.035, 0.087, 0.2), 1.7, 0.4
@@ -58,6 +61,10 @@ def perturbing(angle: FloatArray, rate: float) -> bool:
     if not PERTURBED[0] < float(np.ptp(angle)) < PERTURBED[1] or len(angle) < PERTURBED_S * rate:
         return False
     smoothed = smooth(angle, 3)
+    size = max(round(_GOES_ON_S * rate), 1)
+    pieces = smoothed[: len(smoothed) // size * size].reshape(-1, size)
+    if np.median(np.ptp(pieces, axis=1)) < _GOES_ON * PERTURBED[0]:
+        return False
     power = np.abs(np.fft.rfft(np.diff(smoothed) * np.hanning(len(smoothed) - 1))) ** 2
     speed, f = np.cumsum(power), np.fft.rfftfreq(len(smoothed) - 1, 1.0 / rate)
     noise = float(np.std(np.diff(angle))) > 0.5 * float(np.std(angle))

@@ -14,11 +14,11 @@ from surae.signals.normalise import (
 from surae.signals.prepare import prepare
 from surae.signals.resample import thinned, thinning_factor
 from surae.signals.settings import Preparation
-from surae.signals.weighting import Weighting, weighted
+from surae.signals.weighting import Weighting, settled, weighted
 
 __all__ = [
     "EmgReference", "Film", "ModelInputs", "Preparation", "Weighting", "check_estimable",
     "emg_levels", "emg_reference", "inputs_as_given", "noise_alone", "normalise", "normalised",
-    "prepare", "quiet_levels", "smooth_effort", "steady_emg", "thinned", "thinning_factor",
-    "weighted",
+    "prepare", "quiet_levels", "settled", "smooth_effort", "steady_emg", "thinned",
+    "thinning_factor", "weighted",
 ]  # fmt: skip
