@@ -245,7 +245,11 @@ def day(folder, trials, seconds, minutes):
             verdict = {"verdict": "", "alarms": []}
         else:
             verdict = program.do("verdict", "verdict", trial=number)
-        alarm = [one for one in program.said if one["event"] in ("alarm", "disk")]
+        alarm = [
+            one
+            for one in program.said
+            if one["event"] in ("alarm", "disk") and one["clock"] > streams.begin
+        ]
         late = min((one["clock"] - fault for one in alarm if one["clock"] > fault), default=None)
         rows.append(
             [

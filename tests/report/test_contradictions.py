@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from surae.inference import Verdict
-from surae.report.trials import contradictions
+from surae.quality import Quality
+from surae.quality.finding import make_finding
+from surae.report.trials import contradictions, findings_section
 
 
 def fit(**values):
@@ -49,3 +51,18 @@ def test_chance_alone_is_said_of_at_most_one_leg_in_twenty():
         joint = {f"p{j}": (x, 8**-0.5) for j, x in enumerate(of_trial.mean(axis=0))}
         said += bool(contradictions(alone, fit(**joint)))
     assert said <= 0.05 * legs
+
+
+def test_a_session_has_one_zero_of_the_torque() -> None:
+    """Each trial's own check finds another; the page says one, which it subtracts."""
+
+    def checked(name: str, off: float) -> Quality:
+        found = make_finding("torque-offset", "torque", (0.0, 9.0), off, f"It is off by {off} Nm.")
+        return Quality(name, (found,))
+
+    quality = {"a": checked("a", 13.1), "b": checked("b", 16.1), "c": checked("c", 19.3)}
+    for zero, said in ((14.2, "14.2 Nm"), (0.0, "16.1 Nm")):
+        text = str(findings_section(quality, zero))
+        assert said in text
+        assert text.count(" Nm") == 1
+    assert "off by 13.1 Nm" in str(findings_section({"a": quality["a"]}))

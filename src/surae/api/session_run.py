@@ -31,7 +31,7 @@ from surae.quality import Finding, Quality
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.trials import Crossed, Trial, TrialSet, prepared_for
-from surae.trials.folder import JOINT, claimed, fit_name
+from surae.trials.folder import JOINT, TOO_FEW, claimed, fit_name
 from surae.trials.nerve import Nerve, nerve_of
 
 #: What a joint fit costs, in samples of fits of one trial.
@@ -160,7 +160,8 @@ class _Run:
             and (name not in self.fits or self.fits[name].status != "failed")
         )
         if len(names) < 2:
-            self.failed["joint"] = "a joint fit needs two trials that can be fitted"
+            alone = "a joint fit needs two trials that can be fitted"
+            self.failed["joint"] = TOO_FEW if len(candidates) > 1 else alone
             self._step("all together", self.failed["joint"])
             return
         fit, outcome = self._fit_or_saved("all together", JOINT, names, beside)

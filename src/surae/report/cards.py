@@ -151,7 +151,7 @@ def made_of(
     """The shares of the torque, where the recordings separate them."""
     if joint is None or of_fit is None:
         return (block.Text("", "say", _("Not known")),
-                block.Text(_("No fit of this leg could be made.")))  # fmt: skip
+                block.Text(_("There is no fit of this leg as a whole.")))  # fmt: skip
     why = ""
     if _no_calf(joint):
         why = _("No EMG of the calf was recorded, so its muscle and tissue look alike. Record "
@@ -267,7 +267,7 @@ def trust(
     """One light with the reason that weighs most; `follows` is whether holds agree."""
     if joint is None:
         none = Adequacy(Grade.INADEQUATE, (), np.nan)
-        return (light(none, _("no fit of this leg could be made"), _),)
+        return (light(none, _("there is no fit of this leg as a whole"), _),)
     result, assessment = joint.result, joint.assessment
     adequacy = assessment.adequacy
     if adequacy.grade is Grade.ADEQUATE and (contradicted or not follows):

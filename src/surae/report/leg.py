@@ -44,6 +44,7 @@ class LegAnswers:
     figures: Mapping[str, Figure]
     measures: Measures | None
     at: float  #: The angle of torque and stiffness [deg].
+    zero: float  #: What the torque's zero is off by, in all trials [Nm]; 0 where that is not known.
 
 
 def leg_answers(
@@ -105,7 +106,9 @@ def leg_answers(
                                 *cards.next_trial(joint, holds, stretches, _)), "trust"),
         *nerves,
     )  # fmt: skip
-    return LegAnswers(tuple(block.Section(*card, "card") for card in sections), figures, of_fit, at)
+    return LegAnswers(
+        tuple(block.Section(*card, "card") for card in sections), figures, of_fit, at, zero
+    )
 
 
 def first_answer(trials: Sequence[Trial], _: Words) -> str:

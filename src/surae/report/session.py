@@ -28,6 +28,7 @@ from surae.report.recordings import film_block
 from surae.report.traces import traces_of
 from surae.report.wording import adequacy_words
 from surae.trials import Crossed, TrialSet, common_errors
+from surae.trials.folder import TOO_FEW
 from surae.trials.nerve import Nerve
 
 
@@ -155,7 +156,7 @@ def _details(
             parameters_section(shown.result, shown.assessment, next_anchor=""),
             budget_section(budget),
         ]
-    details.append(trials.findings_section(leg.quality))
+    details.append(trials.findings_section(leg.quality, answers.zero))
     if leg.fits:
         figures["trials"] = trials_figure(leg.alone, leg.together, disputed=contradicted)
         research.append(trials.agreement_section(contradicted))
@@ -237,13 +238,12 @@ def _warnings(leg: FittedLeg, _: Words) -> Iterable[str]:
     why = leg.failed.get("joint", "")
     if leg.joint is None and len(leg.fits) > 1 and why:
         none = _("There is no fit of all trials together.")
-        yield f"{none} {why[:1].upper()}{why[1:]}." if _.language == "en" else none
-    errors = common_errors(leg.quality[trial] for trial in leg.fits if trial in leg.quality)
-    if _.language == "en":
-        yield from errors
-    elif errors:
-        yield _("Most recordings have the same error, which makes numbers wrong: see the checks in "
-                "the report in English.")  # fmt: skip
+        if why == TOO_FEW:
+            yield " ".join((none, _("Trials with an error are not fitted together.")))
+        else:
+            yield f"{none} {why[:1].upper()}{why[1:]}." if _.language == "en" else none
+    checked = (leg.quality[trial] for trial in leg.fits if trial in leg.quality)
+    yield from common_errors(checked, None if _.language == "en" else _)
 
 
 def _summary(leg: FittedLeg, _: Words) -> str:

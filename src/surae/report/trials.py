@@ -129,8 +129,11 @@ def _cell(crossed: Crossed | None) -> block.Cell:
     return block.Cell(text, under, "own" if crossed.fitted else crossed.grade)
 
 
-def findings_section(quality: Mapping[str, Quality]) -> block.Section:
-    """Each finding once, with the recordings that have it; and what could not be checked."""
+def findings_section(quality: Mapping[str, Quality], zero: float = 0.0) -> block.Section:
+    """Each finding once, with the recordings that have it; and what could not be checked.
+
+    `zero` is what the torque's is off by in all trials [Nm], as the leg's page subtracts it.
+    """
     found: dict[tuple[int, str], list[tuple[str, Finding]]] = {}
     for name, checked in quality.items():
         for finding in checked.findings:
@@ -146,7 +149,11 @@ def findings_section(quality: Mapping[str, Quality]) -> block.Section:
         more = f" (and {others} alike)" if others else ""
         badge = (f"severity {first.severity}", first.severity)
         mark = block.Cell(code, kind="code", badge=badge, under=where, meaning=first.channel or "")
-        rows.append((mark, block.Cell(f"{first.message}{more}", why=first.advice)))
+        said = f"{first.message}{more}"
+        if code == "torque-offset" and len(quality) > 1:  # a session has one
+            off = zero or float(np.median([finding.value or 0.0 for _, finding in those]))
+            said = f"The torque’s zero is off by about {off:.3g} Nm, taken as one for all trials."
+        rows.append((mark, block.Cell(said, why=first.advice)))
     table = block.Grid("What was found in the recordings", block.columns("", "", wide=(1,)),
                        block.rows(rows), "findings")  # fmt: skip
     blocks: list[block.Block] = [table if rows else block.Text("Nothing was found.")]

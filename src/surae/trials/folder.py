@@ -20,6 +20,8 @@ from surae.recording.reading import is_mapping
 from surae.recording.source import Source, open_source
 from surae.trials.sorting import Trial
 
+#: Why there is no joint fit where trials have errors.
+TOO_FEW = "trials with an error are not fitted together, and fewer than two are left"
 #: Names of what is in the folder.
 INDEX, JOINT, FITS, TRASH = "session.json", "joint.json", "fits", "trash"
 REPORT, TABLE = "report.html", "table.csv"

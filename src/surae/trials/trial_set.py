@@ -1,14 +1,15 @@
 """The trials of one leg together: what they are, one EMG reference, what is wrong in all alike."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from surae.base.errors import InputError
 from surae.base.filed import filed
 from surae.base.frozen import FrozenDict
+from surae.base.words import N_
 from surae.model.knowledge import Knowledge
 from surae.model.laboratory import AUTO
-from surae.quality import Quality
+from surae.quality import KINDS, Quality
 from surae.recording import Recording, SourceFile
 from surae.settings import FitSettings
 from surae.signals import EmgReference, ModelInputs, emg_reference, normalised
@@ -128,26 +129,38 @@ def reading_of(recording: Recording) -> Reading:
 
 #: Errors of which a sentence tells more than their code.
 _SAID = {
-    "angle-sign": "The angle is reversed", "torque-sign": "The torque is reversed",
-    "angle-units": "The angle’s unit or zero is wrong", "torque-unit": "The torque’s unit is wrong",
-    "emg-unit": "The EMG’s unit is wrong", "electrodes-swapped": "Two electrodes are exchanged",
+    "angle-sign": N_("The angle is reversed"), "torque-sign": N_("The torque is reversed"),
+    "angle-units": N_("The angle’s unit or zero is wrong"),
+    "torque-unit": N_("The torque’s unit is wrong"), "emg-unit": N_("The EMG’s unit is wrong"),
+    "electrodes-swapped": N_("Two electrodes are exchanged"),
+    "emg-torque-lag": N_("EMG and torque are out of step"),
 }  # fmt: skip
+_IN_TRIALS = N_("{what} in {n} of {whole} trials; correct it once for all of them.")
 
 
-def common_errors(quality: Iterable[Quality]) -> tuple[str, ...]:
-    """Errors that more than half of the trials have, at least two, with what to do."""
+def common_errors(
+    quality: Iterable[Quality], _: Callable[..., str] | None = None
+) -> tuple[str, ...]:
+    """Errors that more than half of the trials have, at least two, with what to do.
+
+    In English, or in the language of `_`, in which the advice is that of such errors.
+    """
     every = list(quality)
     advice: dict[str, list[str]] = {}
     for checked in every:
         errors = {f.code: f.advice for f in checked.findings if f.severity == "error"}
         for code, text in errors.items():
             advice.setdefault(code, []).append(text)
-    return tuple(
-        f"{_SAID.get(code, code)} in {len(texts)} of {len(every)} trials; correct it once for all "
-        f"of them. {texts[0]}"
-        for code, texts in advice.items()
-        if len(texts) > 1 and 2 * len(texts) > len(every)
-    )
+    said = []
+    for code, texts in advice.items():
+        if len(texts) > 1 and 2 * len(texts) > len(every):
+            what = _SAID.get(code) or KINDS[code].looks_for
+            given = {"n": str(len(texts)), "whole": str(len(every))}
+            if _ is None:
+                said.append(f"{_IN_TRIALS.format(what=what, **given)} {texts[0]}")
+            else:
+                said.append(f"{_(_IN_TRIALS, what=_(what), **given)} {_(KINDS[code].advice)}")
+    return tuple(said)
 
 
 @filed(rmse="rmse_Nm", bias="bias_Nm")

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from surae import api
 from surae.base.names import AUTO
+from surae.base.words import N_
 from surae_workbench.web.answers import Fit
 from surae_workbench.web.draft import settings_of
 from surae_workbench.web.project import dated, unique_name
@@ -88,7 +89,7 @@ def keep_profile(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str:
 
 def model_title(name: str) -> str:
     """What people call a model."""
-    return "automatic" if name == AUTO else api.MODELS[name].title
+    return N_("automatic") if name == AUTO else api.MODELS[name].title
 
 
 def fit_summary(bench: "Workbench", fit: Entry) -> Fit:

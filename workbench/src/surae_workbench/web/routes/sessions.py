@@ -5,13 +5,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter, Request, Response
 
 from surae import api
 from surae_workbench.web.answers import Job, Leg
 from surae_workbench.web.database import new_id
 from surae_workbench.web.fits import add_fit, check_draft, main_fit, versions_of
 from surae_workbench.web.http_errors import RefusedError
+from surae_workbench.web.language import language_of
 from surae_workbench.web.project import dated, unique_name, when
 from surae_workbench.web.routes.common import (
     ERRORS,
@@ -39,7 +40,7 @@ def post_trials(body: TrialsRequest, bench: Bench) -> dict[str, Any]:
 
 
 @router.post("", status_code=202)
-def post_session(body: SessionRequest, bench: Bench, browser: Browser) -> Job:
+def post_session(request: Request, body: SessionRequest, bench: Bench, browser: Browser) -> Job:
     """Ask for the fits of a session; what cannot be kept is refused now, not in the job."""
     draft = bench.sessions.draft(browser)
     sorted_trials = sorted_as(bench, body.recordings, body.efforts)
@@ -60,7 +61,7 @@ def post_session(body: SessionRequest, bench: Bench, browser: Browser) -> Job:
         raise RefusedError(400, "the trials are of both legs; a session is of one")
     chosen = [row["id"] for row in rows]
     draft = {**draft, "recordings": chosen, "mvc": [], "sliders": {}, "exclusions": {}}
-    name = body.name or _usual_name(bench, rows)
+    name = body.name or _usual_name(bench, rows, api.words_in(language_of(request)))
     called = unique_name(bench.database.all("session"), name, 120)
     task = {
         "draft": draft,
@@ -212,10 +213,10 @@ def sorted_as(
     return told
 
 
-def _usual_name(bench: Workbench, rows: Sequence[Entry]) -> str:
+def _usual_name(bench: Workbench, rows: Sequence[Entry], words: api.Words) -> str:
     subject = bench.database.get("subject", rows[0]["subject"]) if rows[0]["subject"] else None
-    who = "Leg" if subject is None else subject["code"]
-    return ", ".join(filter(None, (who, rows[0]["side"], _day(rows[0]))))
+    who = words("Leg") if subject is None else subject["code"]
+    return ", ".join(filter(None, (who, words(rows[0]["side"] or ""), _day(rows[0]))))
 
 
 def _day(row: Entry) -> str:

@@ -38,4 +38,4 @@ export const chooseLanguage = (list) =>
 
 /** What the server says: a message and what fills it in, names of the catalogue translated, too. */
 export const said = ({ message, text, given }) =>
-  _(message || text, Object.fromEntries(Object.entries(given ?? {}).map(([key, value]) => [key, typeof value === "number" ? decimal(String(value)) : _(value)])));
+  _(message || text, Object.fromEntries(Object.entries(given ?? {}).map(([key, value]) => [key, /^[-−]?\d/.test(value) ? decimal(String(value)) : _(value)])));

@@ -11,7 +11,7 @@ import { ranges } from "../ui/describe.js";
 import { findingsTable } from "../ui/findings.js";
 import { emptyMapping, mappingTable } from "../ui/mapping.js";
 import { forTrial, legOf, trialsAmong } from "../ui/trials.js";
-import { _, many } from "../core/words.js";
+import { _, many, said } from "../core/words.js";
 
 const box = { upload: byId("upload-error"), inspect: byId("inspect-error"), mapping: byId("mapping-error") };
 const KEPT = "surae.import";
@@ -174,7 +174,7 @@ function offer(findings) {
   const emg = muscles.length ? many("EMG of {n} muscle", "EMG of {n} muscles", muscles.length) : _("no EMG");
   byId("offer").textContent = `${[many("{n} trial found", "{n} trials found", trials.length || 1), emg, signs].filter(Boolean).join(", ")}.`;
   byId("turn").hidden = !mend;
-  byId("turn").textContent = mend ? _(mend.label, mend.given) : "";
+  byId("turn").textContent = mend ? said({ text: mend.label, given: mend.given }) : "";
   byId("turn").className = mend ? "primary" : "";
   byId("analyse").className = mend ? "" : "primary";
   byId("analyse").textContent = mend ? _("Analyse as it is") : _("Analyse");

@@ -201,7 +201,7 @@ attempt(box, async () => {
   replace(byId("profile"), known.profiles.map((one) => option(one.name)));
   replace(byId("task"), known.tasks.map((one) => option(one.name)));
   replace(byId("device"), option("", _("none")), known.devices.map((one) => option(one.name)));
-  replace(byId("population"), known.populations.map((one) => option(one.name ?? one)));
+  replace(byId("population"), known.populations.map((one) => option(one.name ?? one, _(one.name ?? one))));
   replace(byId("model"), known.models.map((one) => option(one.name, _(one.title))));
   replace(byId("numbers"), numbers().map((one) => field(_(one.label), h("input", { id: one.path[0], type: "number", min: one.least, max: one.most, step: "any", required: !one.optional, placeholder: one.optional && _("own") }))));
   fill(JSON.parse(localStorage.getItem(KEPT) ?? "null") ?? known.start);

@@ -7,7 +7,7 @@ import { attempt, calm, complain, tell } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
 import { findingsTable } from "./findings.js";
 import { mappingTable } from "./mapping.js";
-import { _ } from "../core/words.js";
+import { _, said } from "../core/words.js";
 
 const UNDO = _("Undo takes it back.");
 
@@ -16,7 +16,7 @@ export async function mend(id, finding) {
   const { mapping } = await get(`/api/recordings/${id}/description`);
   for (const [role, change] of Object.entries(finding.mend.channels)) Object.assign(mapping.channels[role], change);
   await post("/api/descriptions", { recordings: [id], mapping });
-  tell(`${_(finding.mend.label, finding.mend.given)}: ${_("done")}. ${UNDO}`);
+  tell(`${said({ text: finding.mend.label, given: finding.mend.given })}: ${_("done")}. ${UNDO}`);
 }
 
 /** What a mapping makes of a recording, in a line. */

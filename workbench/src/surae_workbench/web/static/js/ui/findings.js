@@ -3,7 +3,7 @@
 import { button, h, table } from "../core/dom.js";
 import { roleText, span } from "../core/format.js";
 import { mark } from "./marks.js";
-import { _, language, many } from "../core/words.js";
+import { _, language, many, said } from "../core/words.js";
 
 /** A list of findings; `act` gives {show, exclude, mend} of a finding, and the trial's `duration`; null: nothing to do. */
 export function findingsTable(findings, act) {
@@ -44,7 +44,7 @@ function row(one, act) {
             { class: "button-row" },
             button(_("Show"), () => act.show(one), { class: "small", "aria-label": _("Show {what}", { what }) }),
             part(one, act.duration()) && button(_("Exclude"), () => act.exclude(one), { class: "small", "aria-label": _("Exclude {span}", { span: span(one.start_s, one.end_s) }) }),
-            one.mend && button(_(one.mend.label, one.mend.given), () => act.mend(one), { class: "small primary" }),
+            one.mend && button(said({ text: one.mend.label, given: one.mend.given }), () => act.mend(one), { class: "small primary" }),
           ),
       ),
   );
