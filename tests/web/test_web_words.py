@@ -16,7 +16,7 @@ HERE = Path(surae_workbench.__file__).parent
 _NAMES = """
     surae CSV rad R² µV °/s² Nm mV uV TA GL SOL GM OK SHA sha256 RMSE VAF EMG rad/s rad/s2 rad/s² Hz
     Hz/s kB MB min English Nederlands Deutsch Français POST PATCH DELETE AbortError X-CSRF-Token
-    Content-Type fit.json my-trials --output --rehearse live s M R N
+    Content-Type fit.json impedance my-trials --output --rehearse live s M R N
 """
 NO_WORDS = set(_NAMES.split())
 #: What the server says in a word, marked in one place.
