@@ -8,7 +8,7 @@ import numpy as np
 from surae.base.frozen import FrozenDict, read_only
 from surae.base.units import FloatArray
 from surae.base.versions import versions
-from surae.inference.conflict import contradicted
+from surae.inference.conflict import conflicts
 from surae.inference.evidence import Subset
 from surae.inference.laplace import (
     UNSUPPORTED,
@@ -32,6 +32,7 @@ from surae.inference.result import (
     at_bounds,
 )
 from surae.model.laboratory import COMPLIANT, group_of, laboratory
+from surae.model.sources import NUISANCES
 from surae.signals import ModelInputs
 
 #: Ends of starts agree whose −2 ln p differ by less.
@@ -55,6 +56,14 @@ def summed(
     if original.has_unheard:
         shifts["unheard"] = dynamics(post, V, beta, unheard=True)
     shifts["trials"] = between_trials(blocks, V)
+    against = conflicts(
+        post.laplace(point), post.of, post.beliefs, laboratory(joint=original.options.anatomy),
+        original.settings.known,
+    )  # fmt: skip
+    for group, conflict in against.items():
+        source = NUISANCES[group].name
+        before = shifts.get(source, np.zeros((0, len(V))))
+        shifts[source] = np.concatenate([before, conflict.widened(V)])
     problem = replace(post.problem, inputs=inputs)
     change = _natural(post, point)
     spread = {source: read_only(by @ change.T) for source, by in shifts.items() if len(by)}
@@ -98,10 +107,7 @@ def summed(
             population=FrozenDict({n: post.priors[n] for n in post.names if not group_of(n)}),
             recordings=_each(post, point, change) if len(inputs) > 1 else (),
             contradicted=FrozenDict(
-                contradicted(
-                    post.laplace(point), post.of, post.beliefs,
-                    laboratory(joint=original.options.anatomy), original.settings.known,
-                )
+                {group: c.probability for group, c in against.items() if c.doubted}
             ),
         ),
     )  # fmt: skip
