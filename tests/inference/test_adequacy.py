@@ -7,7 +7,8 @@ import pytest
 
 from surae.base.frozen import read_only
 from surae.inference import Grade, Verdict, assess, fit_problem, make_problem
-from surae.inference.adequacy import judge_adequacy, structure
+from surae.inference.adequacy import _is_odd, judge_adequacy, structure
+from surae.model.sources import Gaussian
 
 
 def fitted_to(trial, **asked):
@@ -68,3 +69,14 @@ def test_a_silent_muscle_is_named(noisy, silent):
         "hardly changes" in reason and all(m.upper() in reason for m in silent)
         for reason in reasons
     )
+
+
+def test_the_farthest_of_eight_trials_is_odd_where_that_of_one_is() -> None:
+    belief = Gaussian(0.0, 1.0)
+    assert _is_odd((2.91,), belief)
+    assert not _is_odd((2.89,), belief)
+    assert not _is_odd((2.91, *[0.0] * 7), belief)
+    assert _is_odd((3.55, *[0.0] * 7), belief)
+    rng = np.random.default_rng(4)  # 0.4 % of what is usual, whatever the number of trials
+    odd = sum(_is_odd(tuple(rng.standard_normal(8)), belief) for _ in range(5000))
+    assert odd == pytest.approx(0.0037 * 5000, abs=13)

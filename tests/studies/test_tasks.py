@@ -56,6 +56,21 @@ def test_the_noise_is_another_in_every_cell_and_repeat_and_the_same_for_all_mode
     assert seeds["muscle"] == seeds["muscle-tendon"]
 
 
+def test_another_model_may_be_fitted_than_simulates() -> None:
+    one, two = tasks(TEXT + 'fitted = ["muscle", "muscle-tendon"]\n')
+    assert run_task(one).vaf == run_task(tasks(TEXT)[0]).vaf
+    assert run_task(two).vaf < run_task(one).vaf
+
+
+def test_auto_is_fitted_and_its_laboratory_left_out() -> None:
+    (task,) = tasks(TEXT + 'fitted = "auto"\n')
+    outcome = run_task(task)
+    assert outcome.vaf > 99.0
+    names = [estimate.name for estimate in outcome.estimates]
+    assert {"k_tri", "l0_tri", "g1"} <= set(names)
+    assert not [name for name in names if name.startswith(("xt_", "emg_"))]
+
+
 def test_freed_tendon_parameters_are_estimated() -> None:
     (task,) = tasks(TEXT + 'model = "muscle-tendon-strain"\n')
     estimates = run_task(task).estimates

@@ -8,6 +8,7 @@ family.
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from statistics import NormalDist
 
 import numpy as np
 
@@ -174,16 +175,20 @@ def _laboratory(result: FitResult) -> Iterator[Reason]:
     odd = [
         f"{meanings[name]} ({name})"
         for name, belief in result.found.beliefs.items()
-        if group_of(name) not in stated
-        and any(_is_odd(value, belief) for value in own.get(name, (result.values[name],)))
+        if group_of(name) not in stated and _is_odd(own.get(name, (result.values[name],)), belief)
     ]
     if odd:
         yield against("implausible", names=", ".join(odd))
 
 
-def _is_odd(value: float, belief: Gaussian) -> bool:
-    """Whether a value is farther from what was believed than beliefs are."""
-    return abs(value - belief.mean) >= _ODD * belief.sd
+def _is_odd(values: Sequence[float], belief: Gaussian) -> bool:
+    """Whether one of some values is farther from what was believed than the farthest mostly is.
+
+    Of many trials one is farther out than one alone would be (Šidák 1967).
+    """
+    usual = NormalDist().cdf(_ODD) - NormalDist().cdf(-_ODD)
+    most = NormalDist().inv_cdf(0.5 + 0.5 * usual ** (1.0 / len(values)))
+    return max(abs(value - belief.mean) for value in values) >= most * belief.sd
 
 
 def _stated(result: FitResult) -> Iterator[Reason]:
@@ -192,7 +197,7 @@ def _stated(result: FitResult) -> Iterator[Reason]:
     for doubt in () if known is None else known.doubts:
         yield against("said", text=doubt)
     values, told = result.values, result.found.contradicted
-    odd = {group_of(n) for n, b in result.found.beliefs.items() if _is_odd(values[n], b)}
+    odd = {group_of(n) for n, b in result.found.beliefs.items() if _is_odd((values[n],), b)}
     for group in sorted(result.problem.settings.known & {*odd, *told}):
         label = result.problem.options.anatomy.worded(NUISANCES[group].label)
         grave = told.get(group, 1.0) < _WRONG

@@ -8,7 +8,7 @@ from typing import Any
 
 from surae.base.errors import InputError
 from surae.base.files import PathLike, read_bytes, shown
-from surae.base.names import CHIRP_RATE
+from surae.base.names import AUTO, CHIRP_RATE
 from surae.base.records import parse_toml
 from surae.base.setting import Setting, checked
 from surae.model import ModelOptions
@@ -71,6 +71,10 @@ OWN_MOTION: dict[str, Setting] = {
     "duration": Setting(meaning="Of the trial [s].", above=0.0, most=600.0),
     "passive_seconds": Setting(meaning="Relaxed at first [s].", least=0.0, most=600.0),
 }
+#: The model that is fitted, where it is another than the one that simulates; no column else.
+FITTED = {"fitted": Setting(meaning="What is fitted.", choices=(*SIMULATED_MODELS, AUTO))}
+#: Factors that are there only where the file gives them.
+GIVEN = {**OWN_MOTION, **FITTED}
 #: Model options may be factors too; left out, they are no columns either.
 OPTIONS = tuple(field.name for field in fields(ModelOptions))
 #: What may stand in a factor's place, and in its column: the thesis's A·sin(s·t²) has the rate s/π.
@@ -107,7 +111,7 @@ def parse_study(text: str) -> Study:
         As of `read_study`.
     """
     settings = parse_toml(text)
-    known = ("name", *FACTORS, *INSTEAD.values(), *OWN_MOTION, *OPTIONS)
+    known = ("name", *FACTORS, *INSTEAD.values(), *GIVEN, *OPTIONS)
     for key in settings:
         if key not in known:
             raise InputError(f"unknown setting {key!r}; known settings: {', '.join(known)}")
@@ -115,8 +119,8 @@ def parse_study(text: str) -> Study:
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
         raise InputError(f"name is {name!r}; give a text of one line")
     factors: dict[str, tuple[Value, ...]] = {}
-    for factor in (*FACTORS, *OWN_MOTION, *OPTIONS):
-        record, default = FACTORS.get(factor, (OWN_MOTION.get(factor), ()))
+    for factor in (*FACTORS, *GIVEN, *OPTIONS):
+        record, default = FACTORS.get(factor, (GIVEN.get(factor), ()))
         other = INSTEAD.get(factor, "")
         if other in settings and factor in settings:
             raise InputError(f"{factor} and {other} say the same; give one of them")

@@ -66,7 +66,8 @@ class FitTask:
     repeat: int  #: Number of the noise's realisation, from 1; without noise all are the same.
     seed: int  #: Seed of the study: of its subjects and of the fit's random starts.
     starts: int  #: Starts of the fit.
-    model: str  #: The model that simulates and is fitted.
+    model: str  #: The model that simulates,
+    fitted: str | None = None  #: and the one that is fitted; None for the same.
     options: tuple[tuple[str, Value], ...]  #: Its options that the study gives.
 
     @property
@@ -157,7 +158,7 @@ def _fit(task: FitTask) -> TaskOutcome:
         subject, _trajectory(task), model=task.model, options=options, noise=task.noise,
         seed=zlib.crc32(json.dumps([*cell, task.repeat]).encode()),
     )  # fmt: skip
-    settings = FitSettings(task.model, options, starts=task.starts, seed=task.seed)
+    settings = FitSettings(task.fitted or task.model, options, starts=task.starts, seed=task.seed)
     result = solve(make_problem([trial], settings))
     if result.found.is_interrupted:
         raise KeyboardInterrupt
@@ -168,7 +169,7 @@ def _fit(task: FitTask) -> TaskOutcome:
         tuple(
             TaskEstimate(name, p.value, p.sem, truth[name])
             for name, p in assessment.parameters.items()
-            if p.free
+            if p.free and name in truth  # of `auto` the laboratory's are not
         ),
     )  # fmt: skip
 
