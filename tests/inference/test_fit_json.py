@@ -15,7 +15,8 @@ import pytest
 import surae
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
-from surae.base.records import FORMAT, decode, encode
+from surae.base.packed import decode, encode
+from surae.base.records import FORMAT
 from surae.inference import AssessedFit, assess, fit_problem, make_problem
 from surae.inference.saved.fit_json import as_dict, load_saved, save_fit
 from surae.inference.saved.parameters_json import read_parameters

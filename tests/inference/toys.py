@@ -8,7 +8,7 @@ import numpy as np
 from surae.base.frozen import read_only
 from surae.inference import FitProblem, FitResult, fit_problem
 from surae.model import ModelOptions
-from surae.model.parameters import Parameter
+from surae.model.parameter import Parameter
 from surae.model.registry import ModelSpec
 from surae.signals import ModelInputs
 

@@ -10,6 +10,7 @@ import pytest
 import surae
 from surae.base.frozen import FrozenDict
 from surae.inference import Grade
+from surae.inference.reasons import against
 from surae.measures.change import SCATTER, ChangeVerdict, compare_sessions
 from surae.measures.quantity import common_end, quantities
 
@@ -125,7 +126,7 @@ def test_timing_is_not_compared_where_a_muscle_had_no_electrode(pair, sides) -> 
 
 def test_an_inadequate_fit_changes_nothing(pair, sides) -> None:
     fit, other = pair[0], sides[1]
-    worse = replace(fit.adequacy, grade=Grade.INADEQUATE, reasons=("the ankle hardly moves",))
+    worse = replace(fit.adequacy, grade=Grade.INADEQUATE, against=(against("failed"),))
     judged = replace(fit, assessment=replace(fit.assessment, adequacy=worse))
     told = compare_sessions(quantities(judged.result, judged.assessment, [10.0]), other)
     assert told.changed == ()

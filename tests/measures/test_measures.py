@@ -9,6 +9,7 @@ import pytest
 import surae
 from surae.base.errors import InputError
 from surae.inference import Grade, Verdict
+from surae.inference.reasons import against
 from surae.measures import DEFINITIONS, measures, measures_of_values
 from surae.measures.leg import leg_of
 from surae.model import ModelOptions, get_model, with_optional
@@ -128,13 +129,13 @@ def test_an_inadequate_fit_identifies_no_measure(still) -> None:
 def test_a_doubtful_fit_identifies_no_measure(fitted) -> None:
     """Of fits that were doubtful 79 % of such claims were true, of adequate ones 90 %."""
     fit, _ = fitted(1)
-    reason = "plate_cos: implausible"
-    doubt = replace(fit.adequacy, grade=Grade.DOUBTFUL, reasons=(reason,))
+    reason = against("implausible", names="plate_cos")
+    doubt = replace(fit.adequacy, grade=Grade.DOUBTFUL, against=(reason,))
     told = measures(fit.result, replace(fit.assessment, adequacy=doubt))
     sure = {m.name for m in fit.measures().values() if m.verdict is Verdict.IDENTIFIED}
     assert "end_stiffness" in sure
     assert Verdict.IDENTIFIED not in {m.verdict for m in told.values()}
-    assert reason in told["end_stiffness"].note
+    assert str(reason) in told["end_stiffness"].note
     assert told["end_stiffness"].ci95 == fit.measures()["end_stiffness"].ci95
 
 

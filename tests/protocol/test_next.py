@@ -9,6 +9,7 @@ import surae
 from surae.api import fit_inputs
 from surae.base.errors import InputError
 from surae.inference.adequacy import Grade
+from surae.inference.reasons import against
 from surae.protocol import Protocol, generate, named_device
 from surae.protocol.planning.design import _along
 from surae.protocol.planning.information import information, prior_precision, shared
@@ -117,7 +118,9 @@ def test_promised_identification_holds(relaxed) -> None:
 
 
 def test_no_trial_mends_an_inadequate_fit(weak) -> None:
-    gate = replace(weak.adequacy, grade=Grade.INADEQUATE, reasons=("It does not follow.",))
+    gate = replace(
+        weak.adequacy, grade=Grade.INADEQUATE, against=(against("not-followed", r2=12.0),)
+    )
     bad = replace(weak, assessment=replace(weak.assessment, adequacy=gate))
     answer = surae.measure_next(bad)
     assert answer.protocol is None

@@ -13,7 +13,6 @@ from surae.api.designing import expect as expect
 from surae.api.designing import measure_next as measure_next
 from surae.api.designing import perturbation_tells as perturbation_tells
 from surae.api.designing import plan_session as plan_session
-from surae.api.designing import protocol_trajectory as protocol_trajectory
 from surae.api.designing import ready_trajectory as ready_trajectory
 from surae.api.examples import example_leg as example_leg
 from surae.api.fitted import Fit as Fit

@@ -30,7 +30,7 @@ from surae.protocol.perturbing import telling
 from surae.protocol.planning.design import Design, make_design
 from surae.protocol.planning.expectation import NOISE, Expectation, expected
 from surae.protocol.planning.information import filmed
-from surae.protocol.planning.legs import Legs, fit_legs, population_legs
+from surae.protocol.planning.legs import Legs, fit_legs, noise_of, population_legs
 from surae.protocol.planning.next import NextTrial, measure_next_of, told_by
 from surae.protocol.planning.ready import ready_protocols, start_for
 from surae.protocol.planning.session import SessionPlan, best_session
@@ -269,10 +269,6 @@ def as_device(device: str | PathLike | Device | None) -> Device | None:
 
 #: Legs by which the torque of a ready protocol is held to a device's.
 _CHECKED = 40
-#: More samples than this, ten minutes at 2 kHz, are a slip of the keyboard.
-_MOST_SAMPLES = 1_200_000
-#: The motion is shaped at this rate at least [Hz], whatever rate is asked for.
-_SHAPED_HZ = 2000.0
 S = TypeVar("S", bound=LegSettings)
 
 
@@ -358,23 +354,6 @@ def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:
     return read_protocol(protocol)
 
 
-def protocol_trajectory(settings: Protocol) -> Trajectory:
-    """The movement and the effort of a protocol, unless it is longer than anybody can mean.
-
-    Raises
-    ------
-    InputError
-        It has too many samples, or the device cannot follow it.
-    """
-    longest = _MOST_SAMPLES / max(settings.rate_hz, _SHAPED_HZ)
-    if settings.seconds > longest:
-        raise InputError(
-            f"{settings.seconds:g} s at {settings.rate_hz:g} Hz are too many samples; use at most "
-            f"{longest:g} s at that rate"
-        )
-    return generate(settings)
-
-
 def ready_trajectory(
     name: str, device: Device | None, range_of_motion: tuple[float, float], rate_hz: float
 ) -> Trajectory:
@@ -407,24 +386,4 @@ def requested_legs(
     if settings.population is not None:
         raise InputError("give a population or a fit, not both")
     who = fit_legs(fit.result, fit.assessment, count, seed=first)
-    return who, settings.noise or fit_noise(fit, rate_hz)
-
-
-def fit_noise(fit: Fit, rate_hz: float) -> float:
-    """White noise [Nm], sample by sample at a rate, that would tell as little as a fit's residual.
-
-    A residual that is correlated over time tells less than its size says: what counts is its
-    spectral density at the frequencies of the movement, which the believed intervals know.
-    """
-    import numpy as np
-
-    result, density = fit.result, 0.0
-    for residual, inputs in zip(result.residuals, result.problem.inputs, strict=True):
-        n = len(residual)
-        power = np.abs(np.fft.rfft(residual - residual.mean())) ** 2 / n
-        slow = np.fft.rfftfreq(n, 1.0 / inputs.rate_hz) <= 3.0  # of the movement [Hz]
-        slow[0] = False
-        level = float(power[slow].mean()) if slow.any() else float(np.var(residual))
-        density += max(level, 1e-12) / inputs.rate_hz * n
-    density /= sum(len(residual) for residual in result.residuals)
-    return float((density * rate_hz) ** 0.5)
+    return who, settings.noise or noise_of(fit.result, rate_hz)

@@ -92,7 +92,7 @@ def command(
             table = [f"{name}: {api.ready_protocols()[name].description}"]
     else:
         settings = api.Protocol(profile=name, device=limits, **options)
-        trajectory = api.protocol_trajectory(settings)
+        trajectory = api.generate(settings)
         given_up: tuple[str, ...] = ()
         if limits is not None and not no_adapt:
             with compilation_notice():

@@ -2,7 +2,7 @@
 
 from surae.inference.adequacy import Adequacy as Adequacy
 from surae.inference.adequacy import Grade as Grade
-from surae.inference.assessed import AssessedFit as AssessedFit
+from surae.inference.assessment import AssessedFit as AssessedFit
 from surae.inference.assessment import Assessment as Assessment
 from surae.inference.assessment import RecordingQuality as RecordingQuality
 from surae.inference.assessment import assess as assess

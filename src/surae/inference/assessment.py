@@ -34,6 +34,7 @@ from surae.inference.uncertainty.combined import (
 from surae.inference.uncertainty.covariance import Covariance, covariance, ipde
 from surae.inference.uncertainty.robust import RobustCovariance, robust_covariance
 from surae.model import adapted
+from surae.quality.finding import Quality
 
 
 @filed(sparse=("fascicles",), rmse="rmse_Nm", bias="bias_Nm")
@@ -92,6 +93,15 @@ class Assessment(Comparable):
     version: str = __version__  #: The version of surae that gave the verdicts.
     #: Where this version judges otherwise than the file that the verdicts are read from.
     differs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class AssessedFit:
+    """A fit and what it is worth."""
+
+    result: FitResult  #: What was found: values, residuals, how it was found.
+    assessment: Assessment  #: What it is worth: intervals, correlations, verdicts.
+    quality: tuple[Quality, ...] = ()  #: What was found in each recording before it was fitted.
 
 
 @one_blas_thread()

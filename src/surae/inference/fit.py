@@ -39,27 +39,11 @@ def fit_problem(
 ) -> FitResult:
     """Find the parameters that bring the modelled torque closest to the measured one.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        The question.
-    starts : int
-        Number of starts: the default one, the others random within the bounds.
-    seed : int
-        Seed of the random starts.
-    progress : callable, optional
-        Called after every start.
-    noise : float, optional
-        Standard deviation of the torque's noise [Nm], against which priors are weighed; by default
-        what a fit without priors leaves.
-    follow : callable, optional
-        Called with every better point on the way: the model, which is a simpler one at first where
-        the problem's has a parent, all its parameters, and the sum of squares.
-
-    Returns
-    -------
-    FitResult
-        The best minimum. Ctrl-C keeps the best so far; its message says so.
+    The first of the `starts` is the problem's own, the others are random within the bounds by
+    `seed`; `progress` hears of each. Priors are weighed against the torque's `noise` [Nm], by
+    default what a fit without them leaves. `follow` hears of every better point: the model, which
+    is a simpler one at first where the problem's has a parent, all its parameters, and the sum of
+    squares. Ctrl-C keeps the best so far; its message says so.
 
     Raises
     ------

@@ -95,20 +95,9 @@ def fit_robust(
     several minima, starts from Huber's solution and keeps its σ. All starts are then tried with
     these weights, and should one find a better minimum, the weights are made anew from there.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        The question. Its own weights multiply those of the loss.
-    loss : {"huber", "soft-l1", "tukey"}
-        See `LOSSES`.
-    starts, seed, progress, follow
-        As in `fit_problem`.
-
-    Returns
-    -------
-    FitResult
-        Its problem holds the weights at the solution, the loss's multiplied with the problem's own;
-        `outliers` tells them apart. What is derived from it takes them as fixed.
+    The problem of the result holds the weights at the solution, the loss's multiplied with its own;
+    `Outliers` tells them apart. What is derived from it takes them as fixed. All else is as of
+    `fit_problem`.
 
     Raises
     ------

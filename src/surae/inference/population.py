@@ -21,7 +21,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.names import POPULATIONS
 from surae.model import ModelOptions
-from surae.model.parameters import adapted
+from surae.model.parameter import adapted
 from surae.model.prior import Prior
 from surae.model.registry import PARAMETERS
 

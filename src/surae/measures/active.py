@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from surae.measures.leg import Leg, NotDefinedError, elongation
+from surae.measures.leg import Leg, NotDefinedError
+from surae.measures.muscle import elongation
 from surae.measures.passive import before_end
 from surae.model.contraction import MVSHL
 

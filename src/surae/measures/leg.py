@@ -8,7 +8,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,13 +15,14 @@ from surae.base.errors import ComputationError
 from surae.base.units import FloatArray
 from surae.inference import FitResult
 from surae.inference.uncertainty.combined import ZERO
+from surae.measures.muscle import Muscle, MuscleHold, MusclePlace, elongation, series
 from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model, with_optional
-from surae.model.contraction import FECC, MVSH, force_length
+from surae.model.contraction import FECC, MVSH
 from surae.model.equilibrium import solve
 from surae.model.geometry import JointAxis, paths
 from surae.model.movement import OWN_PATH
 from surae.model.parameters import JOINT_RESTS, OPTIONAL
-from surae.model.tendon import TendonCurve, tendon_curve, tendon_force
+from surae.model.tendon import TendonCurve, tendon_curve
 from surae.signals import ModelInputs
 
 #: Triceps surae and tibialis anterior, in the order of everything that has two groups.
@@ -46,32 +46,6 @@ class NotDefinedError(Exception):
     """A measure that a leg does not have, with the reason as a sentence."""
 
 
-class MuscleHold(NamedTuple):
-    """A muscle group that holds still at an angle."""
-
-    force: float  #: On its tendon [N].
-    #: Of muscle and tendon in series, by the length of both together, tissue fully relaxed [N/m].
-    stiffness: float
-    quick: float  #: The same before tissue relaxes [N/m].
-    length: float  #: Of the muscle [m].
-    #: By how much the muscle lengthens of what both together do, slowly [-]; 1 on a rigid tendon.
-    given: float
-    #: `arm`, `slope`: moment arm [m], and length of both together by the angle [m/rad].
-    arm: float
-    slope: float
-    arm_slope: float  #: Moment arm by the angle [m/rad].
-    lift: float  #: Force-length factor (16) [-].
-
-    @property
-    def torque(self) -> float:
-        """Torque of the muscle on the ankle, positive where the triceps pulls [Nm]."""
-        return self.arm * self.force
-
-    def torque_slope(self, stiffness: float) -> float:
-        """Torque by the angle for a stiffness of this muscle [Nm/deg]."""
-        return (self.arm_slope * self.force + self.arm * stiffness * self.slope) * _DEGREE
-
-
 @dataclass(frozen=True)
 class Leg:
     """A leg of one model with one set of parameters, and the recordings it was measured in."""
@@ -84,10 +58,10 @@ class Leg:
     #: Ends of the range that was moved, by the angle of the fit [deg]; None without recordings.
     moved: tuple[float, float] | None = None
     _holds: dict[tuple[str, float, float], MuscleHold] = field(default_factory=dict, compare=False)
-    _muscles: dict[str, "_Muscle"] = field(default_factory=dict, compare=False)
+    _muscles: dict[str, Muscle] = field(default_factory=dict, compare=False)
     # What all legs of these recordings and options share:
     _ties: dict[int, Simulator] = field(default_factory=dict, compare=False)
-    _geometry: dict[tuple[float, float | None], tuple["_Path", "_Path"]] = field(
+    _geometry: dict[tuple[float, float | None], tuple[MusclePlace, MusclePlace]] = field(
         default_factory=dict, compare=False
     )
 
@@ -123,7 +97,7 @@ class Leg:
         """Length of muscle and tendon together beyond the tendon's slack length [m]."""
         return self._path(group, degrees * _DEGREE).length
 
-    def _path(self, group: str, angle: float) -> "_Path":
+    def _path(self, group: str, angle: float) -> MusclePlace:
         """Path of a group at an angle, as of `surae.model.movement` where the leg has its own."""
         scale, bent, bend, longer, turn, zero = (
             self.values.get(f"{name}_{group}", 0.0) for name in OWN_PATH
@@ -134,19 +108,19 @@ class Leg:
         grown, stretch = math.exp(scale), math.exp(longer)
         factor = 1.0 + (bent + bend * angle) * angle
         turned = arm_slope * factor + arm * (bent + 2.0 * bend * angle)
-        return _Path(
+        return MusclePlace(
             rest + zero + stretch * (length - rest) + turn * angle**2,
             stretch * slope + 2.0 * turn * angle, grown * arm * factor, grown * turned,
         )  # fmt: skip
 
-    def _assumed(self, group: str, angle: float, second: float | None) -> "_Path":
+    def _assumed(self, group: str, angle: float, second: float | None) -> MusclePlace:
         """Path of a group as the geometry assumes it, with a second joint at an angle [rad]."""
         key = angle, second
         if key not in self._geometry:
             at, still = np.array([angle]), _still(second, 1)
             both = paths(angle=at, velocity=np.zeros(1), options=self.options, second=still)
             tri, tib = (
-                _Path(*(float(np.broadcast_to(of, 1)[0])
+                MusclePlace(*(float(np.broadcast_to(of, 1)[0])
                         for of in (path.length, path.slope, path.arm, path.arm_slope)))
                 for path in both
             )  # fmt: skip
@@ -217,7 +191,7 @@ class Leg:
             raise NotDefinedError("the tendons of this model are rigid")
         return curve
 
-    def _muscle(self, group: str) -> "_Muscle":
+    def _muscle(self, group: str) -> Muscle:
         if group not in self._muscles:
             v, curve = self.values, None
             if self.is_compliant:
@@ -229,7 +203,7 @@ class Leg:
             if f"k_{group}" in v:
                 k, x0, shift = v[f"k_{group}"], v[f"x0_{group}"], v.get("F0", 0.0)
             l0, shape = self.optimal_length(group), self.curves(group)
-            self._muscles[group] = _Muscle(k, x0, l0, self.relaxed, shift, shape, curve)
+            self._muscles[group] = Muscle(k, x0, l0, self.relaxed, shift, shape, curve)
         return self._muscles[group]
 
     def curves(self, group: str) -> tuple[float, float, float, float]:
@@ -268,7 +242,7 @@ class Leg:
         own = alpha * lift_slope
         slow, quick = relaxed * k * elastic + own, k * elastic + own
         return MuscleHold(
-            force, _series(stiff, slow), _series(stiff, quick), x - e, stiff / (stiff + slow), arm,
+            force, series(stiff, slow), series(stiff, quick), x - e, stiff / (stiff + slow), arm,
             slope, arm_slope, lift,
         )  # fmt: skip
 
@@ -365,59 +339,9 @@ def _turned(
     return spec.names, spec.simulator(inputs, options, beyond=True)
 
 
-class _Path(NamedTuple):
-    """Path of a muscle group at an angle."""
-
-    #: `length`, `slope`: length of muscle and tendon beyond the tendon's slack length [m], and its
-    #: derivative by the angle [m/rad].
-    length: float
-    slope: float
-    #: `arm`, `arm_slope`: moment arm [m] and its derivative.
-    arm: float
-    arm_slope: float
-
-
 def _still(second: float | None, n: int) -> tuple[FloatArray, ...]:
     """Angle and velocity of a second joint at an angle, of `ModelInputs`."""
     return () if second is None else (np.full(n, second), np.zeros(n))
-
-
-class _Muscle(NamedTuple):
-    """A muscle group of a leg, at any angle."""
-
-    k: float  #: Stiffness coefficient [1/m].
-    x0: float  #: Slack length [m]; infinite where it has no tissue.
-    l0: float  #: Optimal length [m].
-    relaxed: float  #: As of `Leg`.
-    shift: float  #: F0, of models that have one [N].
-    shape: tuple[float, float, float, float]  #: Of its curves, as of `Leg.curves`.
-    curve: TendonCurve | None  #: Of its tendon; None where that is rigid.
-
-    def elastic(self, x: float) -> float:
-        """Elastic force before relaxation (8) [N]; infinite where there is no number as large."""
-        if self.x0 == math.inf:
-            return 0.0
-        try:
-            return math.exp(self.k * (x - self.x0))
-        except OverflowError:
-            return math.inf
-
-    def lift(self, x: float) -> tuple[float, float]:
-        """Force-length factor (16) and its slope [1/m]."""
-        value, slope, _, _ = force_length(x, self.l0, *self.shape[:2])
-        return value, slope
-
-
-def elongation(curve: TendonCurve, force: float) -> float:
-    """Elongation of a tendon at a force [m]: equation (18) turned round."""
-    e_toe, bend, scale, k_lin, offset = curve
-    if force <= tendon_force(e_toe, curve)[0]:
-        return float(np.log1p(force / scale) / bend)
-    return (force - offset) / k_lin
-
-
-def _series(a: float, b: float) -> float:
-    return a * b / (a + b) if a + b else 0.0
 
 
 def _largest(of: Sequence[FloatArray]) -> dict[str, float]:

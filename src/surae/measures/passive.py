@@ -4,7 +4,8 @@ import numpy as np
 
 from surae.base.errors import ComputationError
 from surae.base.units import FloatArray
-from surae.measures.leg import GROUPS, Leg, NotDefinedError, elongation
+from surae.measures.leg import GROUPS, Leg, NotDefinedError
+from surae.measures.muscle import elongation
 from surae.model.tendon import tendon_force
 from surae.signals import steady_emg
 

@@ -5,8 +5,8 @@ from surae.model.geometry_table import GeometryTable as GeometryTable
 from surae.model.joint import Joint as Joint
 from surae.model.joint import read_joint as read_joint
 from surae.model.options import ModelOptions as ModelOptions
-from surae.model.parameters import Parameter as Parameter
-from surae.model.parameters import adapted as adapted
+from surae.model.parameter import Parameter as Parameter
+from surae.model.parameter import adapted as adapted
 from surae.model.registry import MODELS as MODELS
 from surae.model.registry import ModelSpec as ModelSpec
 from surae.model.registry import check_names as check_names

@@ -16,13 +16,12 @@ from surae.base.plugins import Extended, plugins
 from surae.base.units import FloatArray
 from surae.model.geometry_table import GeometryTable
 from surae.model.options import ModelOptions
+from surae.model.parameter import Parameter, adapted
 from surae.model.parameters import (
     MUSCLE_PARAMETERS,
     OPTIONAL,
     OPTIONAL_PARAMETERS,
     TENDON_PARAMETERS,
-    Parameter,
-    adapted,
 )
 from surae.signals import ModelInputs
 

@@ -20,6 +20,8 @@ from surae.protocol.profiles import base_range, chirp, named_profile
 #: The motion is shaped on a grid at least this fine [Hz], a multiple of the rate asked for, so that
 #: the extremes between two samples are seen and the result hardly depends on that rate.
 _FINE_RATE = 2000.0
+#: More samples than this, ten minutes at 2 kHz, are a slip of the keyboard.
+_MOST_SAMPLES = 1_200_000
 
 
 @documented
@@ -142,14 +144,20 @@ def generate(settings: Protocol) -> Trajectory:
     Raises
     ------
     InputError
-        The device cannot follow the motion and `settings.adapt` is False; the message says by how
-        much and what to do.
+        It has too many samples, or the device cannot follow the motion and `settings.adapt` is
+        False; the message says by how much and what to do.
 
     Examples
     --------
     >>> protocol = surae.Protocol(profile="multi-sine", duration=20.0)
     >>> surae.generate(protocol).angle.max()
     """
+    longest = _MOST_SAMPLES / max(settings.rate_hz, _FINE_RATE)
+    if settings.seconds > longest:
+        raise InputError(
+            f"{settings.seconds:g} s at {settings.rate_hz:g} Hz are too many samples; use at most "
+            f"{longest:g} s at that rate"
+        )
     oversampling = math.ceil(_FINE_RATE / settings.rate_hz)
     fine_rate = settings.rate_hz * oversampling
     n = math.floor(settings.seconds * settings.rate_hz + 1e-9) + 1

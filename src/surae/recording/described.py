@@ -13,7 +13,7 @@ from surae.base.errors import InputError
 from surae.base.filed import filed
 from surae.base.files import shown
 from surae.base.frozen import FrozenDict
-from surae.base.records import brief
+from surae.base.packed import brief
 from surae.base.setting import setting
 from surae.recording.recording import MUSCLES, ROLES
 

@@ -20,7 +20,8 @@ from surae.base.cleaning import cleaned
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.frozen import as_read_only, freeze
-from surae.base.records import brief, from_plain, parse_toml
+from surae.base.packed import brief
+from surae.base.records import from_plain, parse_toml
 from surae.base.units import FACTORS, spelled, to_si
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.corrections import Corrections

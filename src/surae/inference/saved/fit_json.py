@@ -17,21 +17,12 @@ from surae.base.errors import InputError
 from surae.base.filed import filed
 from surae.base.files import PathLike, sha256, shown, write_json
 from surae.base.frozen import FrozenDict
-from surae.base.records import (
-    FORMAT,
-    OrNaN,
-    bound_arrays,
-    check_format,
-    encode,
-    from_plain,
-    read_json,
-    to_plain,
-)
+from surae.base.packed import bound_arrays, encode
+from surae.base.records import FORMAT, OrNaN, check_format, from_plain, read_json, to_plain
 from surae.base.units import FloatArray
 from surae.inference import LOSSES, FitProblem, FitResult, LeastSquares, PosteriorMode, Start
 from surae.inference.adequacy import Adequacy, Grade
-from surae.inference.assessed import AssessedFit
-from surae.inference.assessment import Assessment, assess
+from surae.inference.assessment import AssessedFit, Assessment, assess
 from surae.inference.parameter import Interval, ParameterEstimate
 from surae.inference.reasons import Reason, as_given
 from surae.inference.result import Stage

@@ -10,7 +10,8 @@ from surae.base.filed import filed
 from surae.base.formatting import part
 from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.normal import NORMAL
-from surae.base.records import finite, to_plain
+from surae.base.packed import finite
+from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray

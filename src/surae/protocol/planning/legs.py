@@ -127,6 +127,24 @@ def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int
     )  # fmt: skip
 
 
+def noise_of(result: FitResult, rate_hz: float) -> float:
+    """White noise [Nm], sample by sample at a rate, that would tell as little as a fit's residual.
+
+    A residual that is correlated over time tells less than its size says: what counts is its
+    spectral density at the frequencies of the movement, which the believed intervals know.
+    """
+    density = 0.0
+    for residual, inputs in zip(result.residuals, result.problem.inputs, strict=True):
+        n = len(residual)
+        power = np.abs(np.fft.rfft(residual - residual.mean())) ** 2 / n
+        slow = np.fft.rfftfreq(n, 1.0 / inputs.rate_hz) <= 3.0  # of the movement [Hz]
+        slow[0] = False
+        level = float(power[slow].mean()) if slow.any() else float(np.var(residual))
+        density += max(level, 1e-12) / inputs.rate_hz * n
+    density /= sum(len(residual) for residual in result.residuals)
+    return float((density * rate_hz) ** 0.5)
+
+
 def _spec_of(
     model: str, nuisances: str | Mapping[str, tuple[float, float]] | None
 ) -> tuple[ModelSpec, dict[str, Gaussian], tuple[str, ...]]:

@@ -10,7 +10,8 @@ from surae.base.errors import InputError
 from surae.base.filed import filed
 from surae.base.files import PathLike
 from surae.base.frozen import Comparable, FrozenDict
-from surae.base.records import finite, to_plain
+from surae.base.packed import finite
+from surae.base.records import to_plain
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.inference import Assessment, FitResult

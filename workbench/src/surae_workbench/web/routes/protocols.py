@@ -166,7 +166,7 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
         reached = settings.range_of_motion
         return api.ready_trajectory(settings.profile, device, reached, settings.rate_hz)
     protocol = api.Protocol(profile=settings.profile, device=device, **settings.motion)
-    return api.protocol_trajectory(protocol)
+    return api.generate(protocol)
 
 
 def limits(trajectory: api.Trajectory) -> list[dict[str, Any]]:
