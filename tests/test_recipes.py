@@ -134,6 +134,29 @@ def slack_span(leg: Leg, _: float) -> float:
         ("measures/table.py", '    _D("relaxed_share"',
          '    _D("slack_span", "deg", passive.slack_span, is_angle=True),\n'),
     ],
+    "a reason against a fit": [
+        ("inference/reasons.py", '    "unchanging": (',
+         '    "brief": ("the trial lasts {seconds:.0f} s", N_("the trial is brief")),\n'),
+        ("inference/adequacy.py", "def _softened(", '''\
+def _brief(result: FitResult) -> Iterator[Reason]:
+    """What lasts a few seconds shows no relaxation."""
+    seconds = sum(own.n / own.rate_hz for own in result.problem.inputs)
+    if seconds < 15.0:
+        yield against("brief", seconds=seconds)
+
+
+'''),
+        ("inference/adequacy.py", "        *_softened(result)", "        *_brief(result),\n"),
+    ],
+    "a verdict": [
+        ("inference/parameter.py", '    FIXED = "fixed"', '    HEARSAY = "hearsay"\n'),
+        ("inference/parameter.py", "    relative = half / abs(value) if value else np.inf", '''\
+    if name == "tau_rel":
+        return Verdict.HEARSAY, "as somebody said"
+'''),
+        ("base/words.py", '    "fixed": Judgement(',
+         '    "hearsay": Judgement("quiet", N_("hearsay")),\n'),
+    ],
     "a reader": [
         ("recording/bars.py", "", '''\
 """Columns between bars, the first line ``|bars``; the first column is the time."""
@@ -240,6 +263,7 @@ from surae import api
 from surae.inference.population import wide_priors
 from surae.model.laboratory import laboratory
 from surae.model import get_model, ModelOptions
+from surae.report.language import words_in
 from surae_workbench.web.form import form
 from surae_workbench.web.schemas import DraftChange
 
@@ -296,6 +320,8 @@ json.dump({
     "fine": [f.code for f in surae.check("trial.csv").findings],
     "measures": measures,
     "report": Path("report.html").read_text(encoding="utf-8"),
+    "against": [reason.code for reason in fit.adequacy.against],
+    "plain": [words_in("en")(reason.plain) for reason in fit.adequacy.against],
     "slopes": off,
     "angles": [float(motion.angle.min()), float(motion.angle.max())],
 }, sys.stdout)
@@ -365,6 +391,17 @@ def test_a_finding_is_found_where_it_is_and_in_the_table(seen) -> None:
         "| `torque-still` | torque that never changes | Connect the torque sensor"
         in (seen["tables"]["code"])
     )
+
+
+@pytest.mark.slow
+def test_a_reason_and_a_verdict_are_told_saved_and_on_the_page(seen) -> None:
+    assert "brief" in seen["against"]
+    assert "the trial is brief" in seen["plain"]
+    assert "the trial lasts 12 s" in seen["fit"]["adequacy"]["reasons"]
+    assert "the trial lasts 12 s" in seen["report"]
+    said = seen["fit"]["parameters"]["tau_rel"]
+    assert (said["verdict"], said["note"]) == ("hearsay", "as somebody said")
+    assert "hearsay" in seen["report"]
 
 
 @pytest.mark.slow
