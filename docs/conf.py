@@ -32,6 +32,7 @@ exclude_patterns = [
     "reproduction-table.md",
     "how-to/mapping-table.md",
     "how-to/quality-codes.md",
+    "methods/constants-table.md",
     "methods/measure-table.md",
     "methods/source-table.md",
     "models/parameters-*.md",

@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
+import constants
 import quality_table
 from sphinx.application import Sphinx
 
@@ -102,6 +103,7 @@ def write(app: Sphinx) -> None:
     texts = {
         "methods/measure-table.md": measures(),
         "methods/source-table.md": sources(),
+        "methods/constants-table.md": constants.tables(),
         "methods/prior-table.md": priors(),
         "how-to/mapping-table.md": mapping(),
         "how-to/quality-codes.md": quality_table.table(),

@@ -8,6 +8,7 @@ import numpy as np
 from surae.model.contraction import force_length
 from surae.model.tendon import TendonCurve, tendon_force
 
+#: A degree [rad].
 _DEGREE = math.pi / 180.0
 
 
