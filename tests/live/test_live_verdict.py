@@ -16,6 +16,7 @@ import surae
 from surae.base.errors import InputError
 from surae.processes import End
 from surae.protocol import Protocol, generate, write_protocol_csv
+from surae.protocol.planning.torque import load_of
 from surae.quality import Finding, Quality
 from surae.recording import write_hdf5
 from surae.studies import virtual_recording, virtual_subject
@@ -317,6 +318,8 @@ def test_a_designed_protocol_keeps_to_the_device_and_too_much_is_not_loaded(
         room.load(profile="passive-20")
         assert room.asked["effort"] == "passive"
         assert all("beyond" not in limit["text"] for limit in room.limits)
+        most = max(map(abs, load_of(room.trajectory).torque))
+        assert f"torque of virtual legs {most:.3g} Nm" in " ".join(e["text"] for e in room.limits)
         hard = Protocol(profile="multiple-holds", task="active", chirp_amplitude=0.1, rate_hz=256.0)
         write_protocol_csv(generate(hard), tmp_path / "hard.csv")
         with pytest.raises(InputError, match=r"hard is not loaded: .*torque.* beyond the 80 Nm"):

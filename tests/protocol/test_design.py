@@ -21,7 +21,7 @@ from surae.protocol.effort import effort
 from surae.protocol.planning.genes import REST, SHORTEST, Genes, effort_budget
 from surae.protocol.planning.legs import population_legs
 from surae.protocol.planning.plan import limits_of
-from surae.protocol.planning.torque import torques, within_torque
+from surae.protocol.planning.torque import load_of, torques, within_torque
 
 QUICK = {"evaluations": 20, "rate_hz": 64.0}
 
@@ -170,6 +170,7 @@ def test_effort_is_lowered_to_the_torque_of_the_device() -> None:
     mild = Device("mild", max_velocity=1.5, max_torque=30.0)
     made = surae.design(20.0, device=mild, range=(-0.7, 0.2), **QUICK)
     assert max(map(abs, made.expectation.torque)) <= 30.0
+    assert made.expectation.load == load_of(made.trajectory)  # one number, whoever asks
     assert any("Efforts are lowered" in note for note in made.notes)
 
 

@@ -7,6 +7,7 @@ import pytest
 import surae
 from surae import api
 from surae.protocol.planning.torque import load_of
+from surae_workbench.web.routes.protocols import limits
 
 
 @pytest.mark.parametrize("name", ["everything-35", "compliant-35"])  # of rigid and yielding tendons
@@ -17,6 +18,8 @@ def test_torque_is_one_number_through_every_door(name, tmp_path) -> None:
     most = max(map(abs, load.torque))
     asked = {limit.text.split()[0]: limit.value for limit in api.requested_limits(trajectory)}
     assert asked["torque"] == most
+    (plan,) = (each["text"] for each in limits(trajectory) if "torque" in each["text"])
+    assert plan.startswith(f"torque of virtual legs {most:.3g} Nm")
     api.write_protocol(trajectory, tmp_path / "p.csv")
     kept = load_of(api.read_protocol(tmp_path / "p.csv"))
     assert kept.torque == pytest.approx(load.torque, rel=1e-4)

@@ -1,8 +1,10 @@
 """One leg's stiffness, asked for through every door: one value."""
 
 import json
+import re
 from datetime import date
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -10,6 +12,7 @@ import surae
 from surae import api
 from surae.base.formatting import of_interval
 from surae.report import part_of
+from surae_workbench.live import judge
 from surae_workbench.web.tasks import summary
 from undrawn import blank_figures
 
@@ -18,7 +21,7 @@ STIFFNESS = "end_stiffness"
 
 
 @pytest.mark.slow  # measures of two fits, drawn and compared
-def test_one_legs_stiffness_is_one_value_through_every_door(done, run) -> None:
+def test_one_legs_stiffness_is_one_value_through_every_door(done, run, monkeypatch) -> None:
     folder, result = done
     joint = result.joint
     lead = joint.measures()[STIFFNESS]
@@ -35,7 +38,17 @@ def test_one_legs_stiffness_is_one_value_through_every_door(done, run) -> None:
         ]
         compared = api.visits_blocks(visits, 0, 1)
     change = surae.change(other, joint).measures[STIFFNESS]
+    Path("legs.csv").write_text(
+        f"fit,subject\n{folder / 'joint.json'},S1\n{folder / 'joint.json'},S2\n"
+    )
+    member = surae.cohort("legs.csv").members[0]
+    fitted = SimpleNamespace(fit=lambda: joint)
+    monkeypatch.setattr(judge, "_session", lambda *_: fitted)
+    monkeypatch.setattr(judge, "_next", lambda *_: {"next": [], "proposed": None})
+    told = judge.together([], "live.json", "next.csv")
     doors = {
+        "surae live": {row["name"]: row["value"] for row in told["measures"]}[STIFFNESS],
+        "surae cohort": member.quantities.by_name[STIFFNESS].value,
         "Python": lead.value,
         "M.json": written["value"],
         "FIT.json": surae.load(folder / "joint.json").measures()[STIFFNESS].value,
@@ -46,6 +59,7 @@ def test_one_legs_stiffness_is_one_value_through_every_door(done, run) -> None:
     assert (change.from_deg, change.to_deg) == pytest.approx((lead.from_deg, lead.to_deg))
     assert (written["from_deg"], written["to_deg"]) == (lead.from_deg, lead.to_deg)
     assert shown in measured.out
+    assert re.search(rf": (roughly )?{re.escape(shown)} Nm/° \(", told["leg"][0])
     assert shown in joint.summary()
     assert f"{float(shown):.3g}" in part_of(**compared)
     headline = dict(result.answers())["How stiff is it?"]
