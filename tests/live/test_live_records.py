@@ -76,6 +76,18 @@ def test_a_record_of_which_an_end_is_missing_is_never_taken_for_whole(
     assert repaired(path, record.trial, path).trial == record.trial
 
 
+def test_marks_and_alarms_are_added_to_those_that_are_there() -> None:
+    alarm = {"at": 1.0, "code": "hum", "role": None, "text": "x", "message": "x", "given": {}}
+    record = Record.of(trial=1, state="recording")
+    for number in range(3):
+        record = record.but(
+            marks=[*record.marks, {"at": float(number), "text": f"mark {number}"}],
+            alarms=[*record.alarms, alarm],
+        )
+    assert [mark.text for mark in record.marks] == ["mark 0", "mark 1", "mark 2"]
+    assert len(record.alarms) == 3
+
+
 def started(path) -> None:
     log = XdfLog(path)
     log.stream(1, "<info/>")

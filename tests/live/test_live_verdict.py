@@ -1,6 +1,5 @@
 """What is said of a trial, and what must not be said."""
 
-import re
 import shutil
 import time
 from concurrent.futures import Future
@@ -57,9 +56,9 @@ def test_a_warning_is_to_be_looked_at_and_a_remark_is_not() -> None:
 
 def test_an_inadequate_fit_is_repeated_and_a_doubtful_one_says_why() -> None:
     assert said(grade="inadequate", reasons=["nothing moves"])["verdict"] == "repeat"
-    told = said(grade="doubtful", reasons=["k_tib lies at a bound"])
+    told = said(grade="doubtful", reasons=["the leg softened during the trial"])
     assert told["verdict"] == "keep"
-    assert re.search("leaves open: .*tibialis.* lies at a bound", told["advice"])
+    assert told["advice"] == "Alone it leaves open: the leg softened during the trial."
 
 
 def test_a_hold_is_kept_but_what_cannot_be_used_is_not() -> None:

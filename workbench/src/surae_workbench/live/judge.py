@@ -1,6 +1,5 @@
 """What a trial is worth, said by a child process so that nothing else waits: first quickly."""
 
-import re
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -46,6 +45,9 @@ _OF_MOVEMENT = (
     "angle-still", "rom-not-covered", "trial-too-short", "position-steps", "overshoot",
     "active-not-active", "torque-sign", "torque-offset", "torque-artefact", "angle-sign",
 )  # fmt: skip
+#: Reasons against a fit that only say what effort would show.
+_OF_EFFORT = ("at-bound", "emg-steady", "implausible")
+_REFERENCE = N_("Kept: other trials’ efforts are a part of this one.")
 _WORKED = N_(
     "The leg should have rested, and muscles worked: record it again relaxed, or keep it as it is."
 )
@@ -138,8 +140,7 @@ def judge(
         "grade": None,
         "vaf": None,
         "reasons": [],
-    }
-    against: tuple[str, ...] = ()  # the reasons, as the catalogue has them  # fmt: skip
+    }  # fmt: skip
     if trial.use == "fit":
         try:
             # What intervals would have to be widened by, which takes as long again, nobody asks.
@@ -148,22 +149,21 @@ def judge(
         except SuraeError as error:
             judgement |= {"use": "none", "why": str(error).replace(file, recording.name)}
         else:
+            # A leg that rests tells nothing of what only effort shows, and need not.
+            of_effort = _OF_EFFORT if effort == "passive" else ()
+            against = [r for r in quick.adequacy.against if r.code not in of_effort]
+            grave = any(reason.is_grave for reason in against)
             judgement |= {
-                "grade": quick.adequacy.grade,
+                "grade": "inadequate" if grave else "doubtful" if against else "adequate",
                 "vaf": quick.vaf,
-                "reasons": list(quick.adequacy.reasons),
+                "reasons": list(dict.fromkeys(reason.plain for reason in against)),
             }
-            against = tuple(reason.plain for reason in quick.adequacy.against)
     said = verdict(quality, judgement)
     doubted = wrong is not None and said["verdict"] == "keep"
     if doubted:
         said = {"verdict": "look", "advice": wrong or ""}
     told = {
-        _.language: {
-            "advice": _(wrong)
-            if doubted and wrong
-            else _advice(quality, judgement["grade"], against, _)
-        }
+        _.language: {"advice": _(wrong) if doubted and wrong else _advice(quality, judgement, _)}
         for _ in _others()
     }
     return judgement | said | {"told": told}
@@ -174,16 +174,18 @@ def _others() -> Iterator["Words"]:
     return (api.words_in(language) for language in LANGUAGES if language != "en")
 
 
-def _advice(quality: Quality, grade: str | None, against: Sequence[str], _: "Words") -> str:
+def _advice(quality: Quality, judgement: Mapping[str, Any], _: "Words") -> str:
     """What `verdict` advises, in another language: what a finding is of, instead of its numbers."""
     worst = sorted(quality.findings, key=_causes_first)
     for severity in ("error", "warning"):
-        if severity == "warning" and grade == "inadequate":
+        if severity == "warning" and judgement["grade"] == "inadequate":
             break
         for each in worst:
             if each.severity == severity:
                 return _.finding(each.code)
-    reasons = "; ".join(dict.fromkeys(map(_, against)))
+    reasons, grade = "; ".join(map(_, judgement["reasons"])), judgement["grade"]
+    if judgement["effort"] == "maximal":
+        return _(_REFERENCE)
     if grade is None:
         return _("Nothing to fit in this trial.")
     if grade == "inadequate" or not reasons:
@@ -211,20 +213,22 @@ def verdict(quality: Quality, judgement: Mapping[str, Any]) -> dict[str, str]:
     if judgement["use"] == "none":
         return {"verdict": "repeat", "advice": judgement["why"]}
     if judgement["grade"] == "inadequate":
-        return {"verdict": "repeat", "advice": "; ".join(map(in_words, judgement["reasons"]))}
+        return {"verdict": "repeat", "advice": f"{_sentence(judgement['reasons'])}."}
     if warnings:
         return {"verdict": "look", "advice": warnings[0]}
-    if judgement["grade"] is None:
-        return {"verdict": "keep", "advice": f"Nothing to fit: {judgement['why']}."}
-    doubts = "; ".join(map(in_words, judgement["reasons"]))
-    return {"verdict": "keep", "advice": f"Alone it leaves open: {doubts}." if doubts else ""}
+    doubts, advice = "; ".join(judgement["reasons"]), ""
+    if judgement.get("effort") == "maximal":
+        advice = _REFERENCE
+    elif judgement["grade"] is None:
+        advice = f"Nothing to fit: {judgement['why']}."
+    elif doubts:
+        advice = f"Alone it leaves open: {doubts}."
+    return {"verdict": "keep", "advice": advice}
 
 
-def in_words(text: str) -> str:
-    """A sentence of an assessment with what parameters mean in the place of their names."""
-    known = {name: p.meaning[:1].lower() + p.meaning[1:] for name, p in api.PARAMETERS.items()
-             if len(name) > 1}  # fmt: skip
-    return re.sub(r"\b\w+\b", lambda found: known.get(found[0], found[0]), text)
+def _sentence(reasons: Sequence[str]) -> str:
+    text = "; ".join(reasons)
+    return text[:1].upper() + text[1:]
 
 
 def of_leg(measures: Mapping[str, "Measure"], words: "Words | None" = None) -> list[str]:
@@ -304,7 +308,7 @@ def together(
         },
         "grade": fit.adequacy.grade,
         "vaf": fit.vaf,
-        "reasons": list(map(in_words, fit.adequacy.reasons)),
+        "reasons": list(dict.fromkeys(reason.plain for reason in fit.adequacy.against)),
         "leg": of_leg(measures) if known else [],
         "parameters": [_row(name, p) for name, p in fit.parameters.items()],
         "measures": [{**_row(name, m), "meaning": m.meaning} for name, m in measures.items()],

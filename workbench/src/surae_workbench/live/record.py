@@ -228,6 +228,8 @@ def _upgraded(data: Mapping[str, Any]) -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     """Plain data that JSON can say: texts cleaned, None for a number that is none."""
+    if isinstance(value, BaseModel):  # a mark or an alarm that is there already
+        value = value.model_dump()
     if isinstance(value, str):
         return cleaned(value, _TEXT)
     if isinstance(value, float):

@@ -172,7 +172,10 @@ class Room:
                 "effort": effort if trajectory.effort.any() else "passive",
             }  # fmt: skip
             self.limits = [
-                *({"text": e.text, "message": e.message, "given": e.given} for e in limits),
+                *(
+                    {"text": e.text, "message": e.message, "given": e.given, "exceeded": e.exceeded}
+                    for e in limits
+                ),
                 *({"text": text} for text in given_up),
             ]
             self.target.load(trajectory)

@@ -62,7 +62,7 @@ function draw() {
     c.fillText(name, 0, (top + bottom) / 2 + 4);
     c.textAlign = "right";
     const least = 1e-3 * (high - low);
-    const tick = (v) => `${Math.abs(v) < least ? 0 : decimal(String(Number((v * factor).toPrecision(2))))}`;
+    const tick = (v) => (Math.abs(v) < least ? "0" : decimal(String(Number((v * factor).toPrecision(2))).replace("-", "−")));
     c.fillText(tick(high), left - 6, top + 9);
     c.fillText(tick(low), left - 6, bottom);
     c.textAlign = "left";
@@ -162,7 +162,7 @@ function showStreams() {
     state.streams.map((stream) => {
         const [kind, word] = report[stream.state === "good" && stream.remark ? "changed" : stream.state];
       const rate = stream.measured_hz === null ? "" : _("{now} of {whole} Hz", { now: stream.measured_hz.toFixed(0), whole: stream.rate_hz.toFixed(0) });
-      const clock = stream.offset_ms === null ? "" : `, ${_("clock {ms} ms", { ms: number(stream.offset_ms, 2) })}`;
+      const clock = stream.offset_ms === null ? "" : `, ${_("clock {ms} ms", { ms: number(Math.round(10 * stream.offset_ms) / 10, 2) })}`;
       const wrong = [
         stream.gaps ? many("{n} gap", "{n} gaps", stream.gaps) : "",
         stream.losses ? many("lost {n} time", "lost {n} times", stream.losses) : "",
@@ -277,7 +277,10 @@ function showAsked() {
   byId("asked").textContent = state.asked.protocol
     ? `${_(state.asked.protocol)}, ${state.asked.seconds.toFixed(0)} s`
     : _("Nothing is loaded: a trial records what comes, until it is stopped.");
-  byId("moves").textContent = [state.moves, ...state.limits.map(said)].join(". ");
+  replace(byId("moves"), h("p", {}, state.moves.replaceAll("-", "−")), state.limits.map((limit) => {
+    const text = said(limit);
+    return h("p", { class: limit.exceeded ? "alert" : null }, text[0].toUpperCase() + text.slice(1));
+  }));
   const running = state.running !== null;
   replace(byId("start"), `${running ? _("Stop") : _("Start")} `, h("kbd", {}, _("Space")));
   byId("start").className = running ? "danger" : "primary";
