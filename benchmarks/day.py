@@ -214,8 +214,9 @@ def day(folder, trials, seconds, minutes):
         at = streams.begin + 0.3 * seconds
         while streams.clock() < at:
             time.sleep(0.01)
-        program.do("mark", "marked", text=f"mark {n}")
-        marks[number] = f"mark {n}"
+        marks[number] = [f"mark {n}", f"again {n}"]
+        for text in marks[number]:
+            program.do("mark", "marked", text=text)
         fault = streams.clock()
         if n in losses:
             streams.lose("EMG" if n % 2 else "manipulator", 1.0)
@@ -281,9 +282,9 @@ def report(folder, rows, marks, restarts, began, seconds):
 
     damaged = [p.name for p in folder.iterdir() if "damaged" in p.name]
     lost, unread = [], []
-    for number, mark in marks.items():
+    for number, texts in marks.items():
         record = json.loads((folder / f"trial-{number:02d}.json").read_text())
-        if [m["text"] for m in record["marks"]] != [mark]:
+        if [m["text"] for m in record["marks"]] != texts:
             lost.append(number)
         if not record.get("protocol") or not record.get("effort_asked"):
             lost.append(number)

@@ -235,7 +235,7 @@ def design_for_long(desk: Desk, first: dict[str, Any] | None = None) -> Any:
     page.locator("#evaluations").select_option("long")
     if first is not None:
         first.update(desk.api("POST", "/api/protocols/design", first.copy()))
-    page.get_by_role("button", name="Design", exact=True).click()
+    page.get_by_role("button", name="Design it").click()
     return page
 
 
@@ -249,7 +249,7 @@ def test_a_design_that_is_stopped_keeps_the_best_so_far(desk: Desk) -> None:
         re.compile(r"^Stopped: largest error [\d.]+ % \(\w+\)\. Kept below under Saved protocols")
     )
     expect(stop).to_be_hidden()
-    expect(page.get_by_role("button", name="Design", exact=True)).to_be_enabled()
+    expect(page.get_by_role("button", name="Design it")).to_be_enabled()
     page.get_by_role("button", name="Open designed 20 s worst").click()
     expect(page.locator("#profile")).to_have_value("designed")
     expect(page.locator("#figures")).to_contain_text("20.0 s")
@@ -301,9 +301,9 @@ def test_from_files_to_the_leg_are_two_clicks(desk: Desk, shared: Path) -> None:
     desk.api("PATCH", "/api/draft", {"change": WHOLE, "label": "quick"})
     names = ("dynamometer/Pas_10", "repeats/Pas_20", "repeats/PL_0_01", "repeats/Pas_-15")
     page.set_input_files("#files", [shared / f"{name}.mat" for name in names])
-    page.get_by_text("4 trials found, EMG tibialis anterior, both signs look turned.").wait_for()
+    page.get_by_text("4 trials found, EMG of 1 muscle, both signs look turned.").wait_for()
     page.get_by_role("button", name="Turn both").click()
-    page.get_by_text("4 trials found, EMG tibialis anterior.").wait_for()
+    page.get_by_text("4 trials found, EMG of 1 muscle.").wait_for()
     page.get_by_role("button", name="Analyse").click()
     page.wait_for_url("**/sessions/*")
     page.get_by_text("How stiff is it?").wait_for()

@@ -37,8 +37,7 @@ _QUICK = FitSettings.of("muscle", starts=3)
 #: What is said first of a leg.
 _HEADLINES = (
     "end_stiffness", "end_torque", "relaxed_share@10s", "active_torque_max_tri@0deg",
-    "active_torque_max_tib@0deg", "activation_half_time", "delay", "damping@20Nm",
-    "tendon_secant_tri",
+    "active_torque_max_tib@0deg", "activation_half_time", "delay",
 )  # fmt: skip
 #: What is said of movement and of a fit, which a trial that holds still has no part in.
 _OF_MOVEMENT = (
@@ -231,33 +230,23 @@ def _sentence(reasons: Sequence[str]) -> str:
     return text[:1].upper() + text[1:]
 
 
-def of_leg(measures: Mapping[str, "Measure"], words: "Words | None" = None) -> list[str]:
-    """What is known of a leg, stiffness first, and what is not, in sentences.
-
-    In another language than English where `words` are given.
-    """
-    _ = words or api.words_in("en")
+def of_leg(measures: Mapping[str, "Measure"], _: "Words") -> list[str]:
+    """What is known of a leg, stiffness first, and what is not, in sentences."""
     told = [m for name in _HEADLINES if (m := measures.get(name)) is not None]
     known = [m for m in told if str(m.verdict) in ("identified", "weak")]
     sentences = []
     for m in known:
         assert m.value is not None
         text = of_interval(m.value, m.ci95)
-        weak = str(m.verdict) == "weak"
+        roughly = _("roughly") + " " if str(m.verdict) == "weak" else ""
         unit = m.unit.replace("Nm/deg", "Nm/°").replace("deg", "°")
-        roughly = _("roughly") + " " if weak else ""
         sentences.append(
-            f"{_called(m, words)}: {roughly}{_.number(text.value)} {unit} "
+            f"{_.measure(m.name)}: {roughly}{_.number(text.value)} {unit} "
             f"(95 %: {_.number(text.interval)})."
         )
-    unknown = [_called(m, words) for m in told if m not in known]
+    unknown = [_.measure(m.name) for m in told if m not in known]
     lower = [text if _.language == "de" else text[:1].lower() + text[1:] for text in unknown]
     return [*sentences, *([_("Still unknown: {what}.", what="; ".join(lower))] if lower else [])]
-
-
-def _called(measure: "Measure", words: "Words | None") -> str:
-    """What a measure is called; in English in full."""
-    return measure.meaning.rstrip(".") if words is None else words.measure(measure.name)
 
 
 def _session(
@@ -300,16 +289,14 @@ def together(
             _.language: {
                 "reasons": [*dict.fromkeys(_(reason.plain) for reason in fit.adequacy.against)],
                 "leg": of_leg(measures, _) if known else [],
-                "next": [_("Measure {name} next.", name=next_["proposed"])]
-                if next_["proposed"]
-                else [_("There is nothing more to measure for now.")],
+                "next": _next_in(next_, _),
             }
-            for _ in _others()
+            for _ in map(api.words_in, LANGUAGES)
         },
         "grade": fit.adequacy.grade,
         "vaf": fit.vaf,
         "reasons": list(dict.fromkeys(reason.plain for reason in fit.adequacy.against)),
-        "leg": of_leg(measures) if known else [],
+        "leg": of_leg(measures, api.words_in("en")) if known else [],
         "parameters": [_row(name, p) for name, p in fit.parameters.items()],
         "measures": [{**_row(name, m), "meaning": m.meaning} for name, m in measures.items()],
         **next_,
@@ -338,6 +325,16 @@ def _next(
     if following.trajectory is not None:
         following.write(target)
     return {"next": list(following.sentences), "proposed": following.protocol}
+
+
+def _next_in(following: Mapping[str, Any], _: "Words") -> list[str]:
+    """The same in a language, without what it is expected to tell of parameters."""
+    if following["proposed"] is not None:
+        ready = api.ready_protocols()[following["proposed"]]
+        return [_("Measure {name} next.", name=ready.name), _(ready.description)]
+    if _.language == "en":
+        return list(following["next"])
+    return [_("There is nothing more to measure for now.")]
 
 
 def tells(protocol: str, fit: str | None = None) -> list[str]:
