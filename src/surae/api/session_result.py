@@ -16,10 +16,9 @@ from surae.base.filed import filed
 from surae.base.files import PathLike, shown, write_json, write_table
 from surae.base.frozen import FrozenDict
 from surae.base.records import SESSION_FORMAT, from_plain, read_json, to_plain
-from surae.quality import Quality
 from surae.recording import SourceFile
-from surae.settings import FitSettings
-from surae.trials import Crossed, Trial, TrialSet, common_errors
+from surae.trials import Trial, TrialSet, common_errors
+from surae.trials.fitted_leg import FittedLeg
 from surae.trials.folder import (
     INDEX,
     JOINT,
@@ -30,7 +29,6 @@ from surae.trials.folder import (
     results_in,
     set_aside,
 )
-from surae.trials.nerve import Nerve
 
 if TYPE_CHECKING:
     from surae.report.output import Report
@@ -38,34 +36,11 @@ if TYPE_CHECKING:
 
 @filed("session", "fits", "joint")
 @dataclass(frozen=True, slots=True)
-class SessionResult:
+class SessionResult(FittedLeg):
     """What came of a session."""
 
-    session: TrialSet  #: Its trials; of a result read from a folder without their signals.
-    settings: FitSettings  #: Of every fit.
     fits: Mapping[str, Fit] = field(default_factory=FrozenDict)  #: By trial.
     joint: Fit | None = None  #: Of all trials in `joined` together.
-    joined: tuple[str, ...] = ()
-    #: Trials without a fit, and fits that were left out of the joint one: why. ``"joint"``: why
-    #: there is none.
-    failed: Mapping[str, str] = field(default_factory=FrozenDict)
-    #: What was found in each trial.
-    quality: Mapping[str, Quality] = field(default_factory=FrozenDict)
-    #: How the fit of a trial (the first name) follows another.
-    predictions: Mapping[str, Mapping[str, Crossed]] = field(default_factory=FrozenDict)
-    #: How the joint fit follows each trial.
-    joint_predictions: Mapping[str, Crossed] = field(default_factory=FrozenDict)
-    interrupted: bool = False  #: Whether the user stopped it.
-    #: What slow and fast stretches and perturbations say of reflexes; None without such trials, or
-    #: without the package `surae-nerve`.
-    nerve: Nerve | None = None
-
-    def __post_init__(self) -> None:
-        """Make the mappings read-only."""
-        for name in ("fits", "failed", "quality", "joint_predictions"):
-            object.__setattr__(self, name, FrozenDict(getattr(self, name)))
-        crossed = {name: FrozenDict(row) for name, row in self.predictions.items()}
-        object.__setattr__(self, "predictions", FrozenDict(crossed))
 
     def __repr__(self) -> str:
         lines = [f"{self.session.name}: {len(self.fits)} fits of {len(self.session.trials)} trials"]
@@ -174,15 +149,11 @@ class SessionResult:
         return self.joint or (next(iter(self.fits.values())) if len(self.fits) == 1 else None)
 
     def _report(self, before: "SessionResult | None", language: str) -> "Report":
-        from surae.report.session import FittedLeg, session_report  # matplotlib
+        from surae.report.session import session_report  # matplotlib
 
-        leg = FittedLeg(
-            self.session, self.fits, self.joint, self.joined, self.failed, self.quality,
-            self.predictions, self.joint_predictions, self.interrupted, self.nerve,
-        )  # fmt: skip
         first = None if before is None else before.main
         now = datetime.now().astimezone()
-        return session_report(leg, created=now, before=first, language=language)
+        return session_report(self, created=now, before=first, language=language)
 
     def save(self, folder: PathLike) -> None:
         """Write the folder that `load_session` reads: fits, tables, report and index.

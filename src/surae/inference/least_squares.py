@@ -136,34 +136,14 @@ def minimise(
     path independent of the parameters' units (Moré 1978), and follows the gain of each step
     (Nielsen 1999).
 
-    Parameters
-    ----------
-    rows : callable
-        Gives the (p + 1, n) Jacobian rows and residual at a point.
-    x : ndarray, shape (p,)
-        Start, within the bounds.
-    lower, upper : ndarray, shape (p,)
-        Bounds.
-    move : callable, optional
-        How a point moves along a step; straight by default.
-    max_iterations : int
-        Limit on evaluations.
-    ftol, xtol, gtol : float
-        Converged when the undamped step is predicted to lower the sum by less than `ftol` of
-        itself, or a step changes no parameter by more than `xtol` of its size, or the cosine
-        between residual and every column that is free to move is at most `gtol`; or at rest, when
-        many evaluations together (`_PATIENCE`) have gained next to nothing.
-    stall : float, optional
-        Takes the place of `ftol` after a step that did not improve on the best point. The torque
-        has kinks, where tissue goes slack (11), and closer to the minimum than a small part of the
-        noise the quadratic prediction does not hold: more steps would only chase kinks.
-    better : callable, optional
-        Called with every point that is better than all before it.
-
-    Returns
-    -------
-    Minimum
-        Where it ended; Ctrl-C returns the best point so far.
+    A point moves along a step by `move`. It has converged when the undamped step is predicted to
+    lower the sum by less than `ftol` of itself, or a step changes no parameter by more than `xtol`
+    of its size, or the cosine between residual and every column that is free to move is at most
+    `gtol`; it is at rest when many evaluations together (`_PATIENCE`) have gained next to nothing.
+    `stall` takes the place of `ftol` after a step that did not improve on the best point: the
+    torque has kinks, where tissue goes slack (11), and closer to the minimum than a small part of
+    the noise the quadratic prediction does not hold: more steps would only chase kinks. `better`
+    is called with every point that is better than all before it; Ctrl-C returns the best so far.
 
     References
     ----------

@@ -123,14 +123,8 @@ def known_from(
 ) -> Knowledge:  # fmt: skip
     """What the file states, its geometry, and the tare and crosstalk that steps show.
 
-    Parameters
-    ----------
-    said : SessionFile
-        The file.
-    recordings, kinds : mapping, optional
-        Trials that are read already, and what each is; by default those that the file names.
-    read : callable
-        How a file is read.
+    `recordings` are trials that are read already, and `kinds` what each is; by default those that
+    the file names, as `read` reads them.
 
     Raises
     ------

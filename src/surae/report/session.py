@@ -1,15 +1,13 @@
 """A session's report: the leg's page first, then its trials, measures and fits."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 
 from surae.base.formatting import percentage
 from surae.base.words import JUDGEMENTS
-from surae.inference import AssessedFit, Assessment
+from surae.inference import AssessedFit
 from surae.measures import Measure, Measures
 from surae.model.joint import ANKLE
-from surae.quality import Quality
 from surae.report import block, trials
 from surae.report.budget import budget_of, budget_section
 from surae.report.cards import is_known, titled
@@ -27,40 +25,9 @@ from surae.report.parameters import parameters_section
 from surae.report.recordings import film_block
 from surae.report.traces import traces_of
 from surae.report.wording import adequacy_words
-from surae.trials import Crossed, TrialSet, common_errors
+from surae.trials import TrialSet, common_errors
+from surae.trials.fitted_leg import FittedLeg
 from surae.trials.folder import TOO_FEW
-from surae.trials.nerve import Nerve
-
-
-@dataclass(frozen=True, slots=True)
-class FittedLeg:
-    """What a leg's page is made of."""
-
-    session: TrialSet  #: Its trials.
-    fits: Mapping[str, AssessedFit]  #: Each trial's own.
-    joint: AssessedFit | None  #: That of all together.
-    joined: Sequence[str]  #: Trials of the joint fit.
-    failed: Mapping[str, str]  #: Why a trial has no fit or is not in the joint one.
-    quality: Mapping[str, Quality]  #: What was found in each trial.
-    predictions: Mapping[str, Mapping[str, Crossed]]  #: How each fit follows each trial.
-    joint_predictions: Mapping[str, Crossed]  #: How the joint one does.
-    interrupted: bool = False  #: Whether the user stopped before the end.
-    nerve: Nerve | None = None  #: What stretches and perturbations say of reflexes.
-
-    @property
-    def alone(self) -> dict[str, Assessment]:
-        """What each trial's own fit is worth."""
-        return {trial: fit.assessment for trial, fit in self.fits.items()}
-
-    @property
-    def together(self) -> Assessment | None:
-        """What the joint fit is worth."""
-        return None if self.joint is None else self.joint.assessment
-
-    @property
-    def shown(self) -> AssessedFit | None:
-        """The fit that stands for the leg: that of all together, or the only one."""
-        return self.joint or (next(iter(self.fits.values())) if len(self.fits) == 1 else None)
 
 
 def answers_in(document: block.Document) -> tuple[tuple[str, str], ...]:
@@ -81,7 +48,7 @@ def session_report(
     leg: FittedLeg, *, created: datetime, before: AssessedFit | None = None, language: str = "en"
 ) -> Report:
     """The leg's page: its answers, then details and research, which are in English alone."""
-    shown = leg.shown
+    shown = leg.main
     _ = words_in(language, ANKLE if shown is None else shown.result.problem.options.anatomy)
     contradicted = trials.contradictions(leg.alone, leg.together)
     answers = leg_answers(leg.session.trials, leg.fits, shown, _, contradicted=tuple(contradicted),
@@ -120,7 +87,7 @@ def _details(
     figures: dict[str, Figure],
 ) -> tuple[block.Section, ...]:
     """Details and research; their figures are added to `figures`."""
-    shown, _ = leg.shown, words_in("en")
+    shown, _ = leg.main, words_in("en")
     details = [
         trials.trials_section(
             leg.session.trials, leg.alone, leg.failed, leg.quality, leg.joint_predictions
