@@ -133,7 +133,7 @@ def _dressed(axes: Axes, drawn: Sequence[FloatArray], _: Words) -> None:
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
     axes.axhline(0.0, color=MUTED, linewidth=0.6)
-    axes.legend(frameon=False, fontsize=7, labelcolor=INK, loc="lower left", ncols=3,
+    axes.legend(frameon=False, fontsize=7, labelcolor=INK, loc="lower left", ncols=2,
                 bbox_to_anchor=(0.0, 1.0))  # fmt: skip
 
 
