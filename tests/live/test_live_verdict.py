@@ -12,12 +12,13 @@ import pytest
 from streaming import Quick, described, waited
 
 import surae
+from perturbed_ankle import Ankle
 from surae.base.errors import InputError
 from surae.processes import End
 from surae.protocol import Protocol, generate, write_protocol_csv
 from surae.protocol.planning.torque import load_of
 from surae.quality import Finding, Quality
-from surae.recording import write_hdf5
+from surae.recording import write_csv, write_hdf5
 from surae.studies import virtual_recording, virtual_subject
 from surae_workbench.live.judge import judge, tells, verdict
 from surae_workbench.live.room import Room, _files
@@ -306,6 +307,28 @@ def test_what_is_loaded_stays_within_the_device_that_is_there(short, profile) ->
     short.load(profile=profile, task="active", duration=20.0)
     angle = short.trajectory.angle
     assert (angle.min() > -0.51, angle.max() < -0.09) == (True, True)
+
+
+@pytest.mark.parametrize(
+    ("profile", "says"), [("prbs", "surae impedance"), ("stretches", "surae stretches")]
+)
+def test_movements_that_tell_tissue_from_reflex_run_relaxed(short, profile, says) -> None:
+    short.load(profile=profile, task="active", duration=20.0)  # both have their own
+    angle = short.trajectory.angle
+    assert (angle.min() > -0.51, angle.max() < -0.09) == (True, True)
+    assert short.asked["protocol"] == profile
+    assert short.asked["effort"] == "passive"
+    assert short.asked["seconds"] > 50.0
+    assert says in short.tells()[0]
+
+
+def test_a_perturbed_trial_is_kept_for_what_it_is(tmp_path) -> None:
+    moved = Ankle(seconds=30.0).moved()
+    columns = {"time_s": moved["time"], "angle_rad": moved["angle"], "torque_Nm": moved["torque"]}
+    write_csv(tmp_path / "small.csv", columns)
+    said = judge(str(tmp_path / "small.csv"), str(tmp_path / "small.h5"), asked="passive")
+    assert (said["use"], said["verdict"]) == ("nerve", "keep")
+    assert "small random perturbations" in said["advice"]
 
 
 def test_a_designed_protocol_keeps_to_the_device_and_too_much_is_not_loaded(

@@ -1,10 +1,13 @@
 """`surae.stretches`: stretches of a simulated calf, found and taken apart."""
 
+import numpy as np
 import pytest
 
 import surae
 from perturbed_ankle import ramps
 from surae.base.errors import InputError
+from surae_nerve.parts import _noise
+from surae_nerve.ramps import Stretched
 
 SPEEDS = (10.0, 10.0, 60.0, 60.0, 120.0, 120.0, 180.0, 180.0)
 
@@ -78,3 +81,28 @@ def test_a_table_has_a_row_for_each_stretch() -> None:
 def test_no_stretch_is_said(ankle) -> None:
     with pytest.raises(InputError, match="surae impedance"):
         surae.stretches(ankle(seconds=10.0).recording())
+
+
+def test_the_noise_of_an_envelope_is_its_power_not_what_comes_and_goes() -> None:
+    """White noise that activity modulates: one-sided power 2/rate times the activity's square."""
+    draw, rate, n = np.random.default_rng(1), 1000.0, 60_000
+    time = np.arange(n) / rate
+    activity = 0.1 + 1.0 * ((time % 6.0 > 2.0) & (time % 6.0 < 2.5))
+    noisy = activity * (1.0 + 0.5 * draw.standard_normal(n))
+    still = np.zeros(n)
+    for emg, power in ((noisy, 0.25 * 2.0 / rate * np.mean(activity**2)), (activity, 0.0)):
+        of = Stretched("x", rate, time, still, still, {"sol": emg}, ())
+        assert _noise([of], "sol") == pytest.approx(power, rel=0.3, abs=1e-6)
+
+
+def test_tissue_does_not_take_what_a_noisy_emg_leaves(tmp_path) -> None:
+    """A tonic reflex answers every stretch, so that tissue looks alike: once none of 20 held."""
+    make, nerve = (pytest.importorskip(f"ankle_legs.{name}") for name in ("make", "nerve"))
+    said = surae.stretches(make.make("sd", 62, tmp_path)).as_dict()["stretches"]
+    held = [
+        low <= true["neural_Nm"] <= high
+        for true in nerve.truth("sd", 62)["stretches"]
+        for low, high in [nerve._matched(true, said)["neural_ci95"]]
+    ]
+    assert len(held) == 20
+    assert sum(held) >= 18

@@ -1,11 +1,12 @@
 """A stretch's torque taken apart: tissue, as it is where no muscle answers, and what is beyond."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import BSpline
-from scipy.signal import lfilter
+from scipy.signal import butter, hilbert, lfilter, sosfiltfilt, sosfreqz
 
 from surae.base.units import FloatArray
 from surae_nerve.ramps import RATE, SMOOTH, RampSpan, Stretched, low
@@ -22,7 +23,10 @@ RELAXES, DRIFT = (0.05, 0.8), 15.0
 #: Knots of the elastic torque over the angle, and what keeps them together.
 KNOTS, RIDGE = 6, 1e-6
 #: Natural frequencies of muscles that EMG drives [rad/s]; the one that fits best is taken.
-OMEGAS = (8.0, 12.0, 18.0, 26.0, 40.0, 60.0)
+OMEGAS = (8.0, 10.0, 12.5, 15.5, 19.0, 24.0, 30.0, 40.0, 60.0)
+#: Band in which an envelope's noise is seen [Hz]: faster than a muscle is called up, slower than
+#: what smooths an envelope; and time over which its size is taken [s].
+NOISY, AVERAGED = (9.0, 15.0), 0.25
 #: Samples of which one is independent; what of a reflex's peak is not known for its smoothing [1].
 DEPENDENT, PEAK = 20.0, 0.06
 
@@ -63,6 +67,7 @@ class TissueTorque:
         heard = [
             {m: _slow(of, low(of.emg[m], of.rate, SMOOTH)) for m in muscles} for of in every
         ]  # smoothed alike: corners of the movement would else be left
+        power = np.array([_noise(every, m) for m in muscles])
         best = np.inf
         for omega in OMEGAS if muscles else OMEGAS[:1]:
             driven = [
@@ -79,7 +84,11 @@ class TissueTorque:
             sd = float(np.std(y - x @ c))
             if sd < best:
                 best, k = sd, self.rows[0].shape[1]
-                self.c, self.sd = c[:k], sd
+                # noise of the EMG draws what it drives to 0, and tissue takes it (Fuller 1987);
+                # its variance behind a muscle is that of ω/8 Hz
+                blurred = np.concatenate([np.zeros(k), power * omega / 8.0 * c[k:]])
+                self.diluted = (np.linalg.solve(normal, blurred / size) / size)[:k]
+                self.c, self.sd = c[:k] + self.diluted, sd
                 inverse = np.linalg.inv(normal) / np.outer(size, size) / len(y)
                 self.covariance = (inverse * sd**2 * DEPENDENT)[:k, :k]
         self.left = [t - r @ self.c for t, r in zip(torques, self.rows, strict=True)]
@@ -118,6 +127,7 @@ class TissueTorque:
         error = float(np.sqrt(rows[top] @ self.covariance @ rows[top] + self.sd**2))
         neural = float(beyond[top]) - before
         error = float(np.hypot(error, 0.5 * before))
+        error = float(np.hypot(error, rows[top] @ self.diluted))
         return Parts(
             sign * float(curve[end] - curve[max(first - 5, 0)]), float(np.max(sign * viscous)),
             float(np.max(np.abs(rows[span, 0] * self.c[0]))), neural,
@@ -136,6 +146,26 @@ def _slow(of: Stretched, values: FloatArray) -> FloatArray:
     """A signal at `RATE`, smoothed before."""
     at = np.arange(of.time[0], of.time[-1], 1.0 / RATE)
     return np.interp(at, of.time, low(values, of.rate, 0.4 * RATE))
+
+
+def _noise(every: Sequence[Stretched], muscle: str) -> float:
+    """Power of an envelope's noise [1/Hz], its mean over all recordings.
+
+    EMG is noise that a muscle's activity modulates: its envelope has noise in proportion to itself,
+    of one power at all frequencies below the smoother's. Where activity begins or ends something
+    else is in the band: the median is taken, which of a narrow band's power is ln 2 of the mean.
+    """
+    ratios, squares = list[FloatArray](), list[FloatArray]()
+    for of in every:
+        sections = butter(2, NOISY, "bandpass", fs=of.rate, output="sos")
+        f, gain = sosfreqz(sections, 4096, fs=of.rate)
+        width = float(np.sum(np.abs(gain) ** 4) * (f[1] - f[0]))
+        noise = 0.5 * np.abs(hilbert(sosfiltfilt(sections, of.emg[muscle]))) ** 2 / width
+        size = low(of.emg[muscle], of.rate, 1.0 / AVERAGED) ** 2
+        ratios.append(noise / (size + 1e-100))
+        squares.append(size)
+    usual = float(np.median(np.concatenate(ratios))) / math.log(2.0)
+    return usual * float(np.mean(np.concatenate(squares)))
 
 
 def _driven(emg: Sequence[FloatArray], omega: float, n: int) -> FloatArray:

@@ -11,9 +11,9 @@ from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design
 from surae.api.designing import expect as expect
 from surae.api.designing import measure_next as measure_next
-from surae.api.designing import perturbation_tells as perturbation_tells
 from surae.api.designing import plan_session as plan_session
 from surae.api.designing import ready_trajectory as ready_trajectory
+from surae.api.designing import telling_words as telling_words
 from surae.api.examples import example_leg as example_leg
 from surae.api.fitted import Fit as Fit
 from surae.api.fitting import fit as fit
@@ -86,7 +86,7 @@ from surae.protocol import write_protocol_csv as write_protocol_csv
 from surae.protocol import write_protocol_mat as write_protocol_mat
 from surae.protocol import write_protocol_target as write_protocol_target
 from surae.protocol.adaptation import peaks as peaks
-from surae.protocol.perturbing import PERTURBATIONS as PERTURBATIONS
+from surae.protocol.perturbing import GOOD_FOR as GOOD_FOR
 from surae.protocol.perturbing import telling as telling
 from surae.protocol.planning.expectation import Expectation as Expectation
 from surae.protocol.planning.plan import Plan as Plan

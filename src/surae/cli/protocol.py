@@ -1,6 +1,5 @@
 """`surae protocol`."""
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -85,7 +84,7 @@ def command(
         how = limits, options["range_of_motion"], options.get("rate_hz", MotionSettings().rate_hz)
         if name in TELLING:
             trajectory = api.telling(name, *how)
-            table = _tells(trajectory)
+            table = api.telling_words(trajectory)
         else:
             with compilation_notice():
                 trajectory = api.ready_trajectory(name, *how)
@@ -112,24 +111,6 @@ def command(
     for line in (*table, *(limit.text for limit in limits_checked)):
         show_line(line)
     show_files({"protocol": output, "figure": figure})
-
-
-def _tells(trajectory: "api.Trajectory") -> list[str]:
-    """What a perturbation, or a series of stretches, is for and will tell."""
-    name, seconds = trajectory.settings.profile, trajectory.time[-1]
-    if name not in api.PERTURBATIONS:
-        speeds = f"up to {math.degrees(abs(trajectory.velocity).max()):.0f} °/s"
-        return [f"{name}: {seconds:.0f} s, {speeds}, of the relaxed leg; then surae stretches."]
-    usual = [
-        f"  {measure} {own.value:g}: {own.low:.3g} to {own.high:.3g}"
-        for measure, own in api.perturbation_tells(trajectory).items()
-    ]
-    of_whom = "Of a usual ankle with a reflex it tells, by noise alone:"
-    of_whom = of_whom if usual else "The package surae-nerve says what it will tell."
-    return [
-        f"{name}: {seconds:.0f} s about the middle of the range; then surae impedance. {of_whom}",
-        *usual,
-    ]
 
 
 def device_of(name: str, without_limits: str | None) -> str | None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
+from surae.base.words import N_
 from surae.protocol.adaptation import Adaptation, fit_device, peaks
 from surae.protocol.device import Device
 from surae.protocol.profiles import smooth_step
@@ -33,6 +34,14 @@ OF_FASTEST = 0.9
 ENDS = (0.1, 0.8)
 #: Hold after a stretch, wait before the next [s], and speed of the way back [rad/s].
 HOLDS, RESTS, BACK = (2.0, 3.5), (2.5, 6.0), 0.3
+#: What a movement is good for, in words.
+GOOD_FOR = {
+    **dict.fromkeys(
+        ("prbs", "pralds", "multisine"),
+        N_("Small random movements: how much is tissue, and reflex."),
+    ),
+    "stretches": N_("Slow and fast stretches at rest: how much is tissue, and reflex."),
+}
 #: Rate at which a movement is shaped [Hz].
 _FINE = 2000.0
 

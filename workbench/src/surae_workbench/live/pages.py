@@ -16,9 +16,10 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from surae._version import __version__
-from surae.api import PROFILES, TASKS, Trajectory, ready_protocols
+from surae.api import GOOD_FOR, PROFILES, TASKS, Trajectory, ready_protocols
 from surae.base.errors import InputError
 from surae.base.files import PathLike, template
+from surae.base.names import TELLING
 from surae_workbench.live.room import MAXIMUM, Room, RoomOptions
 from surae_workbench.live.showing import Showing
 from surae_workbench.live.target import KIND
@@ -43,6 +44,7 @@ _MOVEMENTS = [
         {"name": each.name, "description": each.description, "designed": True}
         for each in ready_protocols().values()
     ),
+    *({"name": name, "description": GOOD_FOR[name], "designed": True} for name in TELLING),
     *({"name": each.name, "description": each.description} for each in PROFILES.values()),
     {"name": MAXIMUM, "description": "Largest efforts, held still: what all others are a part of."},
 ]

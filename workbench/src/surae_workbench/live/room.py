@@ -26,12 +26,15 @@ from surae.api import (
     ready_trajectory,
     requested_limits,
     smooth_step,
+    telling,
+    telling_words,
     write_protocol_csv,
 )
 from surae.base.cleaning import cleaned
 from surae.base.errors import InputError, SuraeError
 from surae.base.files import PathLike
 from surae.base.frozen import read_only
+from surae.base.names import TELLING
 from surae.base.units import FloatArray
 from surae.base.words import N_
 from surae.processes import Child
@@ -135,8 +138,9 @@ class Room:
 
         It is a file as `surae protocol` writes it, called `name` if not as the file, refused where
         it asks for more than the device can do, unless `beyond` says that it may; the ``profile``
-        of a designed protocol that comes with surae; else a `surae.protocol.Protocol` without
-        device and range, which are the room's. These are lowered to what the device can do.
+        of a designed protocol that comes with surae, or of a movement that tells tissue from
+        reflex; else a `surae.protocol.Protocol` without device and range, which are the room's.
+        These are lowered to what the device can do.
         """
         with self._lock:
             if self.trials.running is not None:
@@ -145,6 +149,8 @@ class Room:
             given_up: tuple[str, ...] = ()
             if path is None and profile == MAXIMUM:
                 trajectory, name = _maximum(self.range), MAXIMUM
+            elif path is None and profile in TELLING:
+                trajectory, name = telling(profile, self.device, self.range, _RATE), profile
             elif path is None and profile in ready_protocols():
                 trajectory, name = (
                     ready_trajectory(profile, self.device, self.range, _RATE),
@@ -189,6 +195,8 @@ class Room:
         """
         if self.trajectory is None:
             raise InputError("nothing is loaded; load a movement first")
+        if self.trajectory.settings.profile in TELLING:
+            return telling_words(self.trajectory)
         fit = self.trials.file("joint.json") if self.trials.session.get("parameters") else None
         arguments = {"protocol": str(self._file), "fit": None if fit is None else str(fit)}
         told: list[str] = self._expects.call("surae_workbench.live.judge:tells", arguments).result()
