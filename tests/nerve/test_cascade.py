@@ -35,9 +35,11 @@ def test_derivatives_are_those_of_finite_differences(ankle, direction) -> None:
         moved["time"], moved["angle"], moved["torque"], 500.0, 40.0, anchor=0.1, span=(0.0, 12.0)
     )
     problem = Problem([piece], noise_of([piece], [piece.bins(piece.torque)]))
-    structure = Structure("", 2, True, direction, threshold=True, trend=True)
-    q = dict(zip(structure.names, [1e-3, 0.02, 0.2, 0.045, 18.0, 0.8, 0.05, 60.0, 0.8, 0.015, 20.0,
-                                   5.0, 1.0, 0.3, 6.0], strict=True))  # fmt: skip
+    structure = Structure(
+        "", 2, True, direction, threshold=True, trend=True, length=3.0, lead=0.01, third=True
+    )
+    q = dict(zip(structure.names, [1e-3, 0.02, 0.2, 0.045, 18.0, 0.8, 70.0, 0.05, 60.0, 0.8, 0.015,
+                                   20.0, 5.0, 1.0, 0.3, 6.0], strict=True))  # fmt: skip
     _, j = problem.jacobian(structure, q)
     for k, name in enumerate(structure.names):
         h = 1e-5 * max(abs(q[name]), 1e-3)

@@ -61,6 +61,17 @@ class Structure:
     direction: int = 0  #: Of the stretch that the reflex answers: 1 dorsiflexion, −1, 0 no reflex.
     threshold: bool = False  #: Whether the reflex answers only beyond a velocity.
     trend: bool = False  #: Whether the stiffness may change in proportion to time.
+    #: What the reflex answers beside velocity: length by so much [1/s], and by so much [s] the
+    #: acceleration, with which the force of a spring and a damper changes.
+    length: float = 0.0
+    lead: float = 0.0
+    beyond: float = 0.0  #: That velocity where it is no parameter [rad/s].
+    third: bool = False  #: Whether the reflex's dynamics has a pole more (Mirbagheri 2000).
+
+    @property
+    def answered(self) -> tuple[float, float]:
+        """What the reflex answers beside velocity."""
+        return self.length, self.lead
 
     @property
     def nonlinear(self) -> tuple[str, ...]:
@@ -68,7 +79,8 @@ class Structure:
         reflex = ("delay", "omega", "zeta") if self.direction else ()
         times = tuple(f"time_{i + 1}" for i in range(self.branches))
         beyond = ("threshold",) if self.direction and self.threshold else ()
-        return (*(("late",) if self.late else ()), *times, *reflex, *beyond)
+        pole = ("pole",) if self.direction and self.third else ()
+        return (*(("late",) if self.late else ()), *times, *reflex, *pole, *beyond)
 
     @property
     def linear(self) -> tuple[str, ...]:
@@ -93,6 +105,7 @@ BOUNDS = {
     "delay": (0.020, 0.100),
     "omega": (5.0, 70.0),
     "zeta": (0.3, 2.5),
+    "pole": (15.0, 500.0),
     "threshold": (0.0, 2.0),
     "gain": (0.0, np.inf),
     "branch_1": (0.0, np.inf),

@@ -65,9 +65,16 @@ def regressors(piece: Piece, structure: Structure, q: Mapping[str, float]) -> Co
     if structure.trend:
         rows.append(piece.drifting * late)
     if structure.direction:
-        velocity, _ = piece.stretched(structure.direction, q.get("threshold", 0.0))
-        rows.append(velocity * muscle(s, q["omega"], q["zeta"]) * late * np.exp(-s * q["delay"]))
+        own = structure.direction, q.get("threshold", structure.beyond), structure.answered
+        delayed = _dynamics(structure, s, q) * late * np.exp(-s * q["delay"])
+        rows.append(piece.stretched(*own)[0] * delayed)
     return np.stack(rows)
+
+
+def _dynamics(structure: Structure, s: ComplexArray, q: Mapping[str, float]) -> ComplexArray:
+    """Reflex's dynamics: that of a muscle, over 1 + s/p where there is a third pole p."""
+    second = muscle(s, q["omega"], q["zeta"])
+    return second / (1.0 + s / q["pole"]) if structure.third else second
 
 
 def slopes(
@@ -82,13 +89,14 @@ def slopes(
         elif name.startswith("time"):
             i = name[-1]
             rows.append(q[f"branch_{i}"] * relaxing_slope(s, q[name]) * x[0])
+        elif name == "pole":
+            rows.append(q["gain"] * x[-1] * s / q["pole"] / (q["pole"] + s))
         elif name == "delay":
             rows.append(-s * q["gain"] * x[-1])
         elif name == "threshold":
-            _, slope = piece.stretched(structure.direction, q["threshold"])
-            filtered = muscle(s, q["omega"], q["zeta"]) * np.exp(
-                -s * (q["delay"] + q.get("late", 0.0))
-            )
+            own = structure.direction, q["threshold"], structure.answered
+            _, slope = piece.stretched(*own)
+            filtered = _dynamics(structure, s, q) * np.exp(-s * (q["delay"] + q.get("late", 0.0)))
             rows.append(q["gain"] * slope * filtered)
         else:
             h, (by_omega, by_zeta) = (
@@ -237,7 +245,7 @@ class Problem:
 
 #: Where the search of the nonlinear parameters begins, where nothing better is known.
 START = {"late": 0.0, "time_1": 0.03, "time_2": 0.3, "delay": 0.045, "omega": 20.0, "zeta": 0.8,
-         "threshold": 0.03}  # fmt: skip
+         "pole": 60.0, "threshold": 0.03}  # fmt: skip
 
 
 def solved(x: FloatArray, y: FloatArray, ridge: float = 1e-10) -> FloatArray:

@@ -30,6 +30,13 @@ CHANNELS = {"intrinsic_stiffness": 0.01, "intrinsic_viscosity": 0.02, "inertia":
 LEAST_BLOCKS = 5
 #: Length of the parts whose stiffness is compared [s].
 PART = 10.0
+#: Length that a reflex may answer beside velocity [1/s]: in sines of 0.3, 0.8 and 2 Hz both then
+#: weigh alike.
+LENGTHS = (2.0, 5.0, 12.0)
+#: Thresholds at which a reflex is held [rad/s]: gain trades off with them, and not in a line.
+BEYOND = (0.0, 0.1, 0.2, 0.35, 0.5)
+#: Thresholds at which its search begins [rad/s].
+SEARCHED = (0.03, 0.15, 0.4)
 PLAIN = Structure("inertia, viscosity, stiffness")
 RELAXING = Structure("tissue that relaxes (Zener)", 1)
 TWO = Structure("tissue that relaxes at two rates", 2)
@@ -209,7 +216,9 @@ def identify(
     problem = Problem(pieces, noise)
     starts = {d: problem.fit(replace(base, direction=d), fits[base, d].values) for d in (0, 1, -1)}
     weighed, folds = weigh(halves, problem, base, {d: f.values for d, f in starts.items()})
-    full = problem.fit(replace(base, direction=direction, threshold=True), starts[direction].values)
+    beyond = replace(base, direction=direction, threshold=True)
+    tried = [problem.fit(beyond, {**starts[direction].values, "threshold": v}) for v in SEARCHED]
+    full = min(tried, key=lambda fitted: fitted.loss)
     reflex = Judged(problem, full)
     its_share = reflex.number("reflex_share", lambda f: share(pieces, f))
     present = judge(direction, weighed[direction], its_share, full, unseen)
@@ -280,6 +289,10 @@ def _spread(
         judged = Judged(by, fitted)
         reflex = fitted.structure.direction and own.direction
         tables = both if reflex else INTRINSIC
+        if reflex and not fitted.structure.threshold:
+            tables = {name: of for name, of in both.items() if name != "reflex_threshold"}
+            at = float(np.rad2deg(fitted.structure.beyond))
+            widened["reflex_threshold"] = widened["reflex_threshold"].with_(at, at)
         # a slow branch that is hardly seen is viscosity of another frequency
         if fitted.structure.branches > 1 and chosen.loss - fitted.loss < BETTER:
             tables = {"intrinsic_stiffness": INTRINSIC["intrinsic_stiffness"]}
@@ -300,6 +313,8 @@ def _spread(
         if b != branches and b - branches < 2
     ]
     others.append((replace(own, late=False), "torque that is not late"))
+    if own.direction:
+        others.append((replace(own, third=True), "a reflex of third order"))
     for structure, label in others:
         fitted = problem.fit(structure, chosen.values)
         gain, more = chosen.loss - fitted.loss, len(structure.names) - len(own.names)
@@ -308,6 +323,16 @@ def _spread(
         elif more > 0 and gain > CHANCE * more / 2:
             admit(fitted, problem, label, "shifted")
         elif misfit > MISFIT and structure.branches:
+            admit(fitted, problem, label, "value")
+    for beyond in BEYOND if own.direction else ():
+        held = replace(own, threshold=False, beyond=beyond)
+        fitted = problem.fit(held, chosen.values)
+        if chosen.loss - fitted.loss > -POSSIBLE:
+            admit(fitted, problem, f"a reflex beyond {np.rad2deg(beyond):.0f} °/s", "value")
+    for fitted, label in _other_laws(problem, chosen) if own.direction else ():
+        if chosen.loss - fitted.loss > -POSSIBLE:
+            admit(fitted, problem, label, "shifted")
+        elif misfit > MISFIT:
             admit(fitted, problem, label, "value")
     if not own.direction:
         again = problem.fit(rival.structure, rival.values)
@@ -325,6 +350,17 @@ def _spread(
         beyond = float(np.sqrt(max(apart**2 - chance**2, 0.0)))
         widened[name] = widened[name].allowing(beyond / max(abs(number.value), 1e-12))
     return widened, said
+
+
+def _other_laws(problem: Problem, chosen: Fitted) -> list[tuple[Fitted, str]]:
+    """The same with a reflex to velocity and length, and with one to force."""
+    own, v = chosen.structure, chosen.values
+    lengths = [problem.fit(replace(own, length=each), v) for each in LENGTHS]
+    lead = v["viscosity"] / max(v["stiffness"], 1e-9)
+    return [
+        (min(lengths, key=lambda fitted: fitted.loss), "a reflex to velocity and length"),
+        (problem.fit(replace(own, lead=max(lead, 0.0)), v), "a reflex to force"),
+    ]
 
 
 def _parts(problem: Problem, judged: Judged) -> FloatArray:

@@ -36,7 +36,9 @@ DIRECTIONS = {1: "dorsiflexion", -1: "plantarflexion"}
 IDENTIFIED, WEAK = 0.1, 1.0
 
 #: Why no number of a reflex is identified, however narrow its interval.
-ONE_LAW = "of a reflex to velocity; other laws were not weighed, and may give another number"
+ONE_LAW = (
+    "of a reflex to velocity, to velocity and length or to force; another law may give another"
+)
 
 #: Unit and meaning of every measure.
 MEASURES = {

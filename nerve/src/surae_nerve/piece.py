@@ -58,7 +58,10 @@ class Piece:
         self._pass = _roll(f[:half], band, cut) * (self.m / n)
         spectrum = fft.rfft(angle)
         smooth = _roll(f, min(100.0, 0.3 * rate_hz), min(150.0, 0.45 * rate_hz))
-        self.velocity: FloatArray = fft.irfft(2j * np.pi * f * smooth * spectrum, n)
+        s = 2j * np.pi * f
+        self.moved, self.velocity, self.acceleration = (
+            np.asarray(fft.irfft(s**k * smooth * spectrum, n)) for k in range(3)
+        )
         middle, length = 0.5 * (span[0] + span[1]), max(span[1] - span[0], 1e-9)
         self.angle: ComplexArray = spectrum[:half] * self._pass
         self.squared = self.spectrum(angle**2)
@@ -104,11 +107,16 @@ class Piece:
         own[at] = UNTIMED * np.sign(change[at]) * np.maximum(size, near)[at]
         return self.spectrum(own)
 
-    def _stretched(self, direction: int, threshold: float) -> tuple[ComplexArray, ComplexArray]:
-        """Spectra of the velocity that the reflex answers, and of its slope over the threshold."""
+    def _stretched(
+        self, direction: int, threshold: float, beside: tuple[float, float] = (0.0, 0.0)
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Spectra of what the reflex answers, and of its slope over the threshold.
+
+        It is the velocity, and `beside` by so much length [1/s] and acceleration [s].
+        """
+        answered = self.velocity + beside[0] * self.moved + beside[1] * self.acceleration
         return tuple(
-            self.spectrum(of(self.velocity, direction, threshold))
-            for of in (stretched, stretched_slope)
+            self.spectrum(of(answered, direction, threshold)) for of in (stretched, stretched_slope)
         )  # type: ignore[return-value]
 
     def signals(self, spectra: ComplexArray) -> FloatArray:
