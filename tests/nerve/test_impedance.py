@@ -263,5 +263,5 @@ def test_no_number_of_a_reflex_is_identified_while_its_law_is_assumed() -> None:
     narrow = Number(40.0, 39.5, 40.5)
     told = number_of("reflex_delay", narrow)
     assert (told.verdict, told.ci95) == ("weak", (39.5, 40.5))
-    assert "other laws" in told.note
+    assert "another law" in told.note
     assert number_of("intrinsic_stiffness", narrow).verdict == "identified"
