@@ -216,8 +216,8 @@ def identify(
     problem = Problem(pieces, noise)
     starts = {d: problem.fit(replace(base, direction=d), fits[base, d].values) for d in (0, 1, -1)}
     weighed, folds = weigh(halves, problem, base, {d: f.values for d, f in starts.items()})
-    beyond = replace(base, direction=direction, threshold=True)
-    tried = [problem.fit(beyond, {**starts[direction].values, "threshold": v}) for v in SEARCHED]
+    asked = replace(base, direction=direction, threshold=True)
+    tried = [problem.fit(asked, {**starts[direction].values, "threshold": v}) for v in SEARCHED]
     full = min(tried, key=lambda fitted: fitted.loss)
     reflex = Judged(problem, full)
     its_share = reflex.number("reflex_share", lambda f: share(pieces, f))
