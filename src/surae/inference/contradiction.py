@@ -30,7 +30,7 @@ from surae.signals.prepare import sharpened, smoothed
 #: Groups of nuisances that a named model is held against.
 _HELD_AGAINST = ("zero", "delay", "crosstalk")
 #: What is known of the tendons, as they are searched.
-TENDONS = {"dlt_tri": Gaussian(np.log(0.025), 1.0), "dlt_tib": Gaussian(np.log(0.010), 1.0)}
+_STRAINS = {"dlt_tri": Gaussian(np.log(0.025), 1.0), "dlt_tib": Gaussian(np.log(0.010), 1.0)}
 #: Not on a logarithm either: none is no contradiction.
 _TOES = ("pt_tri", "pt_tib")
 #: Standard deviation of what has no prior: of the logarithm, or in parts of its bounds' distance.
@@ -82,7 +82,7 @@ def contradiction(result: FitResult) -> Contradiction | None:
     free = tuple(
         n for n in spec.names if n in problem.free or n in beliefs or n not in result.values
     )
-    tendons = {n: b for n, b in TENDONS.items() if n in spec.names and n not in known}
+    tendons = {n: b for n, b in _STRAINS.items() if n in spec.names and n not in known}
     for name in tendons.keys() & problem.options.anatomy.parameters.keys():
         tendons[name] = replace(tendons[name], mean=float(np.log(table[name].start)))
     for name in tendons.keys() - result.values.keys():  # none so far: as stiff as the model goes
@@ -133,7 +133,7 @@ class _Linear:
         named = problem.by_name(problem.start)
         self.values = np.array([values.get(n, own) for n, own in named.items()])
         own = self.values[problem.columns]
-        log = np.array([n in TENDONS or not (n in _TOES or is_straight(n)) for n in problem.free])
+        log = np.array([n in _STRAINS or not (n in _TOES or is_straight(n)) for n in problem.free])
         self.scale = np.where(log, own, 1.0)
         self.z = np.where(log, np.log(np.maximum(own, 1e-300)), own)
         vague = np.where(log, _VAGUE, _VAGUE * (problem.upper - problem.lower))
