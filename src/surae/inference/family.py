@@ -37,7 +37,7 @@ from surae.inference.learning import (
 )
 from surae.inference.least_squares import Outcome
 from surae.inference.noise import NoiseModel
-from surae.inference.observed import Observed
+from surae.inference.observed import REST, Observed
 from surae.inference.population import WIDENED, wide_priors
 from surae.inference.posterior import LogPosterior, Point
 from surae.inference.problem import MASSES, FitProblem
@@ -53,6 +53,8 @@ from surae.signals.resample import thinned, thinning_factor
 
 #: Rates [Hz] of the search's stages, and the samples that each recording keeps at least.
 _RATES, _SAMPLES = (32.0, 64.0), 400
+#: Active state over which it reaches zero at each rate [N].
+_ROUNDED = dict(zip(_RATES, (30.0, REST), strict=True))
 #: Relaxation times [s] and factor from which a search begins.
 _RELAXATIONS, _RELAXED = (0.4, 4.0), 0.3
 #: Noise of the continuation, as parts of the torque's changes.
@@ -287,8 +289,9 @@ class _Search:
         )  # fmt: skip
         priors = self._leg(problem) | {n: _searched(n, b) for n, b in beliefs.items()}
         made = LogPosterior(
-            problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz
-        )
+            problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz,
+            rest=_ROUNDED[rate_hz],
+        )  # fmt: skip
         self._observed.append(made.observed)
         return made
 

@@ -30,7 +30,7 @@ from surae.signals import ModelInputs
 _KEPT = 2
 #: Active state over which it reaches zero in a search [N]: resting muscles cross zero at one value
 #: of crosstalk or of EMG at rest, at which the model's kink would stop it.
-_SMOOTH = 0.3
+REST = 3.0
 #: Derivatives by fast gains, and their first samples, where there are none.
 _NO_COLUMNS = np.zeros((0, 0)), np.zeros(0, dtype=np.int64)
 
@@ -97,13 +97,13 @@ class Observed:
 
     def __init__(
         self, at: Coordinates, latents: Sequence[Latents], *, noise_alone: bool = False,
-        calls: list[int] | None = None,
+        rest: float = REST, calls: list[int] | None = None,
     ) -> None:  # fmt: skip
         self._at, self._latents, self._noise_alone = at, latents, noise_alone
         self._inputs, self._spec = at.problem.inputs, at.problem.spec
         self._simulators: list[Any] = list(simulators(at.problem))
         for simulator in self._simulators:
-            simulator.rest = _SMOOTH
+            simulator.rest = rest
         self._gains = [_short(each.gain) for each in latents]
         #: Recordings that were simulated with derivatives, those of what was observed before too.
         self.calls = [0] if calls is None else calls

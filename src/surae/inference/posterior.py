@@ -19,13 +19,18 @@ from scipy.linalg import cho_factor, cho_solve, cholesky_banded
 from surae.base.units import FloatArray
 from surae.inference.banded import solve_band
 from surae.inference.coordinates import Coordinates
+from surae.inference.descent import FAR, Secant, shorter
 from surae.inference.evidence import LaplaceApproximation
 from surae.inference.latent import Latents
 from surae.inference.least_squares import box_quadratic, predicted_gain
 from surae.inference.noise import NoiseModel
-from surae.inference.observed import Observed, SensorRows
+from surae.inference.observed import REST, Observed, SensorRows
 from surae.inference.problem import FitProblem
 from surae.model.sources import Gaussian
+
+#: Ridge under which the whole step is judged, the shortest part of a step that is tried, and the
+#: damping at which a descent gives up.
+_RIDGE, _SHORTEST, _STUCK = 1e-12, 1e-3, 1e8
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,11 +92,12 @@ class LogPosterior(Coordinates):
         *,
         beliefs: Mapping[str, Gaussian] | None = None,
         rate_hz: float = 0.0,
+        rest: float = REST,
     ) -> None:
         super().__init__(problem, priors)
         self.noise, self.latents, self.sizes = tuple(noise), tuple(latents), dict(sizes)
         self.fast: float | None = None  #: Size of the drives' errors; None where there are none.
-        self.beliefs, self.rate_hz = dict(beliefs or {}), rate_hz
+        self.beliefs, self.rate_hz, self.rest = dict(beliefs or {}), rate_hz, rest
         self.observed = self._anew()
         self._prepare()
 
@@ -117,7 +123,10 @@ class LogPosterior(Coordinates):
 
     def _anew(self, calls: list[int] | None = None) -> Observed:
         """The recordings, nothing of them computed; without errors of drives, noise alone adds."""
-        return Observed(self, self.latents, noise_alone=self.fast == 0.0, calls=calls)
+        noise_alone = self.fast == 0.0
+        return Observed(
+            self, self.latents, noise_alone=noise_alone, rest=self.rest, calls=calls
+        )
 
     def still(self) -> tuple[FloatArray, ...]:
         """Latents of which nothing is known yet."""
@@ -235,38 +244,60 @@ class LogPosterior(Coordinates):
         c = self.still() if c is None else tuple(c)
         w = self.expected() if w is None or self.fast is None or not len(w[0]) else tuple(w)
         self.observed.anew()
-        blocks = self.blocks(z, c, w)
-        cost = sum(b.cost for b in blocks) + self.prior_cost(z)
-        damping, growth, rested = 1e-3, 2.0, False
-        for _ in range(evaluations):
-            H, g = self.reduced(blocks)
-            H = H + np.diag(self.weight**2)
-            g = g + self.weight**2 * (z - self.mean)
+        here = self._point(z, c, w)
+        damping, spent, secant, eye = 1e-3, 0, Secant(len(z)), np.eye(len(z))
+        while True:
+            H, g = self._normal(here)
             scale = np.sqrt(np.diag(H))
             A, b = H / np.outer(scale, scale), g / scale
-            room = (self.lower - z) * scale, (self.upper - z) * scale
-            d = box_quadratic(A + damping * np.eye(len(z)), b, *room)
-            gain = predicted_gain(A, b, d)
-            latent_gain = sum(x.latent_gain for x in blocks)
-            if rested := bool(gain + latent_gain < tolerance):
-                break
-            new = self.curved(z, d / scale)
-            trial_c, trial_w = Point(z, c, w, cost, blocks).latents_at(new)
-            try:
-                trial = self.blocks(new, trial_c, trial_w)
-                after = sum(x.cost for x in trial) + self.prior_cost(new)
-            except FloatingPointError:
-                after = np.inf
-            if after < cost:
-                ratio = (cost - after) / max(gain + latent_gain, 1e-300)
-                z, c, w, blocks, cost = new, trial_c, trial_w, trial, after
-                damping = max(damping * np.clip(1 - (2 * ratio - 1) ** 3, 0.1, 10.0), 1e-12)
-                growth = 2.0
+            room = (self.lower - here.z) * scale, (self.upper - here.z) * scale
+            # damped, a step says nothing of directions that the data hardly tell
+            whole = box_quadratic(A + _RIDGE * eye, b, *room)
+            latent_gain = sum(x.latent_gain for x in here.blocks)
+            rested = bool(predicted_gain(A, b, whole) + latent_gain < tolerance)
+            if rested or spent >= evaluations or damping > _STUCK:
+                return replace(here, rested=rested)
+            A = secant.added(A, scale)
+            d = box_quadratic(A + damping * eye, b, *room)
+            gain, slope = predicted_gain(A, b, d), 2.0 * (latent_gain - float(b @ d))
+            part, better = 1.0, False
+            while not better and part > _SHORTEST and spent < evaluations:
+                trial = self._trial(here, part * d / scale)
+                spent += 1
+                better = trial.cost < here.cost
+                if np.isfinite(trial.cost):
+                    there, turned = self._normal(trial)
+                    secant.learn(trial.z - here.z, turned - g, there if better else H)
+                if not better:
+                    part = shorter(part, slope, trial.cost - here.cost)
+            if not better:
+                damping *= 10.0
+                continue
+            if trial.cost < (1.0 - FAR) * here.cost:
+                secant.forget()
+            if part < 1.0:
+                damping *= 2.0
             else:
-                damping, growth = damping * growth, growth * 2.0
-                if rested := damping > 1e8:
-                    break
-        return Point(z, c, w, cost, blocks, rested)
+                ratio = (here.cost - trial.cost) / max(gain + latent_gain, 1e-300)
+                damping = max(damping * np.clip(1 - (2 * ratio - 1) ** 3, 0.1, 10.0), 1e-12)
+            here = trial
+
+    def _point(self, z: FloatArray, c: tuple[FloatArray, ...], w: tuple[FloatArray, ...]) -> Point:
+        blocks = self.blocks(z, c, w)
+        return Point(z, c, w, sum(b.cost for b in blocks) + self.prior_cost(z), blocks)
+
+    def _trial(self, here: Point, step: FloatArray) -> Point:
+        """The point a step leads to; of infinite cost where nothing can be computed."""
+        z = self.curved(here.z, step)
+        try:
+            return self._point(z, *here.latents_at(z))
+        except FloatingPointError:
+            return replace(here, cost=np.inf)
+
+    def _normal(self, point: Point) -> tuple[FloatArray, FloatArray]:
+        """Hessian and gradient of −½·2 ln p by z, latents eliminated."""
+        H, g = self.reduced(point.blocks)
+        return H + np.diag(self.weight**2), g + self.weight**2 * (point.z - self.mean)
 
     def held(self, j: int, at: float, near: Point, *, evaluations: int, tolerance: float) -> Point:
         """The mode with a coordinate held, from a point nearby that predicts the others."""
