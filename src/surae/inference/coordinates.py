@@ -63,6 +63,12 @@ class Coordinates:
             z[j] = values.get(self.of[j], z[j])
         return np.asarray(np.clip(z, self.lower, self.upper))
 
+    def like(self, other: "Coordinates", z: FloatArray) -> FloatArray:
+        """Coordinates as another problem of these recordings has them, of the mean what it lacks."""
+        known = dict(zip(_numbered(other.of), z, strict=True))
+        own = [known.get(key, mean) for key, mean in zip(_numbered(self.of), self.mean, strict=True)]
+        return np.clip(own, self.lower, self.upper)
+
     def values(self, z: FloatArray, number: int | None = None) -> FloatArray:
         """The whole parameter vector; of one recording, or with the mean of what each has."""
         own, values = z[: len(self.names)], self.problem.base.copy()
@@ -103,6 +109,11 @@ class Coordinates:
             phi = k * (reach + reach * step[j_k] - step[j_x0])
             moved[j_x0] = x_ref - phi / np.exp(min(moved[j_k], z[j_k] + 2.0))
         return np.asarray(np.clip(moved, self.lower, self.upper))
+
+
+def _numbered(names: Sequence[str]) -> list[tuple[str, int]]:
+    """Each name, and how often it came before: what each recording has comes in their order."""
+    return [(name, names[:j].count(name)) for j, name in enumerate(names)]
 
 
 def straight(names: Sequence[str]) -> npt.NDArray[np.bool_]:

@@ -21,6 +21,7 @@ from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
 from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
+from surae.base.units import FloatArray
 from surae.inference.coordinates import is_straight
 from surae.inference.evidence import Subset, subsets, with_likely
 from surae.inference.film import names_of_film
@@ -67,8 +68,11 @@ _NEARLY_NONE = {"gain": 1e-3, "drift": 1e-2, "misfit": 1e-3}
 #: Rounds in which noise and sizes are learnt at most, and the part of each standard deviation below
 #: which the mode rests.
 _ROUNDS, _AT_REST = 5, 0.1
-#: What is to be gained in −2 ln p where a search ends.
-_ENDS = 0.01
+#: Standard deviations, noise taken for much greater than it is, within which two starts are in one
+#: valley.
+_ALIKE = 1.0
+#: What is to be gained in −2 ln p where a search ends: the square of 0.03 standard deviations.
+_ENDS = 1e-3
 #: Rounds of a search's end at most, and the part of a standard deviation, of the noise and of the
 #: sizes by which nothing moves any more where it rests.
 _LAST, _RESTS = 8, 0.02
@@ -329,36 +333,42 @@ class _Search:
 
     def _first(self) -> tuple[dict[str, float], tuple[NoiseModel, ...]]:
         """Values without departures from thinned data, and the noise they leave."""
-        post: LogPosterior | None = None
-        met = []
+        post = self._posterior((), _RATES[0], _white(self._original, _TEMPERS[0]), _NEARLY_NONE)
+        found: list[tuple[float, LogPosterior, Point]] = []
+        first: Point | None = None
         for relaxation in _RELAXATIONS:
-            noise = _white(self._original, _TEMPERS[0])
-            post = self._posterior((), _RATES[0], noise, _NEARLY_NONE, post)
             given = {"tau_rel": relaxation, "k_rel": _RELAXED, **self._original.settings.start}
-            begin, before = post.start(given), self._evaluations
+            near = {} if first is None else post.by_name(first.z)
+            begin, before = post.start(near | given), self._evaluations
             point = post.descend(begin, evaluations=10, tolerance=0.3)
-            post = post.having(noise=_white(self._original, _TEMPERS[1]))
-            point = post.descend(point.z, point.c, evaluations=10, tolerance=0.3)
-            post = post.having(sizes=_BEGIN)
-            point = post.again(point)
-            for _ in range(2):
-                post = post.having(noise=learnt_noise(post, point, white=True))
-                point = post.descend(point.z, point.c, evaluations=12, tolerance=0.3)
-            spent = point.cost + sum(
-                recording.n * np.log(noise.variance)
-                for recording, noise in zip(post.problem.inputs, post.noise, strict=True)
-            )
-            first, last = ({n: by[n] for n in post.problem.free}
-                           for by in map(post.by_name, (begin, point.z)))  # fmt: skip
-            outcome = Outcome.CONVERGED if point.rested else Outcome.ITERATIONS
-            sse = sum(
-                float(np.sum(post.observed.residual(point.z, *no, i) ** 2))
-                for i, no in enumerate(zip(post.still(), post.expected(), strict=True))
-            )
-            start = Start(first, last, sse, str(outcome), self._evaluations - before)
-            self._met.append((float(spent), start))
-            met.append((spent, post.by_name(point.z), post.noise))
-        return min(met, key=lambda each: each[0])[1:]
+            if first is None or not self._is_alike(post, point, first):
+                found.append(self._quieter(post, point))
+            first = first or point
+            cost, own, point = found[-1]
+            self._met.append((cost, _started(own, begin, point, self._evaluations - before)))
+        _, own, point = min(found, key=lambda each: each[0])
+        return own.by_name(point.z), own.noise
+
+    @staticmethod
+    def _is_alike(post: LogPosterior, one: Point, other: Point) -> bool:
+        """Whether two points are in one valley."""
+        sd = np.sqrt(np.diag(post.covariance(one)))
+        return bool(np.all(np.abs(one.z - other.z) < _ALIKE * sd))
+
+    def _quieter(self, post: LogPosterior, point: Point) -> tuple[float, LogPosterior, Point]:
+        """The noise lowered to what the residual says, in turn with the mode; −2 ln p."""
+        post = post.having(noise=_white(self._original, _TEMPERS[1]))
+        point = post.descend(point.z, point.c, evaluations=10, tolerance=0.3)
+        post = post.having(sizes=_BEGIN)
+        point = post.again(point)
+        for _ in range(2):
+            post = post.having(noise=learnt_noise(post, point, white=True))
+            point = post.descend(point.z, point.c, evaluations=12, tolerance=0.3)
+        cost = point.cost + sum(
+            recording.n * np.log(noise.variance)
+            for recording, noise in zip(post.problem.inputs, post.noise, strict=True)
+        )
+        return float(cost), post, point
 
     def _learnt(
         self, post: LogPosterior, point: Point, rounds: int, *, white: bool = False,
@@ -395,9 +405,7 @@ class _Search:
         point = post.descend(post.start(values), evaluations=20, tolerance=0.3)
         post, point = self._learnt(post, point, 2, white=True, evaluations=12)
         full = self._posterior(possible, _RATES[1], post.noise, post.sizes)
-        point = full.descend(
-            full.start(post.by_name(point.z)), point.c, evaluations=10, tolerance=0.3
-        )
+        point = full.descend(full.like(post, point.z), point.c, evaluations=10, tolerance=0.3)
         if full.rectified and not self._still:  # what that noise does is no error of the model
             full = full.having(fast=0.0, sizes=_BEGIN)
             point = full.descend(point.z, evaluations=25, tolerance=0.3)
@@ -419,8 +427,9 @@ class _Search:
         scored = with_likely(scored, "spring", "plate", _LIKELY)
         own = self._posterior(scored[0].groups, _RATES[1], full.noise, full.sizes, full)
         own = own.having(fast=full.fast)
+        mode = scored[0].mode
         best = own.descend(
-            own.start(full.by_name(point.z)), point.c, point.w, evaluations=15, tolerance=0.1
+            own.like(full, mode), *point.latents_at(mode), evaluations=15, tolerance=0.1
         )
         own, best = self._learnt(own, best, 2 if own.fast else _ROUNDS)
         if own.fast is None and not self._perfect:
@@ -478,6 +487,19 @@ class _Search:
             better(highest if better(high) else low)
         found = min(tried.values(), key=lambda each: each[0])[1:]
         return (own, point) if self._is_worse(found, (own, point)) else found
+
+
+def _started(post: LogPosterior, begin: FloatArray, point: Point, evaluations: int) -> Start:
+    """What is told of a start: where it began and ended, and by how many evaluations."""
+    first, last = (
+        {n: by[n] for n in post.problem.free} for by in map(post.by_name, (begin, point.z))
+    )
+    sse = sum(
+        float(np.sum(post.observed.residual(point.z, *no, i) ** 2))
+        for i, no in enumerate(zip(post.still(), post.expected(), strict=True))
+    )
+    outcome = Outcome.CONVERGED if point.rested else Outcome.ITERATIONS
+    return Start(first, last, sse, str(outcome), evaluations)
 
 
 def _white(problem: FitProblem, part: float) -> tuple[NoiseModel, ...]:

@@ -28,9 +28,11 @@ from surae.inference.observed import REST, Observed, SensorRows
 from surae.inference.problem import FitProblem
 from surae.model.sources import Gaussian
 
-#: Ridge under which the whole step is judged, the shortest part of a step that is tried, and the
-#: damping at which a descent gives up.
-_RIDGE, _SHORTEST, _STUCK = 1e-12, 1e-3, 1e8
+#: Ridge under which the whole step is judged, and the shortest part of a step that is tried.
+_RIDGE, _SHORTEST = 1e-12, 1e-3
+#: A descent also rests after so many steps that gained less than this part of its tolerance each:
+#: on a kink, where tissue goes slack, less is to be gained than the normal equations promise.
+_IDLE, _LITTLE = 2, 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,7 +247,8 @@ class LogPosterior(Coordinates):
         w = self.expected() if w is None or self.fast is None or not len(w[0]) else tuple(w)
         self.observed.anew()
         here = self._point(z, c, w)
-        damping, spent, secant, eye = 1e-3, 0, Secant(len(z)), np.eye(len(z))
+        damping, spent, idle = 1e-3, 0, 0
+        secant, eye = Secant(len(z)), np.eye(len(z))
         while True:
             H, g = self._normal(here)
             scale = np.sqrt(np.diag(H))
@@ -254,8 +257,9 @@ class LogPosterior(Coordinates):
             # damped, a step says nothing of directions that the data hardly tell
             whole = box_quadratic(A + _RIDGE * eye, b, *room)
             latent_gain = sum(x.latent_gain for x in here.blocks)
-            rested = bool(predicted_gain(A, b, whole) + latent_gain < tolerance)
-            if rested or spent >= evaluations or damping > _STUCK:
+            left = predicted_gain(A, b, whole) + latent_gain
+            rested = bool(left < tolerance) or idle == _IDLE
+            if rested or spent >= evaluations:
                 return replace(here, rested=rested)
             A = secant.added(A, scale)
             d = box_quadratic(A + damping * eye, b, *room)
@@ -270,6 +274,7 @@ class LogPosterior(Coordinates):
                     secant.learn(trial.z - here.z, turned - g, there if better else H)
                 if not better:
                     part = shorter(part, slope, trial.cost - here.cost)
+            idle = 0 if here.cost - trial.cost > _LITTLE * tolerance else idle + 1
             if not better:
                 damping *= 10.0
                 continue
