@@ -233,7 +233,7 @@ class Leg:
             own, force = alpha * lift_slope, relaxed * elastic + shift + alpha * lift
             slow, quick = relaxed * k * elastic + own, k * elastic + own
             return MuscleHold(force, slow, quick, x, 1.0, arm, slope, arm_slope, lift)
-        step = (x, x, _STILL, relaxed, 0.0, alpha)
+        step = (x, x, _STILL, relaxed, 0.0, alpha, 0.0)
         solved, e, here = solve(0.0, (k, x0, l0, self.greatest_speed(group), *shape), curve, step)
         if not solved:
             raise ComputationError("muscle and tendon have no finite balance with these parameters")

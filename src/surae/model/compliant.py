@@ -42,6 +42,9 @@ GAMMA = 1.0 - 0.5**0.5
 #: The second stage starts from (1 − ρ) of the sample before and ρ of the first stage.
 _RHO = (1.0 - GAMMA) / GAMMA
 
+#: Force over which tissue goes slack, as a part of the active state over which that reaches zero.
+_SLACK = 1.0 / 3.0
+
 
 def stages(length: FloatArray, speed: FloatArray, dt: float) -> FloatArray:
     """Lengths of a unit at both stages of every step, and how it moves on, shape (…, 4, n).
@@ -99,7 +102,8 @@ def compliant_states(
     dt : float
         Sample time [s].
     rest : float
-        Active state over which it reaches zero [N]: ½·(α + √(α² + rest²)) pulls; 0 for a kink.
+        Active state over which it reaches zero [N]: ½·(α + √(α² + rest²)) pulls; 0 for a kink. A
+        part of it is the force over which tissue goes slack.
     states : ndarray, shape (5, n)
         Is filled: length x [m], speed x' [m/s], tendon elongation [m], tendon force [N] and passive
         force F_elas [N].
@@ -116,7 +120,7 @@ def compliant_states(
         First sample whose force balance could not be solved, −1 where there is none.
     """
     k, x0, l0, tau, k_rel = p[K], p[X0], p[L0], p[TAU], p[K_REL]
-    vmax = factor * l0 * math.exp(p[FASTEST])
+    vmax, slack = factor * l0 * math.exp(p[FASTEST]), _SLACK * rest
     short, long = p[SHORT], p[LONG]
     bend, gain = MVSH * math.exp(p[BEND]), (FECC - 1.0) * math.exp(p[GAIN])
     own = (k, x0, l0, vmax, short, long, bend, gain)
@@ -198,7 +202,7 @@ def compliant_states(
                     x_b[last + j] += length_slopes[j, 2 + stage, i]
             held = keep * z_before
             solved, e, here = solve(
-                guess, own, curve, (rigid, x_before, per_h, 1.0 - take, held, alpha)
+                guess, own, curve, (rigid, x_before, per_h, 1.0 - take, held, alpha, slack)
             )
             if not solved:
                 return i

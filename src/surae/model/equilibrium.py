@@ -32,7 +32,7 @@ NEWTON_STEPS = 8
 SEARCH_STEPS = 400
 
 Muscle = tuple[float, float, float, float, float, float, float, float]
-Step = tuple[float, float, float, float, float, float]
+Step = tuple[float, float, float, float, float, float, float]
 Balance = tuple[float, float, float, float, float, float, float, float, float, float]
 
 
@@ -50,16 +50,18 @@ def balance(e: float, muscle: Muscle, curve: TendonCurve, step: Step) -> Balance
     curve : tuple
         From `surae.model.tendon.tendon_curve`.
     step : tuple
-        x_rigid [m], x̂ [m], 1/h [1/s], w [-], held [N], α [N].
+        x_rigid [m], x̂ [m], 1/h [1/s], w [-], held [N], α [N]; the force over which tissue goes
+        slack [N], ½·(f + √(f² + that²)) being left of f, 0 for a kink.
 
     Returns
     -------
     tuple of float
-        G [N]; ∂G/∂e [N/m]; F_t [N]; ∂F_t/∂e [N/m]; F0 [N]; 1 where the tissue pulls, else 0; f_l;
+        G [N]; ∂G/∂e [N/m]; F_t [N]; ∂F_t/∂e [N/m]; F0 [N]; 1 where the tissue pulls, else 0,
+        and between where it goes slack; f_l;
         ∂f_l/∂x [1/m]; f_v; ∂f_v/∂x' [s/m].
     """
     k, x0, l0, vmax, short, long, bend, gain = muscle
-    rigid, start, per_h, w, held, alpha = step
+    rigid, start, per_h, w, held, alpha, rounded = step
     x = rigid - e
     force, slope = tendon_force(e, curve)
     elastic = elastic_force(x, k, x0)
@@ -69,7 +71,12 @@ def balance(e: float, muscle: Muscle, curve: TendonCurve, step: Step) -> Balance
     G_e = slope + alpha * (fl_x * fv + fl * fv_v * per_h)
     pulls = 0.0
     tissue = w * elastic - held
-    if tissue > 0.0:
+    if rounded > 0.0:
+        far = math.sqrt(tissue * tissue + rounded * rounded)
+        pulls = 0.5 * (1.0 + tissue / far)
+        G -= 0.5 * (tissue + far)
+        G_e += pulls * w * k * elastic
+    elif tissue > 0.0:
         pulls = 1.0
         G -= tissue
         G_e += w * k * elastic
