@@ -6,12 +6,15 @@ at both ends of a step say what S does along it (Dennis, Gay & Welsch 1981).
 """
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from surae.base.units import FloatArray
 
 #: Part of its cost that a step has to gain for Gauss–Newton to be trusted alone (Fletcher & Xu
 #: 1987, ε = 0.2): far from the mode S is another at every point.
 FAR = 0.2
+#: Least part of Gauss–Newton's curvature that is left with S: a longer step has never been looked at.
+_BENT = 0.5
 #: Least and greatest part of a step that is tried where the whole one, or a part, rose.
 _LEAST, _MOST = 0.1, 0.5
 
@@ -45,11 +48,17 @@ class Secant:
         self.S -= (step @ away) * np.outer(along, along) / length**2
 
     def added(self, A: FloatArray, scale: FloatArray) -> FloatArray:
-        """A + S of scaled coordinates, nowhere less bent than A is where that is least bent."""
+        """A + S of scaled coordinates, in no direction less than half as bent as A."""
         if not self.S.any():
             return A
-        sizes, axes = np.linalg.eigh(A + self.S / np.outer(scale, scale))
-        return np.asarray((axes * np.maximum(sizes, np.linalg.eigvalsh(A)[0])) @ axes.T)
+        try:
+            L = np.linalg.cholesky(A)
+        except np.linalg.LinAlgError:  # data without noise outweigh every prior to the last digit
+            return A
+        inner = solve_triangular(L, self.S / np.outer(scale, scale), lower=True)
+        sizes, axes = np.linalg.eigh(solve_triangular(L, inner.T, lower=True))
+        axes = L @ axes
+        return np.asarray((axes * np.maximum(1.0 + sizes, _BENT)) @ axes.T)
 
 
 def shorter(part: float, slope: float, rise: float) -> float:
