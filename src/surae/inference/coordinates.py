@@ -64,10 +64,11 @@ class Coordinates:
         return np.asarray(np.clip(z, self.lower, self.upper))
 
     def like(self, other: "Coordinates", z: FloatArray) -> FloatArray:
-        """Coordinates as another problem of these recordings has them, of the mean what it lacks."""
+        """Coordinates of the same recordings taken over; means of the priors of what is new."""
         known = dict(zip(_numbered(other.of), z, strict=True))
-        own = [known.get(key, mean) for key, mean in zip(_numbered(self.of), self.mean, strict=True)]
-        return np.clip(own, self.lower, self.upper)
+        new = zip(_numbered(self.of), self.mean, strict=True)
+        own = np.array([known.get(key, mean) for key, mean in new])
+        return np.asarray(np.clip(own, self.lower, self.upper))
 
     def values(self, z: FloatArray, number: int | None = None) -> FloatArray:
         """The whole parameter vector; of one recording, or with the mean of what each has."""

@@ -13,7 +13,8 @@ from surae.base.units import FloatArray
 #: Part of its cost that a step has to gain for Gauss–Newton to be trusted alone (Fletcher & Xu
 #: 1987, ε = 0.2): far from the mode S is another at every point.
 FAR = 0.2
-#: Least part of Gauss–Newton's curvature that is left with S: a longer step has never been looked at.
+#: Least part of Gauss–Newton's curvature that S leaves in any direction: what it says of it is of
+#: steps that were shorter.
 _BENT = 0.5
 #: Least and greatest part of a step that is tried where the whole one, or a part, rose.
 _LEAST, _MOST = 0.1, 0.5

@@ -54,8 +54,8 @@ from surae.signals.resample import thinned, thinning_factor
 
 #: Rates [Hz] of the search's stages, and the samples that each recording keeps at least.
 _RATES, _SAMPLES = (32.0, 64.0), 400
-#: Active state over which it reaches zero at each rate [N].
-_ROUNDED = dict(zip(_RATES, (30.0, REST), strict=True))
+#: Active state over which it reaches zero at each rate until departures are chosen [N].
+_ROUNDED = (30.0, 3.0)
 #: Relaxation times [s] and factor from which a search begins.
 _RELAXATIONS, _RELAXED = (0.4, 4.0), 0.3
 #: Noise of the continuation, as parts of the torque's changes.
@@ -259,7 +259,7 @@ class _Search:
 
     def _posterior(
         self, groups: Sequence[str], rate_hz: float, noise: Sequence[NoiseModel],
-        sizes: Mapping[str, float], like: LogPosterior | None = None,
+        sizes: Mapping[str, float], like: LogPosterior | None = None, rest: float = REST,
     ) -> LogPosterior:  # fmt: skip
         """The posterior of the data at a rate with these departures."""
         original = self._original
@@ -294,7 +294,7 @@ class _Search:
         priors = self._leg(problem) | {n: _searched(n, b) for n, b in beliefs.items()}
         made = LogPosterior(
             problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz,
-            rest=_ROUNDED[rate_hz],
+            rest=rest,
         )  # fmt: skip
         self._observed.append(made.observed)
         return made
@@ -333,7 +333,8 @@ class _Search:
 
     def _first(self) -> tuple[dict[str, float], tuple[NoiseModel, ...]]:
         """Values without departures from thinned data, and the noise they leave."""
-        post = self._posterior((), _RATES[0], _white(self._original, _TEMPERS[0]), _NEARLY_NONE)
+        white = _white(self._original, _TEMPERS[0])
+        post = self._posterior((), _RATES[0], white, _NEARLY_NONE, rest=_ROUNDED[0])
         found: list[tuple[float, LogPosterior, Point]] = []
         first: Point | None = None
         for relaxation in _RELAXATIONS:
@@ -401,10 +402,10 @@ class _Search:
             if group not in self._known and any(group_of(n) == group for n in self._beliefs)
         )
         sizes = _NEARLY_NONE if self._still else _BEGIN
-        post = self._posterior(possible, _RATES[0], noise, sizes)
+        post = self._posterior(possible, _RATES[0], noise, sizes, rest=_ROUNDED[0])
         point = post.descend(post.start(values), evaluations=20, tolerance=0.3)
         post, point = self._learnt(post, point, 2, white=True, evaluations=12)
-        full = self._posterior(possible, _RATES[1], post.noise, post.sizes)
+        full = self._posterior(possible, _RATES[1], post.noise, post.sizes, rest=_ROUNDED[1])
         point = full.descend(full.like(post, point.z), point.c, evaluations=10, tolerance=0.3)
         if full.rectified and not self._still:  # what that noise does is no error of the model
             full = full.having(fast=0.0, sizes=_BEGIN)

@@ -126,9 +126,7 @@ class LogPosterior(Coordinates):
     def _anew(self, calls: list[int] | None = None) -> Observed:
         """The recordings, nothing of them computed; without errors of drives, noise alone adds."""
         noise_alone = self.fast == 0.0
-        return Observed(
-            self, self.latents, noise_alone=noise_alone, rest=self.rest, calls=calls
-        )
+        return Observed(self, self.latents, noise_alone=noise_alone, rest=self.rest, calls=calls)
 
     def still(self) -> tuple[FloatArray, ...]:
         """Latents of which nothing is known yet."""
