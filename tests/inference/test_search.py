@@ -67,8 +67,8 @@ def test_what_carries_no_signal_brings_nothing_in(part: float, held: bool) -> No
     dead = replace(one, emg=read_only(emg))
     without = solve(make_problem([none], "auto", fixed={"g4": 0.0}))
     beside = solve(make_problem([dead], "auto", fixed={"g4": 0.0} if held else {}))
-    assert beside.family.beliefs.keys() == without.family.beliefs.keys()
-    sd = dict(zip(without.problem.free, np.sqrt(np.diag(without.family.covariance)), strict=True))
+    assert beside.found.beliefs.keys() == without.found.beliefs.keys()
+    sd = dict(zip(without.problem.free, np.sqrt(np.diag(without.found.covariance)), strict=True))
     for name in without.problem.free:
         assert abs(beside.values[name] - without.values[name]) < 0.1 * sd[name], name
     assert beside.problem.inputs == (dead,)
