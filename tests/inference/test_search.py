@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
+from toys import STABLE, disturbed, moved
 
 import surae
 from ankle_legs.make import make
@@ -17,6 +19,8 @@ from surae.inference.learning import explained
 
 #: By how much less of the torque's changes `auto` may follow than model 1.0 [% of R²].
 LESS = 0.5
+#: Evaluations of a search where it was 59, and 220 before kinks were round and descents rested.
+MOST = 80
 
 
 def raw_leg(folder: Path, family: str, seed: int, every: int = 1, *, seconds: float = 20.0) -> Path:
@@ -72,6 +76,59 @@ def test_what_carries_no_signal_brings_nothing_in(part: float, held: bool) -> No
     for name in without.problem.free:
         assert abs(beside.values[name] - without.values[name]) < 0.1 * sd[name], name
     assert beside.problem.inputs == (dead,)
+
+
+def test_a_search_takes_few_evaluations(tmp_path) -> None:
+    """Counts are the same on every machine but for rounding; seconds are not."""
+    inputs = surae.prepare(surae.read(make("g", 41, tmp_path, (1,))[0]))
+    fit = solve(make_problem([inputs], "auto"))
+    assert fit.status == "converged"
+    assert fit.found.evaluations <= MOST
+    assert "come to rest" not in fit.message
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("family", "seed"), [("a", 931), ("c", 40), ("g", 41), ("h", 46), ("b", 50)]
+)
+def test_values_are_of_the_data_and_not_of_the_path(family: str, seed: int, tmp_path) -> None:
+    """The seventh digit moves nothing, nor does the number of threads."""
+    inputs = surae.prepare(surae.read(make(family, seed, tmp_path, (1,))[0]))
+    one = solve(make_problem([inputs], "auto"))
+    assert moved(one, solve(make_problem([disturbed(inputs)], "auto"))) < STABLE
+    with threadpool_limits(2):
+        assert solve(make_problem([inputs], "auto")).values == one.values
+
+
+@pytest.mark.slow
+def test_the_order_of_columns_and_of_trials_moves_nothing(tmp_path) -> None:
+    paths = make("a", 46, tmp_path, (1, 2), seconds=20.0)
+    trials = [surae.prepare(surae.read(path)) for path in paths]
+    table = paths[0].with_suffix(".csv")
+    comment, header = table.read_text(encoding="utf-8").splitlines()[:2]
+    columns = np.loadtxt(table, delimiter=",", skiprows=2)
+    turned = f"{comment}\n{','.join(header.split(',')[::-1])}"
+    np.savetxt(table, columns[:, ::-1], "%.8g", ",", header=turned, comments="", encoding="utf-8")
+    assert surae.prepare(surae.read(paths[0])) == trials[0]
+    one, other = (solve(make_problem(order, "auto")) for order in (trials, trials[::-1]))
+    assert moved(one, other) < STABLE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["joint", "film", "population"])
+def test_every_search_looks_back(kind: str, tmp_path) -> None:
+    """Several trials, a film, and what is known of a population: it is the same search."""
+    trials = (1, 2) if kind == "joint" else (1,)
+    paths = make("a", 46, tmp_path, trials, raw=True, film=kind == "film", seconds=20.0)
+    for path in paths:  # at 256 Hz, where latents took the torque over
+        table = path.with_suffix(".csv")
+        lines = table.read_text(encoding="utf-8").splitlines(keepends=True)
+        table.write_text("".join([*lines[:2], *lines[2::4]]), encoding="utf-8")
+    known = {"population": "healthy"} if kind == "population" else {}
+    whole = surae.fit(paths, quality=(), **known)
+    plain = surae.fit(paths, model="muscle", quality=(), **known)
+    assert whole.status == "converged"
+    assert whole.adequacy.r2 >= plain.adequacy.r2 - LESS
 
 
 def test_samples_that_do_not_count_are_not_explained() -> None:

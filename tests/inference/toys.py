@@ -1,7 +1,7 @@
 """Models small enough that their likelihood is known, fitted like any other."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from surae.model import ModelOptions
 from surae.model.parameter import Parameter
 from surae.model.registry import ModelSpec
 from surae.signals import ModelInputs
+
+#: By how many standard deviations a value may move where nothing is another.
+STABLE = 0.05
 
 #: From parameters to a curve and its Jacobian rows.
 Curve = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -79,3 +82,20 @@ def toy_fit(*given, **more) -> FitResult:
 def linear(design: np.ndarray) -> Curve:
     """A curve that is linear in its parameters, design of shape (n, p)."""
     return lambda values: (design @ values, design.T.copy())
+
+
+def moved(one: FitResult, other: FitResult) -> float:
+    """How far values of two fits are apart, in standard deviations of the first."""
+    sd = np.sqrt(np.diag(one.found.covariance))
+    away = [other.values[name] - one.values[name] for name in one.problem.free]
+    return float(np.abs(away / sd).max())
+
+
+def disturbed(inputs: ModelInputs, seed: int = 0) -> ModelInputs:
+    """The inputs times 1 + 10⁻⁶ of noise."""
+    rng = np.random.default_rng(seed)
+    torque, emg = (
+        read_only(signal * (1.0 + 1e-6 * rng.standard_normal(signal.shape)))
+        for signal in (inputs.torque, inputs.emg)
+    )
+    return replace(inputs, torque=torque, emg=emg)
