@@ -109,7 +109,9 @@ def test_the_order_of_columns_and_of_trials_moves_nothing(tmp_path) -> None:
     columns = np.loadtxt(table, delimiter=",", skiprows=2)
     turned = f"{comment}\n{','.join(header.split(',')[::-1])}"
     np.savetxt(table, columns[:, ::-1], "%.8g", ",", header=turned, comments="", encoding="utf-8")
-    assert surae.prepare(surae.read(paths[0])) == trials[0]
+    again = surae.prepare(surae.read(paths[0]))
+    for signal in ("angle", "torque", "emg"):
+        np.testing.assert_array_equal(getattr(again, signal), getattr(trials[0], signal))
     one, other = (solve(make_problem(order, "auto")) for order in (trials, trials[::-1]))
     assert moved(one, other) < STABLE
 

@@ -69,15 +69,21 @@ class Point:
     blocks: tuple[Block, ...] = field(repr=False)  #: The normal equations there.
     rested: bool = False  #: Whether a descent ended here because nothing was to be gained.
 
-    def latents_at(self, z: FloatArray) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
-        """Latents, then fast gains, as the normal equations have them where parameters are z."""
+    def latents_at(
+        self, z: FloatArray, part: float = 1.0
+    ) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
+        """Latents, then fast gains, as the normal equations have them where parameters are z.
+
+        Of a `part` of a step they go the same part of what they would go alone.
+        """
         moved, slow, fast = z - self.z, [], []
         for c, w, b in zip(self.c, self.w, self.blocks, strict=True):
-            slow.append(c - b.step_c - b.solved @ moved)
+            slow.append(c - part * b.step_c - b.solved @ moved)
             if b.step is None or b.fast is None:
                 fast.append(w)
             else:
-                fast.append(w - b.step - b.fast @ np.concatenate([moved, slow[-1] - c]))
+                both = np.concatenate([moved, slow[-1] - c])
+                fast.append(w - part * b.step - b.fast @ both)
         return tuple(slow), tuple(fast)
 
 
@@ -264,7 +270,7 @@ class LogPosterior(Coordinates):
             gain, slope = predicted_gain(A, b, d), 2.0 * (latent_gain - float(b @ d))
             part, better = 1.0, False
             while not better and part > _SHORTEST and spent < evaluations:
-                trial = self._trial(here, part * d / scale)
+                trial = self._trial(here, d / scale, part)
                 spent += 1
                 better = trial.cost < here.cost
                 if np.isfinite(trial.cost):
@@ -289,11 +295,11 @@ class LogPosterior(Coordinates):
         blocks = self.blocks(z, c, w)
         return Point(z, c, w, sum(b.cost for b in blocks) + self.prior_cost(z), blocks)
 
-    def _trial(self, here: Point, step: FloatArray) -> Point:
-        """The point a step leads to; of infinite cost where nothing can be computed."""
-        z = self.curved(here.z, step)
+    def _trial(self, here: Point, step: FloatArray, part: float) -> Point:
+        """The point a part of a step leads to; of infinite cost where nothing can be computed."""
+        z = self.curved(here.z, part * step)
         try:
-            return self._point(z, *here.latents_at(z))
+            return self._point(z, *here.latents_at(z, part))
         except FloatingPointError:
             return replace(here, cost=np.inf)
 

@@ -43,7 +43,7 @@ GAMMA = 1.0 - 0.5**0.5
 _RHO = (1.0 - GAMMA) / GAMMA
 
 #: Force over which tissue goes slack, as a part of the active state over which that reaches zero.
-_SLACK = 1.0 / 3.0
+_SLACK = 0.1
 
 
 def stages(length: FloatArray, speed: FloatArray, dt: float) -> FloatArray:
