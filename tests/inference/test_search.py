@@ -19,7 +19,7 @@ from surae.inference.learning import explained
 
 #: By how much less of the torque's changes `auto` may follow than model 1.0 [% of R²].
 LESS = 0.5
-#: Evaluations of a search where it was 59, and 220 before kinks were round and descents rested.
+#: Evaluations of a search where it was 62, and 220 before kinks were round and descents rested.
 MOST = 80
 
 
