@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.measures.leg import GROUPS, Leg, elongation
+from surae.measures.leg import GROUPS, Leg
+from surae.measures.muscle import elongation
 from surae.model import joint as anatomy
 from surae.model.parameters import OPTIONAL_PARAMETERS
 from surae_exchange.muscles import (

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 from surae.base.frozen import FrozenDict
 from surae.model import ModelSpec
-from surae.model.parameters import MUSCLE_PARAMETERS, Parameter
+from surae.model.parameter import Parameter
+from surae.model.parameters import MUSCLE_PARAMETERS
 from surae.model.prior import Prior
 
 _OF = {p.name: p for p in MUSCLE_PARAMETERS}
