@@ -53,7 +53,7 @@ def test_every_verdict_and_finding_has_its_word_colour_and_advice() -> None:
     for word in Verdict:
         assert f".mark.{word}" in css
         assert f".verdict.{word}" in paper
-        assert re.search(rf'"?{word}"?: "', js)
+        assert re.search(rf'"?{word}"?: _\("', js)
     for grade in Grade:
         assert f".adequacy.{grade}" in paper
     for kind in KINDS.values():

@@ -126,7 +126,7 @@ def explicit_states(
     decay, b0, b1 = step[0], step[1], step[2]
     dc = p[K_REL] / (1.0 + p[K_REL])
 
-    start = (lengths[0], lengths[0], 1.0, 1.0 - dc, 0.0, 0.0)
+    start = (lengths[0], lengths[0], 1.0, 1.0 - dc, 0.0, 0.0, 0.0)
     solved, e, _ = solve(0.0, (k, x0, l0, vmax, *CURVES), curve, start)
     if not solved:
         return 0
