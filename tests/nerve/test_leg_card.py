@@ -9,8 +9,8 @@ from perturbed_ankle import Ankle, ramps
 from surae.base.records import from_plain, to_plain
 from surae.recording import Recording
 from surae.report.language import words_in
-from surae.report.nerve import nerve_card
 from surae.trials.nerve import Nerve, StretchTold, Told, nerve_of
+from surae_nerve.card import nerve_card
 from surae_nerve.session import of_session
 
 FAST = StretchTold("dorsiflexion", 200.0, 14.0, 5.0, 1.0, 6.0, (5.0, 7.0))

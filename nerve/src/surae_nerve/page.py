@@ -5,10 +5,10 @@ from datetime import datetime
 from surae.base.formatting import NO_NUMBER, percentage
 from surae.report import block
 from surae.report.figures import Figure
-from surae.report.figures.leg import stretches_figure
 from surae.report.language import words_in
 from surae.report.output import Report
 from surae_nerve.answer import Impedance, measure_rows
+from surae_nerve.card import stretches_figure
 from surae_nerve.figures import effort_figure, frequency_figure, impulse_figure
 from surae_nerve.impedance import Perturbed
 from surae_nerve.session import told_of

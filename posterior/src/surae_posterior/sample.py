@@ -172,7 +172,7 @@ class Posterior(Tabular, Saved, Comparable):
         InputError
             The package xarray is not installed.
         """
-        from surae.inference.sampling import arviz_data
+        from surae_posterior import arviz_data
 
         xarray = library("xarray", "InferenceData")
         units = {name: self.marginals[name].unit for name in self.names}

@@ -2,20 +2,23 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import FunctionType
 from typing import TYPE_CHECKING, Any
 
 from surae.api.given import AnyRecording
 from surae.api.plots import Plots, numbered
 from surae.api.recordings import as_in_fit
 from surae.api.simulation import parts_of, tendon_of
-from surae.base.errors import UnknownNameError
+from surae.base.errors import InputError, UnknownNameError
 from surae.base.files import PathLike
 from surae.base.formatting import nearest
 from surae.base.frozen import FrozenDict
+from surae.base.plugins import plugins
 from surae.base.tables import Tabular, TextTable
 from surae.inference import AssessedFit
 from surae.inference.adequacy import Adequacy
 from surae.inference.assessment import assess
+from surae.inference.observed import measured
 from surae.inference.parameter import ParameterEstimate
 from surae.inference.saved.fit_json import save_fit
 from surae.inference.uncertainty.covariance import Covariance
@@ -136,11 +139,12 @@ class Fit(Tabular, AssessedFit):
         Raises
         ------
         InputError
-            The package xarray is not installed, or no parameter has an interval.
+            surae-posterior or xarray is not installed, or no parameter has an interval.
         """
-        from surae.inference.sampling.arviz_data import of_fit
-
-        return of_fit(self.result, self.assessment, draws, seed, log_likelihood=log_likelihood)
+        draw = plugins("draws", FunctionType).get("arviz")
+        if draw is None:
+            raise InputError("draws for ArviZ need a package: `pip install surae-posterior`")
+        return draw(self.result, self.assessment, draws, seed, log_likelihood=log_likelihood)
 
     def to_xarray(self, recording: int = 0) -> Any:
         """Angle, torque and modelled torque of the fit's first, second, … recording over time.
@@ -160,10 +164,13 @@ class Fit(Tabular, AssessedFit):
         InputError
             The package xarray is not installed, or the fit has no such recording.
         """
-        from surae.inference.sampling.arviz_data import traces_of_fit
-
-        numbered(self.result.problem.inputs, recording)
-        return traces_of_fit(self.result, recording)
+        xarray = library("xarray", "a Dataset")
+        own = numbered(self.result.problem.inputs, recording)
+        torque = measured(own)
+        columns = {"angle": (own.angle, "rad"), "torque": (torque, "Nm"),
+                   "modelled": (torque - self.result.residuals[recording], "Nm")}  # fmt: skip
+        variables = {name: ("time", values, {"units": u}) for name, (values, u) in columns.items()}
+        return xarray.Dataset(variables, {"time": own.time}, {"name": own.name})
 
     def __getitem__(self, name: str) -> ParameterEstimate:
         """A parameter or nuisance by name: ``fit["l0_tri"].ci95``.

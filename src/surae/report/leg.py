@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import FunctionType
 
 import numpy as np
 
+from surae.base.plugins import plugins
 from surae.inference import AssessedFit
 from surae.measures import Measures, measures
 from surae.measures.change import Change, compare_sessions
@@ -28,7 +30,6 @@ from surae.report import block, cards
 from surae.report.figures import Figure
 from surae.report.figures.leg import shares_bar, stiffness_figure
 from surae.report.language import Words
-from surae.report.nerve import nerve_card
 from surae.trials import Trial
 from surae.trials.nerve import Nerve
 
@@ -93,8 +94,8 @@ def leg_answers(
         figures["made"] = shares_bar([(_(name), value, ci) for name, value, ci in parts])
     picture = cards.stiffness_picture(len(holds), len(stretches), zero, _,
                                       without_weight=model is not None)  # fmt: skip
-    nerves = []
-    if nerve is not None:
+    nerves, nerve_card = [], plugins("cards", FunctionType).get("nerve")
+    if nerve is not None and nerve_card is not None:
         card, drawn = nerve_card(nerve, _)
         figures |= drawn
         nerves = [(_("How much is nerve?"), card, "nerve")]

@@ -11,12 +11,11 @@ from surae.base.units import FloatArray
 from surae.measures.measure import Measure
 from surae.measures.measured import HeldPoint, Stretch, TorqueCurve
 from surae.measures.norms import Norm
-from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, dress, new_figure
+from surae.report.figures import BLUE, GREY, INK, MUTED, dress, new_figure
 from surae.report.language import Words
-from surae.trials.nerve import StretchTold
 
 #: Width of a card's figure, so that its letters are read on a telephone too [inch].
-_WIDTH = 4.6
+CARD_WIDTH = 4.6
 #: A band may reach so many times the measured range beyond it before it is cut off.
 _BEYOND = 0.5
 
@@ -33,7 +32,7 @@ def stiffness_figure(
 
     `own` is the leg's measure at the angle of each norm, the same quantity.
     """
-    figure = new_figure(2.9, width=_WIDTH)
+    figure = new_figure(2.9, width=CARD_WIDTH)
     axes = figure.subplots()
     drawn: list[FloatArray] = []
     for number, (norm, at) in enumerate(norms):
@@ -71,7 +70,7 @@ def stiffness_figure(
 
 def visits_figure(visits: Sequence[tuple[str, TorqueCurve]], _: Words) -> Figure:
     """The relaxed ankle's torque over its angle at two visits, or of two legs, by their names."""
-    figure = new_figure(2.9, width=_WIDTH)
+    figure = new_figure(2.9, width=CARD_WIDTH)
     axes = figure.subplots()
     for (name, curve), colour, dash in zip(visits, (INK, BLUE), ("-", "--"), strict=False):
         _curve(axes, curve, colour, dash, name)
@@ -87,7 +86,7 @@ def over_time_figure(
 
     `band` is the middle and half-width of what could not be told from the visit compared with.
     """
-    figure = new_figure(2.6, width=_WIDTH)
+    figure = new_figure(2.6, width=CARD_WIDTH)
     axes = figure.subplots()
     days = sorted({day for day, *_rest in points})
     apart = 0.012 * max((days[-1] - days[0]).days, 1)
@@ -139,7 +138,7 @@ def _dressed(axes: Axes, drawn: Sequence[FloatArray], _: Words) -> None:
 
 def shares_bar(parts: Sequence[tuple[str, float, tuple[float, float] | None]]) -> Figure:
     """What the torque is made of as one bar [%]; a line above each end that is uncertain."""
-    figure = new_figure(0.95, width=_WIDTH)
+    figure = new_figure(0.95, width=CARD_WIDTH)
     axes = figure.subplots()
     begin = 0.0
     for (name, value, interval), colour in zip(parts, (INK, BLUE, GREY, "#e3e6ea"), strict=False):
@@ -157,27 +156,4 @@ def shares_bar(parts: Sequence[tuple[str, float, tuple[float, float] | None]]) -
     axes.set_xlim(0.0, 100.0)
     axes.set_ylim(-0.4, 0.6)
     axes.set_axis_off()
-    return figure
-
-
-def stretches_figure(stretches: Sequence[StretchTold], _: Words) -> Figure:
-    """Parts of the torque [Nm] of each stretch over its speed, the neural one with its interval."""
-    figure = new_figure(2.6, width=_WIDTH)
-    axes = figure.subplots()
-    for label, values, colour, mark in (
-        (_("elastic"), [s.elastic for s in stretches], GREY, "s"),
-        (_("viscous"), [s.viscous for s in stretches], OCHRE, "^"),
-        (_("reflex"), [s.neural for s in stretches], RED, "o"),
-    ):
-        own = [(s.speed, v) for s, v in zip(stretches, values, strict=True) if v is not None]
-        if own:
-            axes.plot(*zip(*own, strict=True), mark, color=colour, ms=4, label=label)
-    for s in stretches:
-        if s.ci95 is not None:
-            axes.plot([s.speed] * 2, s.ci95, color=RED, linewidth=0.8)
-    dress(axes, _("Torque [Nm]"), _("Speed of stretch [°/s]"))
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
-    axes.legend(frameon=False, fontsize=8, labelcolor=INK, loc="lower left", ncols=3,
-                bbox_to_anchor=(0.0, 1.0))  # fmt: skip
     return figure

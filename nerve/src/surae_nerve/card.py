@@ -7,8 +7,8 @@ import numpy as np
 
 from surae.base.formatting import significant
 from surae.report import block
-from surae.report.figures import Figure
-from surae.report.figures.leg import stretches_figure
+from surae.report.figures import GREY, INK, OCHRE, RED, Figure, dress, new_figure
+from surae.report.figures.leg import CARD_WIDTH
 from surae.report.language import Words
 from surae.trials.nerve import Nerve, StretchTold
 
@@ -134,3 +134,26 @@ def _of_perturbations(nerve: Nerve, _: Words) -> tuple[str, str]:
 
 def _short(value: float, _: Words) -> str:
     return _.number(significant(value, 2))
+
+
+def stretches_figure(stretches: Sequence[StretchTold], _: Words) -> Figure:
+    """Parts of the torque [Nm] of each stretch over its speed, the neural one with its interval."""
+    figure = new_figure(2.6, width=CARD_WIDTH)
+    axes = figure.subplots()
+    for label, values, colour, mark in (
+        (_("elastic"), [s.elastic for s in stretches], GREY, "s"),
+        (_("viscous"), [s.viscous for s in stretches], OCHRE, "^"),
+        (_("reflex"), [s.neural for s in stretches], RED, "o"),
+    ):
+        own = [(s.speed, v) for s, v in zip(stretches, values, strict=True) if v is not None]
+        if own:
+            axes.plot(*zip(*own, strict=True), mark, color=colour, ms=4, label=label)
+    for s in stretches:
+        if s.ci95 is not None:
+            axes.plot([s.speed] * 2, s.ci95, color=RED, linewidth=0.8)
+    dress(axes, _("Torque [Nm]"), _("Speed of stretch [°/s]"))
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
+    axes.legend(frameon=False, fontsize=8, labelcolor=INK, loc="lower left", ncols=3,
+                bbox_to_anchor=(0.0, 1.0))  # fmt: skip
+    return figure

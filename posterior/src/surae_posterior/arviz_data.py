@@ -114,15 +114,3 @@ def _log_likelihood(result: FitResult, assessment: Assessment, leg: FloatArray) 
         variance = sigma2 / weight[own.counts]
         parts.append(-0.5 * (e**2 / variance + np.log(2.0 * np.pi * variance)))
     return np.concatenate(parts)
-
-
-def traces_of_fit(result: FitResult, number: int) -> Any:
-    """What a recording of a fit was, and what is modelled of it, over time."""
-    xarray = library("xarray", "a Dataset")
-    own, residual = result.problem.inputs[number], result.residuals[number]
-    torque = measured(own)
-    columns = {
-        "angle": (own.angle, "rad"), "torque": (torque, "Nm"), "modelled": (torque - residual, "Nm")
-    }  # fmt: skip
-    variables = {name: ("time", values, {"units": u}) for name, (values, u) in columns.items()}
-    return xarray.Dataset(variables, {"time": own.time}, {"name": own.name})

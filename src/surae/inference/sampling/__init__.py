@@ -1,1 +1,0 @@
-"""What the data and prior knowledge say together: draws from the posterior."""
