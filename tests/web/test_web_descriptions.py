@@ -190,7 +190,7 @@ def test_a_wrong_unit_is_mended_by_one_click(browser, trial, tmp_path, how) -> N
     wrong = browser.recording(written(tmp_path / "wrong.csv", frame))
     findings = browser.get(f"/api/recordings/{wrong}/quality").json()["findings"]
     (mend,) = [f["mend"] for f in findings if f["mend"] and f["mend"]["label"].startswith("It is")]
-    assert mend["label"] == label
+    assert mend["label"].format(**mend["given"]) == label
     told = described(browser, wrong)["mapping"]
     for role, change in mend["channels"].items():
         told["channels"][role] |= change
