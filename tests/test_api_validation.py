@@ -55,6 +55,7 @@ def test_excluding_the_bursts_does_as_well(walk, struck) -> None:
     )
     fitted = surae.fit(bad, "muscle", starts=2, weights=surae.Weighting(windows))
     assert fitted.vaf == pytest.approx(97.2, abs=0.2)  # nor do its first 0.7 s count
+    assert fitted.vaf_weighted is None
     first = walk.time <= walk.time[0] + 0.7
     assert fitted.result.problem.n == walk.n - (hit | first).sum()
 
