@@ -79,11 +79,11 @@ def offer_deletion(router: APIRouter, path: str, kind: str) -> None:
 
 
 def report_file(bench: Workbench, row: Entry, kind: str, task: str, **settings: str) -> Response:
-    """A report that a worker writes, of what never changes: one file to keep."""
+    """A report that a worker writes, again where any of its settings is another: one file."""
 
     def write(path: Path) -> None:
         bench.workers.ask(task, output=str(path), **settings)
 
-    key = (row["id"], kind + settings.get("language", ""))
+    key = (row["id"], f"{kind} {sorted(settings.items())}")
     data = bench.reports.get(key, lambda: made_file(f"report.{kind}", write))
     return Response(data, media_type=TYPES[kind], headers=attachment(row["name"], f".{kind}"))
