@@ -39,8 +39,8 @@ def test_holds_cut_in_mid_effort_are_followed_and_claims_are_true(tmp_path, fami
     fit = surae.fit(cut, quality=())
     assert str(fit.adequacy.grade) == "adequate"
     truth = make.truth_of(family, 967, 1, ("isometric",), 64.0)["parameters"]
-    claimed = {n: p for n, p in fit.parameters.items() if p.verdict == "identified" and p.free}
-    assert claimed
-    for name, p in claimed.items():
-        if name in truth:
-            assert p.ci95[0] <= truth[name] <= p.ci95[1], name
+    told = {n: p for n, p in fit.parameters.items() if p.free and p.ci95 and truth.get(n)}
+    missed = [n for n, p in told.items() if not p.ci95[0] <= truth[n] <= p.ci95[1]]
+    assert not [n for n in missed if told[n].verdict == "identified"]
+    assert len(told) >= 13
+    assert len(missed) <= 2  # of 17 at most, one of twenty intervals
