@@ -36,7 +36,9 @@ bench: $(READY)         ## speed against the plain SciPy baseline
 
 messages: $(READY)      ## bring the catalogues of the leg's page up to the source
 	@for each in nl de fr; do $(BIN)/pybabel -q extract --no-location --no-wrap --sort-output -k N_ -k self -k many:1,2 \
-	  -F .ci/babel.cfg -o .messages.pot . && $(BIN)/pybabel -q update --no-fuzzy-matching --ignore-obsolete --no-wrap --ignore-pot-creation-date \
+	  -F .ci/babel.cfg -o .messages.pot . && \
+	  sed -n 's/^msgid "..*"$$/&\nmsgstr ""\n/p' src/surae/report/locale/en/LC_MESSAGES/surae.po >> .messages.pot && \
+	  $(BIN)/pybabel -q update --no-fuzzy-matching --ignore-obsolete --no-wrap --ignore-pot-creation-date \
 	  -i .messages.pot -d src/surae/report/locale -D surae -l $$each; done; rm -f .messages.pot
 
 docs: $(READY)          ## the documentation site, its examples executed, in docs/_build/html

@@ -18,9 +18,10 @@ from surae.studies import virtual_subject, virtual_trial
 PACKAGE = Path(surae.__file__).parent
 ROOT = PACKAGE.parents[1]
 RECIPES = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+ENGLISH = "report/locale/en/LC_MESSAGES/surae.po"
 FRICTION = """    UncertaintySource(
         "friction", "friction", "what the bearings of the device take",
-        N_("Run the device without a foot, and take its friction away."),
+        N_("run the device without a foot, and take its friction away"),
         Fill("ink", "\\\\"),
         Nuisance(
             "friction", OPTIONAL["friction"], Gaussian(0.0, 1.0), "Nm", "up to 1 Nm; assumed",
@@ -102,8 +103,18 @@ def _direction(inputs: "ModelInputs") -> FloatArray:
     ],
     "a finding": [
         ("quality/finding.py", '    FindingKind("torque-sign"', '''\
-    FindingKind("torque-still", "torque that never changes",
-        "Connect the torque sensor, and record again.", "error", "Nm"),
+    FindingKind("torque-still", "error", "Nm"),
+'''),
+        (ENGLISH, 'msgid "found/torque-unit"', '''\
+msgid "kind/torque-still"
+msgstr "torque that never changes"
+
+msgid "found/torque-still"
+msgstr "The torque never changes."
+
+msgid "advice/torque-still"
+msgstr "Connect the torque sensor, and record again."
+
 '''),
         ("quality/torque.py", "def limit(", '''\
 def still(trial: CheckedTrial) -> Iterator[Finding]:
@@ -113,7 +124,7 @@ def still(trial: CheckedTrial) -> Iterator[Finding]:
     if np.ptp(trial.torque) == 0.0:
         value = float(trial.torque[0])
         span = trial.time[0], trial.time[-1]
-        yield make_finding("torque-still", "torque", span, value, "The torque never changes.")
+        yield make_finding("torque-still", "torque", span, value)
 
 
 '''),
@@ -135,8 +146,14 @@ def slack_span(leg: Leg, _: float) -> float:
          '    _D("slack_span", "deg", passive.slack_span, is_angle=True),\n'),
     ],
     "a reason against a fit": [
-        ("inference/reasons.py", '    "unchanging": (',
-         '    "brief": ("the trial lasts {seconds:.0f} s", N_("the trial is brief")),\n'),
+        (ENGLISH, 'msgid "against/unchanging"', '''\
+msgid "against/brief"
+msgstr "the trial lasts {seconds:.0f} s"
+
+msgid "plainly/brief"
+msgstr "the trial is brief"
+
+'''),
         ("inference/adequacy.py", "def _softened(", '''\
 def _brief(result: FitResult) -> Iterator[Reason]:
     """What lasts a few seconds shows no relaxation."""

@@ -17,6 +17,7 @@ from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.base.packed import decode, encode
 from surae.base.records import FORMAT
+from surae.base.words import Message
 from surae.inference import AssessedFit, assess, fit_problem, make_problem
 from surae.inference.saved.fit_json import as_dict, load_saved, save_fit
 from surae.inference.saved.parameters_json import read_parameters
@@ -71,6 +72,10 @@ def assert_same(one, other, where="fit"):
         for key in one:
             assert_same(one[key], other[key], f"{where}[{key!r}]")
         return
+    if type(one) is Message:  # whose sentence is what a file has
+        one = str(one)
+    if type(other) is Message:
+        other = str(other)
     assert type(one) is type(other), where
     if isinstance(one, np.ndarray):
         assert one.dtype == other.dtype, where

@@ -141,7 +141,7 @@ def test_the_starts_are_in_the_settings(plain, content):
 
 
 def test_the_followed_part_is_that_of_the_changes_not_of_the_mean(plain):
-    still = against("still", grave=True, joint="ankle", moved=2.0)
+    still = against("still", grave=True, moved=2.0)
     flat = judged(plain, Grade.INADEQUATE, (still,), r2=-193.0)
     assert flat.assessment.vaf > 99.0
     assert parts.key(content_of(flat))[0][1] == "−193.00 %"
@@ -160,7 +160,7 @@ def test_an_adequate_fit_says_so_and_nothing_else(content):
 
 def test_an_inadequate_fit_opens_with_its_reasons_and_counts_nothing(plain):
     reasons = (
-        against("still", grave=True, joint="ankle", moved=2.0), against("at-bound", names="f0"),
+        against("still", grave=True, moved=2.0), against("at-bound", names="f0"),
     )  # fmt: skip
     case = judged(plain, Grade.INADEQUATE, reasons, r2=12.0)
     words = parts.adequacy(content_of(case))

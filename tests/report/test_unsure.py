@@ -260,7 +260,8 @@ def test_every_source_has_its_words_advice_and_look():
         assert source.meaning
         assert is_color_like(_COLOURS[source.look.colour])
         assert f"--{source.look.colour}: #" in tokens
-        assert source.remedy.endswith(".")
+        assert source.advice
+        assert not source.advice.endswith(".")
 
 
 def test_what_a_fit_can_find_has_a_record(auto):

@@ -18,8 +18,9 @@ import surae.api
 from ankle_legs.make import make, truth_of
 from surae.base.errors import InputError
 from surae.base.names import LANGUAGES
-from surae.inference import Grade, reasons
-from surae.inference.reasons import against
+from surae.base.words import english
+from surae.inference import Grade
+from surae.inference.reasons import Reason, against
 from surae.measures.change import compare_sessions
 from surae.measures.quantity import quantities
 from surae.quality import Finding, Quality
@@ -45,11 +46,11 @@ def messages():
     ]
     every = [(m,) if isinstance(m, str) else tuple(m) for *_, m, _, _ in found]
     assert len(every) > 100
-    return set(every)
+    return {*every, *((code,) for code in english())}
 
 
 def fields_of(text):
-    return {name for _, name, _, _ in string.Formatter().parse(text) if name}
+    return {(name, form) for _, name, form, _ in string.Formatter().parse(text) if name}
 
 
 @pytest.mark.parametrize("language", TRANSLATED)
@@ -59,13 +60,14 @@ def test_every_message_is_translated_and_filled_in_alike(messages, language) -> 
     known = {m.id if isinstance(m.id, tuple) else (m.id,): m for m in catalog if m.id}
     assert set(known) == messages  # none is missing, and none is left over
     for ids, message in known.items():
+        source = english().get(ids[0], ids[0])
         texts = message.string if isinstance(message.string, tuple) else (message.string,)
         assert not message.fuzzy
         assert len(texts) == (1 if len(ids) == 1 else catalog.num_plurals)
         for text in texts:
             assert text
-            assert fields_of(text) == fields_of(ids[0])
-            assert text.endswith(".") == ids[0].endswith("."), text
+            assert fields_of(text) == fields_of(source)
+            assert text.endswith(".") == source.endswith("."), text
 
 
 def test_no_message_is_where_the_catalogue_does_not_find_it() -> None:
@@ -92,11 +94,14 @@ def test_numbers_angles_and_measures_are_written_as_in_the_language() -> None:
 
 def test_every_reason_against_a_fit_has_plain_words() -> None:
     nl = words_in("nl")
-    for code in reasons._SAID:
-        plain = nl(against(code).plain)
-        assert plain != against(code).plain, code
-    assert nl(against("a code of tomorrow").plain) == nl(against("said").plain)
-    assert nl(against("still").plain) == "de enkel beweegt nauwelijks in deze proeven"
+    codes = [code.removeprefix("against/") for code in english() if code.startswith("against/")]
+    assert len(codes) > 15
+    for code in codes:
+        plain = Reason(code).plain
+        assert plain.code == f"plainly/{code}"
+        assert nl(plain) != plain, code
+    assert nl(Reason("a code of tomorrow").plain) == nl(Reason("said").plain)
+    assert nl(against("still", moved=2.0).plain) == "de enkel beweegt nauwelijks in deze proeven"
 
 
 @pytest.mark.usefixtures("words_alone")

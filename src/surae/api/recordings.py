@@ -9,6 +9,7 @@ import numpy as np
 from surae.api.given import AnyRecording, read_in
 from surae.base.errors import InputError
 from surae.base.files import PathLike
+from surae.base.words import Message
 from surae.inference import FitProblem
 from surae.inference.diagnosis import examined, wrong_units
 from surae.model.joint import ANKLE, Joint, read_joint
@@ -243,8 +244,8 @@ def in_set(qualities: Sequence[Quality]) -> list[Quality]:
         kept = []
         for finding in quality.findings:
             if finding.code == "angle-still":
-                text = f"{finding.message} It is one of {len(qualities)} holds at several angles."
-                advice = "Fit them together, as one isometric set."
+                text = Message("found/angle-still/set", hold=finding.message, n=len(qualities))
+                advice = Message("advice/angle-still/set")
                 kept.append(replace(finding, severity="info", message=text, advice=advice))
             elif (finding.code, finding.severity) not in of_one:
                 kept.append(finding)

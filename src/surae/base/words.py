@@ -1,11 +1,71 @@
-"""Words that judge: one record each, of which colours, styles and the leg's page are made."""
+"""What is said: messages with their values, and words that judge, a record each."""
 
-from typing import Literal, NamedTuple
+import json
+import re
+from collections.abc import Callable
+from functools import cache
+from string import Formatter
+from typing import Any, Literal, NamedTuple
 
 
 def N_(message: str) -> str:
     """Mark a message of the catalogue that `surae.report.language.Words` translates later."""
     return message
+
+
+class Message(str):
+    """A sentence by its code in the catalogues, and the values that fill it in.
+
+    As a text it is English, in the joint's words; `surae.report.language.Words` says it in every
+    language. A value may be a message too; a code that no catalogue has is its own sentence.
+    """
+
+    code: str
+    values: dict[str, Any]
+    worded: Callable[[str], str]
+
+    def __new__(cls, code: str, worded: Callable[[str], str] = str, /, **values: Any) -> "Message":
+        """Fill in a sentence, whose words of the ankle are `worded` as the joint's before."""
+        text = worded(english().get(code, code))
+        made = super().__new__(cls, Values().vformat(text, (), values) if values else text)
+        made.code, made.values, made.worded = code, values, worded
+        return made
+
+    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]:
+        return (self.code, self.worded), self.values
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """The values as texts and messages, as pages fill them in."""
+        sentence = english().get(self.code, self.code)
+        return {
+            name: self.values[name].parts() if isinstance(self.values[name], Message) else
+            Values().format_field(self.values[name], form or "")
+            for _, name, form, _ in Formatter().parse(sentence) if name
+        }  # fmt: skip
+
+    def parts(self) -> dict[str, Any]:
+        """What pages make it of, in the reader's language."""
+        return {"message": self.code, "given": self.given}
+
+
+class Values(Formatter):
+    """What fills in a sentence: negative numbers have a minus sign."""
+
+    def format_field(self, value: object, form: str) -> str:
+        """Give a value as it stands in a text."""
+        text = format(value, form)
+        return text if isinstance(value, str) else text.replace("-", "−")
+
+
+@cache
+def english() -> dict[str, str]:
+    """Sentences in English by their codes."""
+    from importlib.resources import files
+
+    catalogue = files("surae") / "report/locale/en/LC_MESSAGES/surae.po"
+    pairs = re.findall(r'^msgid (".+")\nmsgstr (".+")$', catalogue.read_text("utf-8"), re.M)
+    return {json.loads(code): json.loads(sentence) for code, sentence in pairs}
 
 
 class Judgement(NamedTuple):

@@ -129,9 +129,9 @@ def _movement(inputs: Sequence[ModelInputs], joint: Joint) -> Iterator[Reason]:
     moved = _range(inputs)
     degrees = float(np.degrees(moved))
     if moved < _STILL:
-        yield against("still", grave=True, joint=joint.name, moved=degrees)
+        yield against("still", joint.worded, grave=True, moved=degrees)
     elif moved < _LITTLE:
-        yield against("moves-little", joint=joint.name, moved=degrees)
+        yield against("moves-little", joint.worded, moved=degrees)
 
 
 def _effort(result: FitResult) -> Iterator[Reason]:
@@ -259,13 +259,13 @@ def judge_prediction(
         return _graded([against("unchanging", grave=True)], r2)
     reasons, joint = list(_goodness(r2)), result.problem.options.anatomy
     if _range([recording]) < _STILL:
-        reasons = [against("held-still", joint=joint.name)]
+        reasons = [against("held-still", joint.worded)]
     promised = _promised(result, known, recording, float(np.std(measured)))
     error = float(np.sqrt(np.mean(changes**2)))
     if not error <= _BEYOND * promised:
         reasons.append(against("errs", error=error, promised=promised))
     if not abs(bias) <= _BEYOND * promised:
-        reasons.append(against("mean-off", bias=bias, body=joint.body))
+        reasons.append(against("mean-off", joint.worded, bias=bias))
     return _graded(reasons, r2)
 
 

@@ -10,6 +10,7 @@ from surae.base.filed import filed
 from surae.base.formatting import chance
 from surae.base.frozen import Comparable
 from surae.base.threads import one_blas_thread
+from surae.base.words import Message
 from surae.inference import FitResult, PosteriorMode
 from surae.inference.adequacy import Adequacy, Grade, judge_adequacy
 from surae.inference.contradiction import Contradiction, contradiction
@@ -80,7 +81,7 @@ class Assessment(Comparable):
     #: Autocorrelation of each recording's residual, and the test of it.
     whiteness: tuple[Whiteness, ...]
     interval: Interval  #: Which of the two the intervals and verdicts rest on.
-    interval_note: str  #: Why, in a plain sentence.
+    interval_note: str  #: Why, in a plain sentence: a `Message`, unless it was read from a file.
     #: Equation (35); None, with `ipde_note` saying why, when fewer than two have a variance.
     ipde: float | None
     #: Which parameters it leaves out, or why there is none; empty when it has them all.
@@ -164,7 +165,7 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
         table |= marginal(found, problem, known, adequacy, table)
     if against is not None:
         missing = ", ".join(against.missing)
-        why += f"; they cover what models with {missing} give"
+        why = Message("interval/contradicted", why=why, missing=missing)
     return Assessment(
         vaf=vaf(np.concatenate([torque for torque, _, _ in pairs]), residuals),
         rmse=rmse(residuals),
@@ -186,26 +187,23 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
 
 def _believed(
     result: FitResult, robust: RobustCovariance | None, white: Sequence[Whiteness]
-) -> tuple[Interval, str]:
+) -> tuple[Interval, Message]:
     """Which standard errors to believe: the thesis's where all residuals are white; and why."""
     if isinstance(result.found, PosteriorMode):
-        return Interval.MARGINAL, (
-            "they contain the correlated noise, the measurement errors, and the models that the "
-            "data do not reject"
-        )
+        return Interval.MARGINAL, Message("interval/marginal")
     if robust is None:
-        return Interval.THESIS, "no estimate has a variance"
+        return Interval.THESIS, Message("interval/none")
     if result.found.outliers is not None:
-        return Interval.ROBUST, "outliers count less than their square"
+        return Interval.ROBUST, Message("interval/outliers")
     if any(recording.emphasised for recording in result.problem.inputs):
-        return Interval.ROBUST, "some samples count more than others"
+        return Interval.ROBUST, Message("interval/weights")
     least = min(test.p_value for test in white)
     text = chance(least)
     if len(white) > 1:
-        text += f", the least of {len(white)} recordings"
+        text = Message("interval/several", chance=text, n=len(white))
     if least >= LEVEL / len(white):  # the recordings share the level (Bonferroni)
-        return Interval.THESIS, f"the residual passes for white noise ({text})"
-    return Interval.ROBUST, f"the residual is correlated over time ({text})"
+        return Interval.THESIS, Message("interval/white", chance=text)
+    return Interval.ROBUST, Message("interval/correlated", chance=text)
 
 
 def _parameters(
@@ -229,11 +227,10 @@ def _parameters(
         sem = sem_robust = ci95 = again = None
         repeatable, budget = False, {}
         if name not in problem.free:
-            verdict, note = Verdict.FIXED, "fixed, not estimated"
+            verdict, note = Verdict.FIXED, Message("note/fixed")
         elif name in result.at_bound:
             side = "lower" if value - lower < upper - value else "upper"
-            verdict, note = Verdict.AT_BOUND, f"at its {side} bound: no interval; the optimum is "
-            note += "outside the bounds, or the data do not constrain it"
+            verdict, note = Verdict.AT_BOUND, Message(f"note/at-bound/{side}")
         elif name in variances:
             sem = float(np.sqrt(variances[name]))
             if interval is Interval.MARGINAL:
@@ -250,15 +247,12 @@ def _parameters(
             ci95 = (value - half, value + half)
             verdict, note = judge_interval(name, value, half, estimated, p.unit, withheld=withheld)
             if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
-                note = (
-                    f"known only to ±{percent(half / abs(value))}: the data contradict this model; "
-                    f"with some of {', '.join(against.missing)} it is elsewhere (fit model auto), "
-                    f"though another trial of this {problem.options.anatomy.body} would give the "
-                    "same with this model"
-                )
+                note = Message(
+                    "note/contradicted", problem.options.anatomy.worded,
+                    percent=percent(half / abs(value)), missing=", ".join(against.missing),
+                )  # fmt: skip
         elif not np.isfinite(estimated.sigma2):
-            verdict = Verdict.UNDETERMINED
-            note = "no interval: the model gives no finite torque here"
+            verdict, note = Verdict.UNDETERMINED, Message("note/not-finite")
         else:
             verdict, note = Verdict.UNDETERMINED, judge_singular(name, estimated.directions)
         parameters[name] = ParameterEstimate(

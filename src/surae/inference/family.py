@@ -22,6 +22,7 @@ from surae.base.frozen import FrozenDict
 from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.inference.coordinates import is_straight
 from surae.inference.evidence import Subset, subsets, with_likely
 from surae.inference.film import names_of_film
@@ -199,17 +200,11 @@ class _Search:
         outcome = str(Outcome.CONVERGED if rests else Outcome.ITERATIONS)
         result = summed(*chosen, self._inputs, self._original, self._met, self._stages, outcome)
         if not rests:
-            more = (
-                f"; it has not come to rest: the last round still moved {self._moved:.2g} standard"
-            )
-            result = replace(result, message=f"{result.message}{more} deviations")
+            more = Message("ended/moving", message=result.message, moved=self._moved)
+            result = replace(result, message=more)
         if share >= most - _LESS or result.status == "failed":
             return result
-        message = (
-            f"the search lost its way: its parameters follow {100 * share:.1f} % of the torque's "
-            f"changes, those of the simplest model {100 * most:.1f} %; fit that (model='{RIGID}'), "
-            "or give other start values"
-        )
+        message = Message("ended/lost", share=100 * share, most=100 * most, model=RIGID)
         return replace(result, status="failed", message=message)
 
     def _hold(self) -> None:
@@ -237,11 +232,10 @@ class _Search:
     def stopped(self) -> FitResult:
         """What is kept where the user stopped: the rigid model, nothing weighed."""
         plain = self._rigid(self._inputs, priors=FrozenDict())
-        without = ", without priors," if self._original.priors else ""
+        code = "ended/rigid-without" if self._original.priors else "ended/rigid"
         return replace(
             plain,
-            message=f"stopped by the user: the rigid model alone{without} is kept; fit again for "
-            "the whole",
+            message=Message(code),
             found=replace(plain.found, outcome=str(Outcome.INTERRUPTED)),
         )
 

@@ -12,6 +12,7 @@ from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.versions import versions
+from surae.base.words import Message
 from surae.inference.drive_starts import own_columns
 from surae.inference.interrupt import postponed_interrupt
 from surae.inference.least_squares import Minimum, Outcome, minimise
@@ -56,7 +57,8 @@ def fit_problem(
     if noise is None and problem.priors:
         plain = fit_problem(replace(problem, priors={}), starts=1, seed=seed)
         if plain.found.is_interrupted:
-            return replace(plain, problem=problem, message=f"{plain.message}, before the priors")
+            message = Message("ended/priors", message=plain.message)
+            return replace(plain, problem=problem, message=message)
         noise = float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
     residuals = Residuals(problem, noise or 0.0)
     minimum = from_start(problem, residuals, follow)
@@ -151,24 +153,18 @@ def _result(
 
 def _status(
     problem: FitProblem, best: Minimum, minima: Sequence[Minimum], agreeing: int, starts: int
-) -> tuple[str, str]:
+) -> tuple[str, Message]:
     """Status and message of the best minimum."""
-    suffix = ""
-    if (within := minima[-1].outcome is Outcome.INTERRUPTED) or len(minima) < starts:
-        where = f"{'in' if within else 'after'} start {len(minima)} of {starts}"
-        suffix = f"; stopped by the user {where}"
+    alone = len(minima) > 1 and agreeing == 1
+    message = Message("ended/one-start" if alone else "ended/starts", n=agreeing, all=len(minima))
+    status, bound = "converged", at_bounds(problem, problem.by_name(best.x))
     if best.outcome is not Outcome.CONVERGED:
-        advice = {
-            Outcome.INTERRUPTED: "the best so far is kept; fit again for a minimum",
-            Outcome.ITERATIONS: "the best so far is kept; fix a parameter that trades off, or "
-            "give more starts",
-            Outcome.NOT_FINITE: "the model overflows at the start; give another start or bounds",
-        }[best.outcome]
-        return "failed", f"no minimum reached ({best.outcome}): {advice}{suffix}"
-    bound = at_bounds(problem, problem.by_name(best.x))
-    text = f"{agreeing} of {len(minima)} starts reach the best minimum"
-    if len(minima) > 1 and agreeing == 1:
-        text += ": it may not be the global one, give more starts"
-    if bound:
-        return "at-bounds", f"{text}; at a bound: {', '.join(bound)}{suffix}"
-    return "converged", f"{text}{suffix}"
+        status, why = "failed", best.outcome.name.lower().replace("_", "-")
+        message = Message(f"ended/{why}", outcome=Message(str(best.outcome)))
+    elif bound:
+        status = "at-bounds"
+        message = Message("ended/at-bound", message=message, names=", ".join(bound))
+    if (within := minima[-1].outcome is Outcome.INTERRUPTED) or len(minima) < starts:
+        where = "ended/stopped-in" if within else "ended/stopped-after"
+        message = Message(where, message=message, n=len(minima), all=starts)
+    return status, message

@@ -16,6 +16,7 @@ import numpy as np
 
 from surae.base.names import GEOMETRY_OF
 from surae.base.normal import NORMAL
+from surae.base.words import Message
 from surae.inference import FitProblem
 from surae.inference.adequacy import Adequacy, Grade
 from surae.inference.coordinates import is_straight
@@ -48,7 +49,7 @@ def marginal(
 ) -> dict[str, ParameterEstimate]:  # fmt: skip
     """The estimated parameters of the leg with everything that makes them unsure."""
     bounds = [p.name for p in table.values() if p.at_bound and group_of(p.name) is None]
-    withheld = f"nothing is identified with {', '.join(bounds)} at a bound" if bounds else ""
+    withheld = Message("note/bounds", names=", ".join(bounds)) if bounds else None
     if adequacy.grade is Grade.INADEQUATE:
         withheld = INADEQUATE
     judged, joint = {}, problem.options.anatomy
@@ -66,18 +67,16 @@ def marginal(
             value, scale = p.value, 1.0
             if not is_straight(name):
                 value, scale = np.log(max(p.value, 1e-300)), p.value
-            but = _by_path(name, problem)
+            but = "path" if _by_path(name, problem) else ""
             if budget.sd > _NARROWER * prior.sd * scale:
-                but = "hardly better than before any measurement"
+                but = "no-better"
             elif abs(value - prior.mean) > _FAR * prior.sd and name not in problem.spec.weights:
-                but = (
-                    f"farther from other {joint.body}s' than {joint.body}s are: a prior that does "
-                    "not fit holds it back"
-                )
+                but = "far"
             if but:
-                verdict, note = Verdict.WEAK, f"{note}, but {but}"
+                reason = Message(f"note/{but}", joint.worded)
+                verdict, note = Verdict.WEAK, Message("note/but", known=note, but=reason)
         if name == "l0_tib" and not withheld:
-            note += _filmed(known, problem, table)
+            note = _filmed(note, known, problem, table)
         judged[name] = replace(
             p,
             sem=budget.sd,
@@ -93,38 +92,32 @@ def marginal(
     return judged
 
 
-def _by_path(name: str, problem: FitProblem) -> str:
-    """Why a length is none of the leg's own: it is read off a path whose zero is not known.
+def _by_path(name: str, problem: FitProblem) -> bool:
+    """Whether a length is none of the leg's own: it is read off a path whose zero is not known.
 
     What makes it look known is the assumed width of the force-length curve, and the path's zero
     takes the error.
     """
     base, _, group = name.partition("_")
     if base not in ("l0", "x0") or f"length_zero_{group}" not in problem.free:
-        return ""
+        return False
     films = ("gl", "sol", "gm", "tri") if group == "tri" else ("ta", "tib")
     filmed = any(f"film_zero_{at}" in problem.free for at in films)
-    if filmed or problem.settings.geometry_of == GEOMETRY_OF[1]:
-        return ""
-    return (
-        "only relative to the assumed path, whose zero is not known: give the "
-        f"{problem.options.anatomy.body}'s own lengths, or film the muscle"
-    )
+    return not filmed and problem.settings.geometry_of != GEOMETRY_OF[1]
 
 
-def _filmed(known: Uncertainty, problem: FitProblem, table: Mapping[str, ParameterEstimate]) -> str:
-    """What the film says of the optimal length, which is known better than the whole muscle's."""
+def _filmed(
+    note: Message, known: Uncertainty, problem: FitProblem, table: Mapping[str, ParameterEstimate]
+) -> Message:
+    """With what the film says of the optimal length, known better than the whole muscle's."""
     names = ("l0_tib", "film_scale_tib", "film_zero_tib")
     if not {*names} <= {*problem.free} or steady_emg(problem.inputs)[0]:
-        return ""
+        return note
     l0, scale, zero = (table[name].value for name in names)
     optimum = (1.0 + scale) * l0 + zero
     slope = sum(by * known.along(n) for n, by in zip(names, (1.0 + scale, l0, 1.0), strict=True))
     half = known.half_width(np.asarray(slope))
-    return (
-        f"; the filmed fascicle's own optimum is {1e3 * optimum:.1f} mm ±{percent(half / optimum)} "
-        "(optimal_fascicle_tib)"
-    )
+    return Message("note/filmed", known=note, mm=1e3 * optimum, percent=percent(half / optimum))
 
 
 def _judge(
@@ -134,8 +127,8 @@ def _judge(
     joint: Joint,
     *,
     repeatable: bool,
-    withheld: str,
-) -> tuple[Verdict, str]:
+    withheld: Message | None,
+) -> tuple[Verdict, Message]:
     """Verdict, and what is missing and would help."""
     relative = half / abs(p.value) if p.value else np.inf
     within_bounds = half < 0.45 * (p.upper - p.lower)
@@ -143,18 +136,20 @@ def _judge(
         weak = relative <= 1.0 and within_bounds
         return (Verdict.WEAK if weak else Verdict.UNDETERMINED), withheld
     if relative <= IDENTIFIED:
-        return Verdict.IDENTIFIED, f"known to ±{percent(relative)}"
+        return Verdict.IDENTIFIED, Message("note/known", percent=percent(relative))
     if half >= 0.499999 * (p.upper - p.lower):
-        return Verdict.UNDETERMINED, "not informed: these recordings hold no information about it"
+        return Verdict.UNDETERMINED, Message("note/not-informed")
     if relative > 1.0 or not within_bounds:
-        return Verdict.UNDETERMINED, "not determined: its interval is as wide as its value"
-    sentence = f"known only to ±{percent(relative)}"
+        return Verdict.UNDETERMINED, Message("note/as-wide")
+    known = Message("note/known-only", percent=percent(relative))
     if repeatable:
-        sentence += f", though another trial of this {joint.body} would give the same"
+        known = Message("note/repeatable", joint.worded, known=known)
     source = max(budget.shares, key=lambda s: budget.shares[s])
     if budget.shares[source] >= _WORTH:
-        sentence += f": {joint.worded(SOURCES[source].advice)}"
+        advice = Message(SOURCES[source].advice, joint.worded)
+        known = Message("note/advised", known=known, advice=advice)
         left = budget.without.get(source)
         if left is not None and left < 0.8 * budget.sd:
-            sentence += f"; that would narrow it to about ±{percent(relative * left / budget.sd)}"
-    return Verdict.WEAK, sentence
+            narrowed = percent(relative * left / budget.sd)
+            known = Message("note/narrowed", known=known, percent=narrowed)
+    return Verdict.WEAK, known

@@ -12,6 +12,7 @@ from surae.base.frozen import read_only
 from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.inference.fit import fit_problem
 from surae.inference.interrupt import postponed_interrupt
 from surae.inference.least_squares import Outcome, minimise
@@ -122,8 +123,7 @@ def fit_robust(
             return replace(
                 first, status="failed",
                 found=replace(first.found, outcome=str(Outcome.INTERRUPTED)),
-                message="stopped by the user before the weights of the outliers were found; "
-                "these are the least squares",
+                message=Message("ended/outliers-stopped"),
             )  # fmt: skip
         x, sse, outliers = resting
         inputs = tuple(
@@ -140,15 +140,9 @@ def fit_robust(
         x = np.array([result.values[name] for name in problem.free])
     status, message = result.status, result.message
     if outliers.rounds >= _ROUNDS:
-        status, message = "failed", (
-            f"the weights of the {loss} loss did not rest in {_ROUNDS} rounds: try another loss, "
-            "or leave the outliers out"
-        )  # fmt: skip
+        status, message = "failed", Message("ended/outliers-rounds", loss=loss, n=_ROUNDS)
     elif status != "failed" and result.sse > sse * (1 + 1 / (problem.n - len(x))):
-        status, message = "failed", (
-            "no start came back to the minimum that the weights of the outliers belong to: "
-            "give more starts"
-        )  # fmt: skip
+        status, message = "failed", Message("ended/outliers-lost")
     seconds = time.perf_counter() - begin
     found = LeastSquares(
         result.found.starts, result.found.agreeing, result.found.stages, result.found.outcome,

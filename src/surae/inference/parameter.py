@@ -8,6 +8,7 @@ from enum import StrEnum
 import numpy as np
 
 from surae.base.filed import filed
+from surae.base.words import Message
 from surae.inference.uncertainty.covariance import Covariance
 from surae.model.registry import PARAMETERS
 
@@ -16,7 +17,7 @@ IDENTIFIED = 0.10
 #: Correlation from which the partner is named.
 _STRONG = 0.9
 #: What is said of a parameter in place of a claim.
-INADEQUATE = "the fit is inadequate: what it says of a parameter means nothing"
+INADEQUATE = Message("note/inadequate")
 
 
 class Verdict(StrEnum):
@@ -37,7 +38,7 @@ def judge_interval(
     unit: str = "-",
     *,
     withheld: bool = False,
-) -> tuple[Verdict, str]:
+) -> tuple[Verdict, Message]:
     """Verdict and sentence of a parameter that has an interval.
 
     `half` is the half-width of its 95 % interval; its strongest partner is looked up in
@@ -47,35 +48,33 @@ def judge_interval(
     if relative <= IDENTIFIED:
         if withheld:
             return Verdict.WEAK, INADEQUATE
-        return Verdict.IDENTIFIED, f"known to ±{percent(relative)}"
+        return Verdict.IDENTIFIED, Message("note/known", percent=percent(relative))
     verdict = Verdict.WEAK if relative <= 1.0 else Verdict.UNDETERMINED
     # A part of a value that may as well be 0 says nothing.
     nothing = name in PARAMETERS and PARAMETERS[name].off_at_zero and half >= abs(value)
     if nothing:
-        known = f"not distinguishable from 0 (95 %: {_interval(value, half, unit)})"
+        known = Message("note/zero", interval=_interval(value, half, unit))
     elif verdict is Verdict.WEAK:
-        known = f"known only to ±{percent(relative)}"
+        known = Message("note/known-only", percent=percent(relative))
     else:
-        known = "not determined: its interval is wider than its value"
+        known = Message("note/wide")
     own = estimated.names.index(name)
     row = np.where(np.arange(len(estimated.names)) == own, 0.0, estimated.correlation[own])
     partner = int(np.argmax(np.abs(row)))
     if abs(row[partner]) >= _STRONG:
-        known += (
-            f": trades off with {estimated.names[partner]} (correlation {row[partner]:+.2f}); fix "
-            "one of the two, or measure a movement that tells them apart"
-        )
+        other = estimated.names[partner]
+        known = Message("note/trades", known=known, partner=other, r=row[partner])
     elif not nothing:
-        known += ": it has little influence on this torque"
+        known = Message("note/little", known=known)
     return verdict, known
 
 
-def judge_singular(name: str, directions: Sequence[Sequence[str]]) -> str:
+def judge_singular(name: str, directions: Sequence[Sequence[str]]) -> Message:
     """Why a parameter has no interval: the parameters it trades off with."""
     partners = sorted({p for d in directions if name in d for p in d if p != name})
     if not partners:
-        return "no interval: the torque does not depend on it; fix it"
-    return f"no interval: cannot be separated from {', '.join(partners)}; fix one of them"
+        return Message("note/silent")
+    return Message("note/inseparable", names=", ".join(partners))
 
 
 def _interval(value: float, half: float, unit: str) -> str:
@@ -88,13 +87,13 @@ def _interval(value: float, half: float, unit: str) -> str:
     return " … ".join(ends) + (f" {unit}" if unit not in ("", "-") else "")
 
 
-def percent(part: float) -> str:
+def percent(part: float) -> Message:
     """A part in percent to two digits, or as many as tell it from the threshold of a verdict."""
     if part >= 0.995:
-        return f"{100 * part:.0f} %"
-    texts = (f"{100 * part:.{digits}g} %" for digits in (2, 3, 4))
+        return Message("{percent:.0f} %", percent=100 * part)
+    texts = [Message(f"{{percent:.{digits}g}} %", percent=100 * part) for digits in (2, 3, 4)]
     same = f"{100 * IDENTIFIED:.2g} %"
-    return next((text for text in texts if text != same or part == IDENTIFIED), same)
+    return next((text for text in texts if text != same or part == IDENTIFIED), texts[0])
 
 
 class Interval(StrEnum):
@@ -129,7 +128,7 @@ class ParameterEstimate:
     free: bool  #: Whether it was estimated.
     at_bound: bool  #: Whether the estimate lies at a bound.
     verdict: Verdict  #: identified, weak, undetermined, at-bound or fixed.
-    note: str  #: The verdict in a plain sentence.
+    note: str  #: The verdict in a plain sentence: a `Message`, unless it was read from a file.
     #: 95 % interval of what would be found were this leg measured and fitted once more in the same
     #: way: as many trials of the same kind, electrodes and foot left as they are, with other noise,
     #: effort, drift and zero of the sensor. What is wrong alike in both is not in it, nor a change

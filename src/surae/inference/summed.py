@@ -8,6 +8,7 @@ import numpy as np
 from surae.base.frozen import FrozenDict, read_only
 from surae.base.units import FloatArray
 from surae.base.versions import versions
+from surae.base.words import Message
 from surae.inference.conflict import conflicts
 from surae.inference.evidence import Subset
 from surae.inference.laplace import (
@@ -139,12 +140,11 @@ def _natural(post: LogPosterior, point: Point) -> FloatArray:
     return change
 
 
-def _message(chosen: Subset, bound: Sequence[str], finite: bool) -> str:
+def _message(chosen: Subset, bound: Sequence[str], finite: bool) -> Message:
     if not finite:
-        return "no minimum reached: the model has no finite numbers; give another start or bounds"
-    text = "the muscle-tendon model "
-    groups = ", ".join(chosen.groups)
-    text += f"with departures: {groups}" if groups else "without any departure"
+        return Message("ended/no-numbers")
+    code = "ended/departures" if chosen.groups else "ended/no-departure"
+    text = Message(code, groups=", ".join(chosen.groups))
     if chosen.weight < 0.99:
-        text += f" (probability {100 * chosen.weight:.0f} %)"
-    return text + (f"; at a bound: {', '.join(bound)}" if bound else "")
+        text = Message("ended/probability", message=text, percent=100 * chosen.weight)
+    return Message("ended/at-bound", message=text, names=", ".join(bound)) if bound else text

@@ -1,13 +1,13 @@
 """What the muscles do: at rest where they should be, active where they should be."""
 
 from collections.abc import Iterator
-from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from surae.base.units import FloatArray
 from surae.quality.emg import REST_VOLTS
-from surae.quality.finding import Finding, Unjudged, make_finding
+from surae.quality.finding import Finding, Severity, Unjudged, make_finding
 from surae.quality.numeric import quantile, quantiles, runs, smooth, span_of
 from surae.quality.reflex import Reflex, reflex
 from surae.quality.trial import CheckedTrial
@@ -63,8 +63,7 @@ def passive_part(trial: CheckedTrial) -> Iterator[Finding]:
         level = float(envelope[active].max())
         yield make_finding(
             "passive-not-passive", channel.role, span_of(trial.time, where), level / top,
-            f"The {trial.names[muscle]} is active for {seconds:.2g} s of the passive part, up "
-            f"to {100 * level / top:.2g} % of its largest activity.",
+            muscle=trial.names[muscle], seconds=seconds, percent=100 * level / top,
         )  # fmt: skip
 
 
@@ -83,39 +82,28 @@ def active_part(trial: CheckedTrial) -> Iterator[Finding]:
         left = float(np.std(trial.model.unexplained))
         if left > PASSIVE_LEFT and trial.torque is not None:
             top = float(np.abs(trial.torque).max())
-            text = f"The EMG of no muscle shows effort, but the torque reaches {top:.2g} Nm and "
-            text += f"{left:.2g} Nm of it (root mean square) are no passive {trial.joint.body}'s."
-            advice = "This is no passive trial: see whether the amplifier was on, its gain set and "
-            advice += "the electrodes connected, and record again."
-            yield replace(_never(trial, None, tuple(idle), text, advice), severity="error")
+            yield _never(trial, "torque", None, tuple(idle), "error", top=top, left=left)
             return
     if all(idle.values()):
-        yield _never(
-            trial, None, tuple(idle), "No muscle is active at any time.",
-            "Record efforts in both directions; of a passive trial, fix g1 to g4, l0_tri, l0_tib, "
-            "f0 and beta.",
-        )  # fmt: skip
+        yield _never(trial, "all", None, tuple(idle))
         return
-    sides = {
-        trial.joint.groups[0]: (trial.triceps, "g2 to g4 and l0_tri"),
-        trial.joint.groups[1]: (tuple(m for m in idle if m == "ta"), "g1 and l0_tib"),
-    }
-    still = {name: side for name, side in sides.items() if side[0] and all(map(idle.get, side[0]))}
-    for name, (muscles, lost) in still.items():
-        yield _never(
-            trial, f"emg_{muscles[0]}", muscles, f"The {name} is not active at any time.",
-            f"Record efforts in that direction too, or fix {lost}.",
-        )  # fmt: skip
+    sides = {"triceps": trial.triceps, "ta": tuple(m for m in idle if m == "ta")}
+    still = {name: side for name, side in sides.items() if side and all(map(idle.get, side))}
+    for name, muscles in still.items():
+        yield _never(trial, name, f"emg_{muscles[0]}", muscles)
     if not still:
         yield from [*_bursts(trial)] or _stopped(trial)
 
 
 def _never(
-    trial: CheckedTrial, role: str | None, muscles: tuple[str, ...], text: str, advice: str
-) -> Finding:
-    top = max(quantile(trial.slow[m], 0.98) for m in muscles)
-    unit = trial.emg[muscles[0]].unit
-    return make_finding("active-not-active", role, trial.span, top, text, unit=unit, advice=advice)
+    trial: CheckedTrial, which: str, role: str | None, muscles: tuple[str, ...],
+    severity: Severity = "warning", **values: Any,
+) -> Finding:  # fmt: skip
+    most = max(quantile(trial.slow[m], 0.98) for m in muscles)
+    return make_finding(
+        f"active-not-active/{which}", role, trial.span, most, severity=severity,
+        unit=trial.emg[muscles[0]].unit, joint=trial.joint, **values,
+    )  # fmt: skip
 
 
 def _rest(unit: str) -> float:
@@ -144,8 +132,8 @@ def _bursts(trial: CheckedTrial) -> Iterator[Finding]:
     first = min(stretch[0] for stretch in missed)
     last = max(stretch[1] for stretch in missed) - 1
     yield make_finding(
-        "active-not-active", None, (trial.time[first], trial.time[last]), len(missed) / total,
-        f"{len(missed)} of {total} efforts of the task were not made.",
+        "active-not-active/bursts", None, (trial.time[first], trial.time[last]),
+        len(missed) / total, n=len(missed), all=total,
     )  # fmt: skip
 
 
@@ -162,9 +150,9 @@ def _stopped(trial: CheckedTrial) -> Iterator[Finding]:
     if seconds < STILL_SECONDS or last - first < STILL_SHARE * (len(active) - begun):
         return
     yield make_finding(
-        "active-not-active", None, (trial.time[begun + first], trial.time[begun + last - 1]),
-        seconds, f"No muscle is active for {seconds:.2g} s, once efforts have begun.", unit="s",
-        advice="Repeat the trial if effort was requested then.",
+        "active-not-active/stopped", None,
+        (trial.time[begun + first], trial.time[begun + last - 1]), seconds, unit="s",
+        seconds=seconds,
     )  # fmt: skip
 
 
@@ -193,6 +181,5 @@ def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
     where = np.flatnonzero(both)
     yield make_finding(
         "co-contraction", "emg_ta", span_of(trial.time, where), share,
-        f"{trial.joint.short[0].capitalize()} and {trial.joint.groups[1]} are active together in "
-        f"{100 * share:.0f} % of the time in which either is.",
+        joint=trial.joint, percent=100 * share,
     )  # fmt: skip

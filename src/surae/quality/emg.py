@@ -1,6 +1,7 @@
 """EMG channels one by one: missing, flat, clipped, offset, artefacts."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -59,10 +60,10 @@ def kind(trial: CheckedTrial) -> Iterator[Finding]:
             if declared == "raw":
                 advice += "; a fit refuses it else, unless all signals are prepared (--prepared)"
             yield make_finding(
-                "emg-kind", role, trial.span, float(channel.values.min()), f"{statement}.",
+                "emg-kind", role, trial.span, float(channel.values.min()), advice="emg-kind/looks",
                 # An envelope is right where all signals are prepared, as --prepared says.
                 severity="error" if declared == "envelope" else "warning", unit=channel.unit,
-                advice=f"{advice[:1].upper()}{advice[1:]}.",
+                statement=statement, advised=f"{advice[:1].upper()}{advice[1:]}",
             )  # fmt: skip
             return
 
@@ -75,13 +76,9 @@ def missing(trial: CheckedTrial) -> Iterator[Finding]:
             continue
         is_fixed = weight in trial.recording.fixed
         yield make_finding(
-            "emg-missing", role, trial.span, None,
-            f"There is no EMG of the {trial.names[muscle]}"
-            + (f"; its weight {weight} is fixed." if is_fixed else "."),
-            severity="info" if is_fixed else "warning",
-            advice="Its force is credited to the other muscles: read their weights with care."
-            if is_fixed
-            else f"Add the channel, or fix its weight with --fixed {weight}=0.",
+            "emg-missing/fixed" if is_fixed else "emg-missing", role, trial.span, None,
+            advice="" if is_fixed else "emg-missing/named",
+            severity="info" if is_fixed else "warning", muscle=trial.names[muscle], weight=weight,
         )  # fmt: skip
 
 
@@ -91,10 +88,10 @@ def flat(trial: CheckedTrial) -> Iterator[Finding]:
     strongest = max(tops.values(), default=0.0)
     for muscle, channel in trial.emg.items():
         if muscle not in tops:
-            yield _flat(trial, channel, f"is constant at {float(channel.values[0]):.3g}")
+            yield _flat(trial, channel, "constant", level=float(channel.values[0]))
         elif tops[muscle] < SILENT * strongest:
             share = 100 * tops[muscle] / strongest
-            yield _flat(trial, channel, f"never exceeds {share:.2g} % of the strongest muscle's")
+            yield _flat(trial, channel, "silent", percent=share)
         else:
             yield from _dropouts(trial, channel)
 
@@ -115,23 +112,22 @@ def _dropouts(trial: CheckedTrial, channel: Channel) -> Iterator[Finding]:
         # A plateau at the top is clipped, which is another finding.
         long &= values[first] < high
     for begin, count in zip(first[long], length[long], strict=True):
-        state = f"keeps the value {values[begin]:.3g} for {count / channel.rate_hz:.2g} s"
-        yield _flat(trial, channel, state, int(begin), int(begin + count - 1))
+        yield _flat(
+            trial, channel, "part", int(begin), int(begin + count - 1), level=values[begin],
+            seconds=count / channel.rate_hz,
+        )  # fmt: skip
 
 
 def _flat(
-    trial: CheckedTrial, channel: Channel, state: str, first: int = 0, last: int = -1
-) -> Finding:
+    trial: CheckedTrial, channel: Channel, which: str, first: int = 0, last: int = -1,
+    **values: Any,
+) -> Finding:  # fmt: skip
     start, end = float(channel.time[first]), float(channel.time[last])
     whole, muscle = (start, end) == span_of(channel.time), channel.role.removeprefix("emg_")
     return make_finding(
-        "emg-flat", channel.role, (start, end), end - start,
-        f"The EMG of the {trial.names[muscle]} {state}.",
-        severity="error" if whole else "warning",
-        advice=f"Check electrode and cable; fix {weight_of(muscle)} at 0 if the muscle was at "
-        "rest, else record again."
-        if whole
-        else "Leave that time out of the fit with --exclude, or record again.",
+        f"emg-flat/{which}", channel.role, (start, end), end - start,
+        severity="error" if whole else "warning", advice="emg-flat/whole" if whole else "",
+        muscle=trial.names[muscle], weight=weight_of(muscle), **values,
     )  # fmt: skip
 
 
@@ -154,9 +150,8 @@ def clipped(trial: CheckedTrial) -> Iterator[Finding]:
                 continue
             yield make_finding(
                 "emg-clipped", channel.role, span_of(channel.time, where), share,
-                f"{count} samples of the EMG of the {trial.names[muscle]} stop at "
-                f"{quantity(float(values[where[0]]), channel)}.",
-                severity="warning" if share < 1e-3 else "error",
+                severity="warning" if share < 1e-3 else "error", n=count,
+                muscle=trial.names[muscle], level=quantity(float(values[where[0]]), channel),
             )  # fmt: skip
             break
 
@@ -183,8 +178,7 @@ def aliased(trial: CheckedTrial) -> Iterator[Finding]:
         if ratio > FOLDED:
             yield make_finding(
                 "emg-aliased", channel.role, span_of(channel.time), ratio,
-                f"The EMG of the {trial.names[muscle]} is as strong at half its sampling rate, "
-                f"{0.5 * channel.rate_hz:.4g} Hz, as below: what is faster has folded into it.",
+                muscle=trial.names[muscle], hz=0.5 * channel.rate_hz,
             )  # fmt: skip
 
 
@@ -194,28 +188,21 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
         if trial.emg_kind == "raw":
             level = float(np.median(channel.values))
             ratio = abs(level) / float(np.std(channel.values))
-            limit, rest = OFFSET, "is centred on"
-            advice = (
-                "The preparation removes it; check the electrode's contact and that nothing is "
-                "clipped."
-            )
+            limit = OFFSET
         else:
             level = quantile(trial.slow[muscle], 0.02)
             top = quantile(trial.slow[muscle], 0.98)
             # Where no burst stands out there is no level of rest to speak of.
             known = top > 2.0 * level and (channel.unit != "V" or top > REST_VOLTS)
             ratio = level / top if known else 0.0
-            limit, rest = FLOOR, "does not come below"
-            advice = "Subtract the level of a relaxed muscle, or tell the subject to relax."
+            limit = FLOOR
         if ratio <= limit:
             continue
         yield make_finding(
-            "emg-offset", channel.role, span_of(channel.time), level,
-            f"The EMG of the {trial.names[muscle]} {rest} {quantity(level, channel)} instead "
-            f"of 0 ({100 * ratio:.0f} % of its "
-            + ("standard deviation)." if trial.emg_kind == "raw" else "highest)."),
+            f"emg-offset/{trial.emg_kind}", channel.role, span_of(channel.time), level,
             severity="warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
-            unit=channel.unit, advice=advice,
+            unit=channel.unit, muscle=trial.names[muscle], level=quantity(level, channel),
+            percent=100 * ratio,
         )  # fmt: skip
 
 
@@ -242,14 +229,7 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
         worst = int(np.argmax(np.where(wrong, size, 0.0)))
         yield make_finding(
             "emg-artefact", channel.role, span_of(channel.time, where), float(size[worst]),
-            f"{len(spans)} artefact{'s' * (len(spans) > 1)} in the EMG of the "
-            f"{trial.names[muscle]}, the largest of {quantity(float(size[worst]), channel)} at "
-            f"{channel.time[worst]:.3f} s.",
-            unit=channel.unit,
-            advice="Fasten cable and electrode; "
-            + (
-                "fit with --loss huber."
-                if where[-1] - where[0] > 0.5 * len(size)
-                else "leave that time out with --exclude, or fit with --loss huber."
-            ),
+            unit=channel.unit, muscle=trial.names[muscle], n=len(spans),
+            size=quantity(float(size[worst]), channel), at=channel.time[worst],
+            advice="emg-artefact/spread" if where[-1] - where[0] > 0.5 * len(size) else "",
         )  # fmt: skip

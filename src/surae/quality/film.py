@@ -38,8 +38,8 @@ def unit(trial: CheckedTrial) -> Iterator[Finding]:
     for channel in _fascicles(trial):
         middle = float(np.median(channel.values))
         if not _LENGTHS[0] <= middle <= _LENGTHS[1]:
-            text = f"The fascicle is {1e3 * middle:.4g} mm long: its unit is not what it says."
-            yield make_finding("film-unit", channel.role, span_of(channel.time), middle, text)
+            span = span_of(channel.time)
+            yield make_finding("film-unit", channel.role, span, middle, mm=1e3 * middle)
 
 
 def lost(trial: CheckedTrial) -> Iterator[Finding]:
@@ -52,8 +52,7 @@ def lost(trial: CheckedTrial) -> Iterator[Finding]:
         part = frames / (len(channel.time) + frames)
         if part > _LOST:
             span = float(channel.time[pauses[0]]), float(channel.time[pauses[-1] + 1])
-            text = f"{frames:.0f} frames have no length ({100 * part:.0f} %)."
-            yield make_finding("film-lost", channel.role, span, part, text)
+            yield make_finding("film-lost", channel.role, span, part, n=frames, percent=100 * part)
 
 
 def repeated(trial: CheckedTrial) -> Iterator[Finding]:
@@ -64,8 +63,8 @@ def repeated(trial: CheckedTrial) -> Iterator[Finding]:
         moving[4:-3] = np.ptp(around, axis=1) > _MOVES
         part = float(np.mean(np.diff(channel.values)[moving] == 0.0)) if moving.any() else 0.0
         if part > _REPEATED:
-            text = f"{100 * part:.0f} % of the frames of a moving fascicle repeat the one before."
-            yield make_finding("film-repeated", channel.role, span_of(channel.time), part, text)
+            span = span_of(channel.time)
+            yield make_finding("film-repeated", channel.role, span, part, percent=100 * part)
 
 
 def jumps(trial: CheckedTrial) -> Iterator[Finding]:
@@ -77,10 +76,9 @@ def jumps(trial: CheckedTrial) -> Iterator[Finding]:
         at = np.flatnonzero((size > _JUMP) & (size > _ALONE * others))
         at = at[np.diff(channel.time)[at] < _PAUSE * float(np.median(np.diff(channel.time)))]
         if at.size:
-            worst, times = float(size[at].max()), f"{at.size} time{'s' * (at.size > 1)}"
+            worst = float(size[at].max())
             span = float(channel.time[at[0]]), float(channel.time[at[-1] + 1])
-            text = f"The fascicle jumps {times}, by up to {1e3 * worst:.1f} mm within a frame."
-            yield make_finding("film-jump", channel.role, span, worst, text)
+            yield make_finding("film-jump", channel.role, span, worst, n=at.size, mm=1e3 * worst)
 
 
 def against_the_robot(trial: CheckedTrial) -> Iterator[Finding]:
@@ -97,15 +95,15 @@ def against_the_robot(trial: CheckedTrial) -> Iterator[Finding]:
         here, best = float(left[np.argmin(np.abs(late))]), int(np.argmin(left))
         by = float(late[best])
         if abs(by) > _LATE and here > len(time) * _LEFT**2 and left[best] < (1.0 - _LESS) * here:
-            word = "late" if by > 0.0 else "early"
-            text = f"The film is {1e3 * abs(by):.0f} ms {word}, by what angle and torque say."
-            yield make_finding("film-clock", channel.role, span_of(channel.time), by, text)
+            which = "film-clock/late" if by > 0.0 else "film-clock/early"
+            span = span_of(channel.time)
+            yield make_finding(which, channel.role, span, by, ms=1e3 * abs(by))
             continue
         since = (time - time[0]) / (time[-1] - time[0])
         drift = float(np.polyfit(since, _unexplained(trial, time, length), 1)[0])
         if abs(drift) > _DRIFT:
-            text = f"The fascicle drifts by {1e3 * drift:+.1f} mm at like angles and torques."
-            yield make_finding("film-drift", channel.role, span_of(channel.time), drift, text)
+            span = span_of(channel.time)
+            yield make_finding("film-drift", channel.role, span, drift, mm=1e3 * drift)
 
 
 def _unexplained(trial: CheckedTrial, time: FloatArray, length: FloatArray) -> FloatArray:

@@ -5,7 +5,8 @@ from typing import Any, Literal
 
 from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
-from surae.base.words import N_
+from surae.base.words import Message, english
+from surae.model.joint import ANKLE, Joint
 from surae.recording import MUSCLES, Channel
 
 Severity = Literal["info", "warning", "error"]
@@ -27,8 +28,8 @@ class Finding:
     end_s: float
     value: float | None  #: The number that it was judged by, in `unit`; None where there is none.
     unit: str  #: Empty where there is no value, ``"1"`` for a ratio.
-    message: str  #: What was found, one sentence.
-    advice: str  #: What to do, one sentence.
+    message: str  #: What was found, one sentence: a `Message`, unless it was read from a file.
+    advice: str  #: What to do, one sentence, likewise.
 
 
 class Unjudged(Exception):  # noqa: N818  # no error: a check says so
@@ -128,138 +129,66 @@ class FindingKind:
     """A kind of finding; a check may give severity, unit and advice that fit the recording."""
 
     code: str  #: Its name.
-    looks_for: str  #: What is wrong, in a few words.
-    advice: str  #: What to do, a sentence.
     severity: Severity = "warning"
     unit: str = "1"  #: Of the number that it is judged by.
 
+    @property
+    def looks_for(self) -> Message:
+        """What is wrong, in a few words."""
+        return Message(f"kind/{self.code}")
+
+    @property
+    def advice(self) -> Message:
+        """What to do, a sentence."""
+        return Message(f"advice/{self.code}")
+
 
 _KINDS = (
-    FindingKind("emg-kind", N_("raw EMG declared an envelope, or the other way round"),
-        N_("Declare what it is: # emg: raw or # emg: envelope."), "error"),
-    FindingKind("as-read", N_("gaps that were bridged, times that were rounded, a file cut short"),
-        N_("Nothing, if you meant it so; else correct the file or the mapping."), "info", unit=""),
-    FindingKind("emg-missing", N_("muscles without EMG"),
-        N_("Add the channel, or fix its weight, e.g. with --fixed g1=0."), unit=""),
-    FindingKind("emg-flat", N_("EMG that is constant, for a while or throughout"),
-        N_("Leave that time out of the fit with --exclude, or record again."), unit="s"),
-    FindingKind("emg-clipped", N_("EMG at the amplifier’s limit"),
-        N_("Lower the amplifier's gain and record again; efforts beyond that level are "
-        "underestimated.")),
-    FindingKind("emg-aliased", N_("EMG sampled without a filter before"),
-        N_("Sample at 1000 Hz or more, or filter below half the rate before; sizes hold, but hum "
-        "and "
-        "artefacts can fold to where no filter finds them, and fewer values are identified.")),
-    FindingKind("emg-offset", N_("EMG that does not rest at zero"),
-        N_("Take the offset away in the mapping; rest the muscle for an envelope."), unit="V"),
-    FindingKind("emg-artefact", N_("spikes and swings of cables and skin"),
-        N_("Fasten cable and electrode; leave that time out with --exclude, or fit with --loss "
-        "huber."),
-        unit="V"),
-    FindingKind("mains-hum", N_("50 or 60 Hz in the EMG"),
-        N_("Improve the reference electrode and keep cables from power lines; the high-pass does "
-        "not "
-        "remove it."), unit="V"),
-    FindingKind("electrode-off", N_("an electrode that comes off during the trial"),
-        N_("Fix the electrode, look at its signal while the muscle works, and record again."),
-        "error"),
-    FindingKind("electrode-lag", N_("one electrode later than the others"),
-        N_("Check the delay of that sensor, a wireless one above all, and shift its channel."),
-        unit="s"),
-    FindingKind("emg-torque-lag", N_("EMG and torque out of step"),
-        N_("Check how the devices are synchronised, and shift the time of one file by that much."),
-        "error", "s"),
-    FindingKind("torque-limit", N_("torque at the device’s limit"),
-        N_("Ask for less effort or a slower motion and record again; at its limit the device no "
-        "longer follows the profile."), "error", "Nm"),
-    FindingKind("torque-artefact", N_("torque that neither EMG nor angle explain"),
-        N_("Look at that time; leave it out with --exclude, or fit with --loss huber."), unit="Nm"),
-    FindingKind("torque-sign", N_("torque of the wrong sign"),
-        N_("Write sign = -1 for the torque (positive when the triceps pulls), or for the angle "
-        "(positive in dorsiflexion) if that is turned."), "error"),
-    FindingKind("torque-offset", N_("torque that gravity does not explain"),
-        N_("Set the sensor to zero with the empty footplate and record again, or give the torque "
-        "an "
-        "offset in the TOML."), unit="Nm"),
-    FindingKind("angle-units", N_("degrees for radians, or another zero"),
-        N_("Give the unit in the column's name or in the mapping; 0 is the foot at 90°."),
-        "error", "rad"),
-    FindingKind("rom-not-covered", N_("a small range of motion"),
-        N_("Move through the subject's whole range: stiffness and optimal lengths show at its "
-        "ends."),
-        unit="rad"),
-    FindingKind("stretch-series", N_("slow and fast stretches, which another command takes apart"),
-        N_("Use surae stretches: it tells tissue from nerve."), "info", "deg/s"),
-    FindingKind("position-steps", N_("steps instead of the profile"),
-        N_("Record again with slower motion or less effort; the device followed steps instead of "
-        "the "
-        "profile."), "error", "rad"),
-    FindingKind("overshoot", N_("angles beside the commanded profile"),
-        N_("Generate a protocol for this device with surae protocol --device, or lower its speed."),
-        unit="rad"),
-    FindingKind("passive-not-passive", N_("activity while relaxed"),
-        N_("Repeat the passive part with the subject relaxed: passive stiffness would be "
-        "overestimated.")),
-    FindingKind("active-not-active", N_("efforts that were not made"),
-        N_("Repeat the trial, or leave that time out with --exclude.")),
-    FindingKind("co-contraction", N_("both sides active throughout"),
-        N_("Ask for one direction at a time, and look for crosstalk: together, their weights "
-        "cannot "
-        "be separated.")),
-    FindingKind("reflex-suspected", N_("bursts that follow stretches"),
-        N_("Stretch more slowly for passive parameters; with reflexes, activity and stretch are "
-        "not "
-        "independent."), unit="s"),
-    FindingKind("time-gap", N_("samples that are missing"),
-        N_("Use a part without a gap, or record again: signals across a gap are not known."),
-        "error", "s"),
-    FindingKind("time-jitter", N_("time stamps that scatter or go back"),
-        N_("Take the time from the sample counter of the device, not from the computer's clock."),
-        unit="s"),
-    FindingKind("not-used", N_("samples that no fit reads: another channel has ended"),
-        N_("Nothing, if that is meant: no check looks at them."), "info", "s"),
-    FindingKind("samples-missing", N_("samples that are not numbers"),
-        N_("Correct the file, bridge gaps of some ms by bridge_s in a mapping, or cut it to a part "
-        "without them; no fit reads it so."), "error"),
-    FindingKind("trial-too-short", N_("trials too short for the relaxation"),
-        N_("Record longer, with holds, or fix tau_rel and k_rel."), unit="s"),
-    FindingKind("angle-sign", N_("an angle that is turned, by what a quick fit then explains"),
-        N_("Write sign = -1 for the angle in the TOML."), "error"),
-    FindingKind("electrodes-swapped",
-        N_("electrodes of two muscles that were exchanged, by the same"),
-        N_('Write swap = ["ta", "sol"] in the TOML, with the two that it says.'), "error"),
-    FindingKind("torque-drift", N_("a torque whose zero drifts through the trial"),
-        N_("Let the sensor warm up, set it to zero and record again; a fit of a part of the trial "
-        "(--exclude) is less wrong."), unit="Nm"),
-    FindingKind("emg-gain", N_("EMG whose gain changes within the trial"),
-        N_("Look at the electrodes and at the amplifier's gain, and record again; a fit of a part "
-        "of "
-        "the trial (--exclude) is less wrong.")),
-    FindingKind("angle-still", N_("a static hold"),
-        N_("Record a trial that moves: one hold can’t show stiffness, lengths or relaxation."),
-        "error", "rad"),
-    FindingKind("torque-unit", N_("mNm, or kNm, for Nm"),
-        N_("Write the torque's unit in the TOML."), "error", "Nm"),
-    FindingKind("emg-unit", N_("mV or µV for V, in one channel or all"),
-        N_('Write unit = "µV" for the EMG in the TOML.'), "error", "V"),
-    FindingKind("film-unit", N_("fascicle lengths in mm, cm or m that no muscle of the ankle has"),
-        N_("Write the unit of the lengths in the column's name or in the mapping."), "error", "m"),
-    FindingKind("film-lost", N_("frames in which the tracker lost the fascicle"),
-        N_("Track these frames again; a fit leaves them out.")),
-    FindingKind("film-repeated", N_("frames that repeat the one before"),
-        N_("Export the film at its own rate: repeated frames add no information.")),
-    FindingKind("film-jump", N_("jumps of a fascicle from one frame to the next"),
-        N_("Look at these frames and track them again."), unit="m"),
-    FindingKind("film-clock", N_("a film that is early or late"),
-        N_("Correct start_s of the film in the mapping, and check how it is synchronised."),
-        "error",
-        "s"),
-    FindingKind("film-drift", N_("a fascicle that drifts away while the movement repeats"),
-        N_("Correct the tracked fascicle at key frames, once in each cycle of the movement."),
-        unit="m"),
-    FindingKind("time-unit", N_("ms or µs for s"),
-        N_("Give the unit of time in the column's name."), "error", "s"),
-)  # fmt: skip
+    FindingKind("emg-kind", "error"),
+    FindingKind("as-read", "info", ""),
+    FindingKind("emg-missing", unit=""),
+    FindingKind("emg-flat", unit="s"),
+    FindingKind("emg-clipped"),
+    FindingKind("emg-aliased"),
+    FindingKind("emg-offset", unit="V"),
+    FindingKind("emg-artefact", unit="V"),
+    FindingKind("mains-hum", unit="V"),
+    FindingKind("electrode-off", "error"),
+    FindingKind("electrode-lag", unit="s"),
+    FindingKind("emg-torque-lag", "error", "s"),
+    FindingKind("torque-limit", "error", "Nm"),
+    FindingKind("torque-artefact", unit="Nm"),
+    FindingKind("torque-sign", "error"),
+    FindingKind("torque-offset", unit="Nm"),
+    FindingKind("angle-units", "error", "rad"),
+    FindingKind("rom-not-covered", unit="rad"),
+    FindingKind("stretch-series", "info", "deg/s"),
+    FindingKind("position-steps", "error", "rad"),
+    FindingKind("overshoot", unit="rad"),
+    FindingKind("passive-not-passive"),
+    FindingKind("active-not-active"),
+    FindingKind("co-contraction"),
+    FindingKind("reflex-suspected", unit="s"),
+    FindingKind("time-gap", "error", "s"),
+    FindingKind("time-jitter", unit="s"),
+    FindingKind("not-used", "info", "s"),
+    FindingKind("samples-missing", "error"),
+    FindingKind("trial-too-short", unit="s"),
+    FindingKind("angle-sign", "error"),
+    FindingKind("electrodes-swapped", "error"),
+    FindingKind("torque-drift", unit="Nm"),
+    FindingKind("emg-gain"),
+    FindingKind("angle-still", "error", "rad"),
+    FindingKind("torque-unit", "error", "Nm"),
+    FindingKind("emg-unit", "error", "V"),
+    FindingKind("film-unit", "error", "m"),
+    FindingKind("film-lost"),
+    FindingKind("film-repeated"),
+    FindingKind("film-jump", unit="m"),
+    FindingKind("film-clock", "error", "s"),
+    FindingKind("film-drift", unit="m"),
+    FindingKind("time-unit", "error", "s"),
+)
 #: All of them by code.
 KINDS = {kind.code: kind for kind in _KINDS}
 #: Every code that a finding can have.
@@ -267,12 +196,23 @@ CODES = tuple(KINDS)
 
 
 def make_finding(
-    code: str, channel: str | None, span: tuple[float, float], value: float | None, message: str, *,
-    severity: Severity | None = None, unit: str | None = None, advice: str | None = None,
+    which: str, channel: str | None, span: tuple[float, float], value: float | None, *,
+    severity: Severity | None = None, unit: str | None = None, advice: str = "",
+    says: Message | None = None, joint: Joint = ANKLE, **values: Any,
 ) -> Finding:  # fmt: skip
-    """A finding; what is not given is as of its kind."""
+    """A finding; what is not given is as of its kind.
+
+    The sentences of `which`, and of `advice` where that is another one or a message, are filled in
+    with the `values`; a message that `says` what was found takes the place of the first.
+    """
+    code = which.partition("/")[0]
     kind = KINDS[code]
+    if not isinstance(advice, Message):
+        own = f"advice/{advice or which}"
+        known = own if own in english() else f"advice/{code}"
+        advice = Message(known, joint.worded, **values)
     return Finding(
         code, severity or kind.severity, channel, float(span[0]), float(span[1]), value,
-        kind.unit if unit is None else unit, message, advice or kind.advice,
+        kind.unit if unit is None else unit,
+        says or Message(f"found/{which}", joint.worded, **values), advice,
     )  # fmt: skip

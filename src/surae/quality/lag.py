@@ -34,11 +34,8 @@ def torque_lag(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged("The EMG explains too little of the torque to tell.")
     if -EARLY <= model.lag <= LATE or abs(model.lag) >= 0.95 * LONGEST or _one_side(trial):
         return
-    late = "late" if model.lag > 0.0 else "early"
-    yield make_finding(
-        "emg-torque-lag", None, trial.span, model.lag,
-        f"The EMG is {1e3 * abs(model.lag):.0f} ms too {late} for the torque.",
-    )  # fmt: skip
+    which = "emg-torque-lag/late" if model.lag > 0.0 else "emg-torque-lag/early"
+    yield make_finding(which, None, trial.span, model.lag, ms=1e3 * abs(model.lag))
 
 
 def electrode_lag(trial: CheckedTrial) -> Iterator[Finding]:
@@ -46,23 +43,22 @@ def electrode_lag(trial: CheckedTrial) -> Iterator[Finding]:
     heads = trial.triceps
     side = _one_side(trial)
     if side is not None:
-        yield _finding(trial, *side, "the torque says")
+        yield _finding(trial, *side, "torque")
     if len(heads) >= 3:
         lags = {muscle: _lag(trial, muscle) for muscle in heads}
         known = {m: v for m, v in lags.items() if v is not None}
         if known:
             worst = max(known, key=lambda m: abs(known[m]))
             if abs(known[worst]) > ELECTRODE:
-                yield _finding(trial, worst, known[worst], "the other heads are")
+                yield _finding(trial, worst, known[worst], "heads")
     elif side is None and (trial.model is None or not trial.model.group_lag):
         raise Unjudged("There is no other electrode to compare with.")
 
 
 def _finding(trial: CheckedTrial, muscle: str, lag: float, beside: str) -> Finding:
     return make_finding(
-        "electrode-lag", f"emg_{muscle}", trial.span, lag,
-        f"The EMG of the {trial.names[muscle]} is {1e3 * abs(lag):.0f} ms "
-        f"{'later' if lag > 0.0 else 'earlier'} than {beside}.",
+        f"electrode-lag/{'later' if lag > 0.0 else 'earlier'}-{beside}", f"emg_{muscle}",
+        trial.span, lag, muscle=trial.names[muscle], ms=1e3 * abs(lag),
     )  # fmt: skip
 
 

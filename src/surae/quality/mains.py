@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.quality.finding import Finding, Unjudged, make_finding, quantity
 from surae.quality.numeric import runs, span_of
 from surae.quality.trial import CheckedTrial
@@ -38,10 +39,9 @@ def hum(trial: CheckedTrial) -> Iterator[Finding]:
         heard = True
         yield make_finding(
             "mains-hum", channel.role, span_of(channel.time), amplitude,
-            f"The EMG of the {trial.names[muscle]} holds a hum of {frequency:.1f} Hz with an "
-            f"amplitude of {quantity(amplitude, channel)} ({amplitude / rms:.2g} of its "
-            "standard deviation).",
             severity="warning" if amplitude < rms else "error", unit=channel.unit,
+            muscle=trial.names[muscle], hz=frequency, size=quantity(amplitude, channel),
+            part=amplitude / rms,
         )  # fmt: skip
     if slow is not None and not heard:
         raise Unjudged(f"EMG at {slow:g} Hz cannot show {MAINS[-1]:g} Hz.")
@@ -90,7 +90,7 @@ def off(trial: CheckedTrial) -> Iterator[Finding]:
     yield from (finding for channel in fast if (finding := _off(channel, trial.names)) is not None)
 
 
-def _off(channel: Channel, names: Mapping[str, str]) -> Finding | None:
+def _off(channel: Channel, names: Mapping[str, Message]) -> Finding | None:
     size = round(_PIECE * channel.rate_hz)
     count = len(channel.values) // size
     if count * _PIECE < 2.0 * _SHORTEST:
@@ -114,11 +114,9 @@ def _off(channel: Channel, names: Mapping[str, str]) -> Finding | None:
     if now < _TIMES * before or first == 0 or (count - last) * _PIECE >= _SHORTEST:
         return None  # one that hears its muscle again has not come off
     start = float(channel.time[first * size])
-    muscle = names[channel.role.removeprefix("emg_")]
     return make_finding(
         "electrode-off", channel.role,
         (start, channel.time[min(last * size, len(channel.time) - 1)]), now,
-        f"The electrode of the {muscle} seems to have come off at {start:.0f} s: from there it "
-        f"picks up only mains hum, {quantity(now, channel)} at {mains:.0f} Hz.",
-        unit=channel.unit,
+        unit=channel.unit, muscle=names[channel.role.removeprefix("emg_")], start=start,
+        size=quantity(now, channel), hz=mains,
     )  # fmt: skip

@@ -51,8 +51,7 @@ def units(trial: CheckedTrial) -> Iterator[Finding]:
     if high > HIGHEST or low < LOWEST:
         yield make_finding(
             "angle-units", "angle", trial.span, max(abs(low), abs(high)),
-            f"The angle goes from {low:.3g} to {high:.3g} rad, further than an ankle can: its zero "
-            "is not the neutral position, or its unit is not what it says.",
+            joint=trial.joint, low=low, high=high,
         )  # fmt: skip
 
 
@@ -91,16 +90,14 @@ def range_of_motion(trial: CheckedTrial) -> Iterator[Finding]:
     missed = moved > 0.0 and span / moved < REACHED
     if span >= ROM and not missed:
         return
-    ends = f"{np.rad2deg(low):.0f} to {np.rad2deg(high):.0f}°".replace("-", "−")
-    text = f"The angle covers {np.rad2deg(span):.0f}°, from {ends}"
-    text += f": {100 * (span / moved):.0f} % of what was commanded." if missed else "."
-    advice = None
+    which = "rom-not-covered/commanded" if missed else "rom-not-covered"
     if trial.torque is not None and perturbing(trial.angle, trial.rate_hz):
-        text += " These are small random perturbations, from which no model of muscles is fitted."
-        advice = "Use surae impedance: it tells tissue from reflex."
+        which = "rom-not-covered/perturbed"
     yield make_finding(
-        "rom-not-covered", "angle", trial.span, span, text, advice=advice,
+        which, "angle", trial.span, span,
         severity="warning" if span < SMALL_ROM or missed else "info",
+        degrees=np.rad2deg(span), low=np.rad2deg(low), high=np.rad2deg(high),
+        percent=100 * (span / moved) if missed else 0.0,
     )  # fmt: skip
 
 
@@ -110,8 +107,7 @@ def stretches(trial: CheckedTrial) -> Iterator[Finding]:
     if slow_and_fast(speeds):
         yield make_finding(
             "stretch-series", "angle", trial.span, np.rad2deg(max(speeds)).item(),
-            f"{len(speeds)} stretches end in holds, at {np.rad2deg(min(speeds)):.0f} to "
-            f"{np.rad2deg(max(speeds)):.0f} °/s.",
+            n=len(speeds), low=np.rad2deg(min(speeds)), high=np.rad2deg(max(speeds)),
         )  # fmt: skip
 
 
@@ -157,9 +153,7 @@ def steps(trial: CheckedTrial) -> Iterator[Finding]:
     worst = int(jumps[np.argmax(size[jumps])])
     yield make_finding(
         "position-steps", "angle", (channel.time[jumps[0]], channel.time[jumps[-1] + 1]),
-        float(size[worst]),
-        f"The angle jumps {len(jumps)} time{'s' * (len(jumps) > 1)}, by up to {size[worst]:.2g} "
-        "rad within a sample, as when the device has lost its profile.",
+        float(size[worst]), n=len(jumps), size=size[worst],
     )  # fmt: skip
 
 
@@ -175,16 +169,10 @@ def overshoot(trial: CheckedTrial) -> Iterator[Finding]:
         )
     if shot:
         sizes, begins, ends = zip(*shot, strict=True)
-        movements = "movement" if len(shot) == 1 else "movements"
         yield make_finding(
-            "overshoot", "angle", (min(begins), max(ends)), max(sizes),
-            f"{len(shot)} {movements} shot past where they came to rest, by up to "
-            f"{max(sizes):.2g} rad.",
-            advice=_ADVICE,
+            "overshoot/movements", "angle", (min(begins), max(ends)), max(sizes),
+            n=len(shot), size=max(sizes),
         )  # fmt: skip
-
-
-_ADVICE = "Adapt the protocol to the device (surae protocol --device), or lower its speed."
 
 
 def _departure(trial: CheckedTrial) -> Iterator[Finding]:
@@ -220,10 +208,9 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
     where = np.flatnonzero(wrong)
     size = float(left[wrong].max())
     yield make_finding(
-        "overshoot", "angle", span_of(time, where), size,
-        f"The angle leaves {commanded.name} by up to {size:.2g} rad ({100 * size / span:.2g} % of "
-        "its range).",
-        severity="warning" if size < 0.1 * span else "error", advice=_ADVICE,
+        "overshoot/profile", "angle", span_of(time, where), size,
+        severity="warning" if size < 0.1 * span else "error",
+        profile=commanded.name, size=size, percent=100 * size / span,
     )  # fmt: skip
 
 

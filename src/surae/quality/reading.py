@@ -138,8 +138,7 @@ def _missing(role: str, column: Column, wrong: BoolArray) -> Iterator[Finding]:
         begin, end = (inside[0], inside[-1]) if inside.size else (times[0], times[-1])
         yield make_finding(
             "samples-missing", role, (begin, end), float(where.size),
-            f"{where.size} samples of {column.name} are not numbers, the first in "
-            f"{column.position(int(where[0]))}.",
+            n=where.size, column=column.name, where=column.position(int(where[0])),
         )  # fmt: skip
 
 

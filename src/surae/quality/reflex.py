@@ -61,9 +61,7 @@ def suspected(trial: CheckedTrial) -> Iterator[Finding]:
     first, last = (where[0], where[-1]) if where.size else (0, len(trial.time) - 1)
     yield make_finding(
         "reflex-suspected", f"emg_{trial.triceps[0]}", (trial.time[first], trial.time[last]),
-        reflexes.delay,
-        f"The triceps answers stretches {1e3 * reflexes.delay:.0f} ms later "
-        f"({reflexes.events} stretches): probably a reflex.",
+        reflexes.delay, joint=trial.joint, ms=1e3 * reflexes.delay, n=reflexes.events,
     )  # fmt: skip
 
 

@@ -57,9 +57,7 @@ def axis_findings(channel: Channel) -> Iterator[Finding]:
         worst = int(gaps[np.argmax(steps[gaps])])
         yield make_finding(
             "time-gap", _name(channel), (time[gaps[0]], time[gaps[-1] + 1]), lost,
-            f"{len(gaps)} gap{'s' * (len(gaps) > 1)} in time, the longest from "
-            f"{time[worst]:.4f} to {time[worst + 1]:.4f} s where a sample every "
-            f"{1e3 * step:.3g} ms is expected.",
+            n=len(gaps), start=time[worst], end=time[worst + 1], ms=1e3 * step,
         )  # fmt: skip
     back = int((steps <= 0.0).sum())
     if back:
@@ -68,10 +66,9 @@ def axis_findings(channel: Channel) -> Iterator[Finding]:
     jitter = 0.0 if explained else _jitter(time, gaps)
     if jitter > JITTER * step:
         yield make_finding(
-            "time-jitter", _name(channel), (time[0], time[-1]), jitter,
-            f"Time stamps scatter by {1e3 * jitter:.2g} ms about even steps of "
-            f"{1e3 * step:.3g} ms ({100 * jitter / step:.2g} %).",
+            "time-jitter/scatter", _name(channel), (time[0], time[-1]), jitter,
             severity="warning" if jitter < BAD_JITTER * step else "error",
+            by=1e3 * jitter, ms=1e3 * step, percent=100 * jitter / step,
         )  # fmt: skip
 
 
@@ -97,11 +94,9 @@ def _explained(channel: Channel) -> bool:
 
 def _disorder(channel: Channel, back: int, step: float) -> Finding:
     return make_finding(
-        "time-jitter", _name(channel), (channel.time.min(), channel.time.max()), float(back),
-        f"Time does not increase at {back} of {len(channel.time)} samples"
-        + (f", of which one is expected every {1e3 * step:.3g} ms." if step > 0.0 else "."),
-        severity="error", unit="1",
-        advice="Sort out which samples are repeated or swapped; no fit reads such a file.",
+        "time-jitter/expected" if step > 0.0 else "time-jitter/order", _name(channel),
+        (channel.time.min(), channel.time.max()), float(back), severity="error", unit="1",
+        n=back, all=len(channel.time), ms=1e3 * step,
     )  # fmt: skip
 
 
@@ -118,10 +113,8 @@ def too_short(recording: Recording) -> Iterator[Finding]:
         return
     yield make_finding(
         "trial-too-short", None, (start, end), seconds,
-        f"The trial lasts {seconds:.3g} s: too short to see tissue relax with tau_rel, which "
-        "is 1 to 10 s.",
-        severity="warning" if seconds >= TOO_SHORT else "error",
-        advice=f"Record {SHORT:g} s or more with holds, or fix tau_rel and k_rel.",
+        severity="warning" if seconds >= TOO_SHORT else "error", seconds=seconds, enough=SHORT,
+        advice="trial-too-short/enough",
     )  # fmt: skip
 
 
@@ -141,5 +134,5 @@ def as_read(trial: CheckedTrial) -> Iterator[Finding]:
     for text, roles in channels.items():
         yield make_finding(
             "as-read", roles[0] if len(roles) == 1 else None, trial.span, None,
-            f"As read from the file, {listed(roles)}: {text}.",
+            channels=listed(roles), done=text,
         )  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 from surae.base.units import FloatArray
 from surae.protocol import DEVICES
 from surae.quality.baseline import baseline
-from surae.quality.finding import KINDS, Finding, Unjudged, make_finding
+from surae.quality.finding import Finding, Unjudged, make_finding
 from surae.quality.numeric import IndexArray, correlation, equal_runs, quantile, span_of
 from surae.quality.torque_model import passive_columns
 from surae.quality.trial import CheckedTrial
@@ -51,10 +51,10 @@ def limit(trial: CheckedTrial) -> Iterator[Finding]:
         if where is None:
             continue
         top = float(side.max())
-        device = f", the limit of {most:g} Nm" if abs(top - most) <= 4.0 * _BAND * most else ""
+        device = abs(top - most) <= 4.0 * _BAND * most
         yield make_finding(
-            "torque-limit", "torque", span_of(channel.time, where), top,
-            f"The torque goes no further than {top:.3g} Nm{device}, in {len(where)} samples.",
+            "torque-limit/known" if device else "torque-limit", "torque",
+            span_of(channel.time, where), top, top=top, most=most, n=len(where),
         )  # fmt: skip
         return
 
@@ -87,57 +87,52 @@ def artefact(trial: CheckedTrial) -> Iterator[Finding]:
     size = np.abs(channel.values)
     top = float(size.max())
     if top > IMPOSSIBLE:
-        text = f"The torque reaches {top:.3g} Nm, more than any ankle makes."
-        yield _artefact(trial, channel.time[size > IMPOSSIBLE], top, text)
+        yield _artefact(trial, "most", channel.time[size > IMPOSSIBLE], top)
         return
     if trial.model is None:
         raise Unjudged("The trial is too short to know its torque.")
     left = np.abs(trial.model.unexplained)
     wrong = left > max(UNEXPLAINED, UNEXPLAINED_TIMES * quantile(left, 0.68))
     if wrong.any() and float(wrong.mean()) <= UNEXPLAINED_SHARE:
-        top = float(left.max())
-        text = (
-            f"In {100 * float(wrong.mean()):.2g} % of the time the torque is up to {top:.3g} Nm "
-            "from what angle and EMG explain."
-        )
-        yield _artefact(trial, trial.model.time[wrong], top, text)
+        percent = 100 * float(wrong.mean())
+        yield _artefact(trial, "apart", trial.model.time[wrong], float(left.max()), percent)
 
 
-def _artefact(trial: CheckedTrial, at: FloatArray, value: float, text: str) -> Finding:
+def _artefact(
+    trial: CheckedTrial, which: str, at: FloatArray, top: float, percent: float = 0.0
+) -> Finding:
     span = span_of(at)
     apart = span[1] - span[0] < 0.5 * float(np.ptp(trial.time))
-    advice = "leave that time out with --exclude, or fit with --loss huber." if apart else (
-        "fit with --loss huber."
+    return make_finding(
+        f"torque-artefact/{which}", "torque", span, top, joint=trial.joint, top=top,
+        percent=percent, advice=f"torque-artefact/{'apart' if apart else 'spread'}",
     )  # fmt: skip
-    advice = f"Look at the torque there; {advice}"
-    return make_finding("torque-artefact", "torque", span, value, text, advice=advice)
 
 
 def sign(trial: CheckedTrial) -> Iterator[Finding]:
     """A torque that acts against the muscles that make it."""
     if trial.torque is None or trial.model is None:
         raise Unjudged("There is no torque, or too little of it.")
-    model, joint, wrong, unit = trial.model, trial.joint, "", "1"
+    model, wrong, unit = trial.model, "", "1"
     if model.part and model.known:
         # The stronger group decides: the weaker may only show the other's crosstalk.
         group = max(model.part, key=lambda name: abs(model.part[name]))
         strength, unit = model.part[group], "Nm"
         if group == "triceps" and strength < 0.0:
-            wrong = f"the {joint.short[0]} pulls with {strength:.2g} Nm, which should be positive"
+            wrong = "triceps"
         elif group == "ta" and strength > 0.0:
-            wrong = f"the {joint.groups[1]} pulls with {strength:.2g} Nm, which should be negative"
+            wrong = "ta"
     elif float(np.ptp(trial.angle)) > 0.2:
         strength = correlation(passive_columns(trial.angle)[0], trial.torque)
         if strength < _AGAINST:
-            wrong = f"it falls where the {joint.short[0]} is stretched, instead of rising"
+            wrong = "passive"
     else:
         raise Unjudged("Neither EMG nor angle say what the torque should be.")
     if wrong:
-        text = f"The torque has the wrong sign: {wrong}."
-        advice = joint.worded(KINDS["torque-sign"].advice)
         yield make_finding(
-            "torque-sign", "torque", trial.span, strength, text, unit=unit, advice=advice
-        )
+            f"torque-sign/{wrong}", "torque", trial.span, strength, unit=unit, joint=trial.joint,
+            pull=strength,
+        )  # fmt: skip
 
 
 def offset(trial: CheckedTrial) -> Iterator[Finding]:
@@ -160,8 +155,4 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
         return
     if beyond + UNCERTAIN < FOLLOWED * rest.spread:
         raise Unjudged("EMG and angle explain too little of the torque to tell.")
-    yield make_finding(
-        "torque-offset", "torque", trial.span, level,
-        f"The constant part of the torque is {level:.2g} Nm; foot and footplate make 1.8 to "
-        "4.4 Nm.",
-    )  # fmt: skip
+    yield make_finding("torque-offset", "torque", trial.span, level, joint=trial.joint, level=level)

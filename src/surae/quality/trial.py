@@ -9,6 +9,7 @@ import numpy as np
 
 from surae.base.frozen import read_only
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.model.joint import ANKLE, Joint
 from surae.protocol.effort import effort, named_task
 from surae.quality.commanded import Commanded, recognised
@@ -86,9 +87,9 @@ class CheckedTrial(Signals):
         return {muscle: channel for muscle, channel in self.emg.items() if muscle in self.slow}
 
     @property
-    def names(self) -> Mapping[str, str]:
+    def names(self) -> Mapping[str, Message]:
         """What the muscles of the channels are called."""
-        return dict(zip(MUSCLES, self.joint.muscles, strict=True))
+        return dict(zip(MUSCLES, map(Message, self.joint.muscles), strict=True))
 
     @property
     def triceps(self) -> tuple[str, ...]:

@@ -53,7 +53,8 @@ def used(
     if channels == dict(recording.channels) or not more:
         return replace(recording, channels=channels), []
     longest = max(beside.values())
-    text = f"Only {start:.4g} to {end:.4g} s are used: {listed(more)} "
-    text += f"go{'es' * (len(more) == 1)} on for up to {longest:.3g} s beside that."
-    finding = make_finding("not-used", more[0], (start, end), longest, text)
+    finding = make_finding(
+        "not-used", more[0], (start, end), longest, start=start, end=end, longest=longest,
+        channels=listed(more),
+    )  # fmt: skip
     return replace(recording, channels=channels), [finding]

@@ -10,6 +10,7 @@ from surae.base.errors import InputError
 from surae.base.formatting import listed
 from surae.base.frozen import FrozenDict, freeze
 from surae.base.units import FACTORS, SI, kind
+from surae.base.words import Message
 from surae.recording.recording import MUSCLES, ROLES, Channel, Recording
 
 _WORDS = {
@@ -88,7 +89,7 @@ class Corrections:
         source = channel.source.partition(_PUT_RIGHT)[0] + _PUT_RIGHT + words
         return replace(channel, values=freeze(values), source=source)
 
-    def lines(self, recording: Recording) -> str:
+    def lines(self, recording: Recording) -> Message:
         """How to write it: as lines of the recording's TOML, and as options of a command."""
         lines, options = [], []
         for role in {role: None for name in _WORDS for role in getattr(self, name)}:
@@ -107,7 +108,7 @@ class Corrections:
         for pair in self.swap:
             lines.append('swap = ["{}", "{}"]'.format(*pair))
             options.append("--swap {}:{}".format(*pair))
-        return f"Write {', '.join(lines)} in the TOML, or give {' '.join(options)}."
+        return Message("advice/write", lines=", ".join(lines), options=" ".join(options))
 
 
 _Given = Mapping[str, float | None]

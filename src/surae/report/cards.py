@@ -315,5 +315,5 @@ def next_trial(
                     weights[source] = weights.get(source, 0.0) + share
         if not weights:
             return ()
-        text = _(SOURCES[max(weights, key=lambda s: weights[s])].remedy)
+        text = _.sentence(SOURCES[max(weights, key=lambda s: weights[s])].advice)
     return (block.Text(text, lead=_("What helps next:")),)

@@ -3,7 +3,7 @@
 English messages stand in the source, in calls of `Words` that are named ``_``, or marked by `N_`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from gettext import NullTranslations
 from importlib.resources import files
@@ -13,9 +13,9 @@ from io import BytesIO
 from surae.base.errors import InputError
 from surae.base.formatting import ends, of_interval
 from surae.base.names import LANGUAGES
-from surae.base.words import N_
+from surae.base.words import N_, Message, Values, english
 from surae.model.joint import ANKLE, Joint
-from surae.quality.finding import KINDS
+from surae.quality.finding import KINDS, Finding
 
 #: What measures, and one parameter, are called, in the order in which they are shown.
 MEASURES = {
@@ -58,7 +58,7 @@ class Words:
         self.language, self._joint = language, joint
         self._decimal = "."
         self._messages = NullTranslations()
-        self.messages: dict[str, str | Sequence[str]] = {}
+        self.messages: dict[str, str | Sequence[str]] = {**english()}
         if language != "en":
             from babel.messages.mofile import write_mo
             from babel.messages.pofile import read_po
@@ -78,10 +78,16 @@ class Words:
             self._messages = Translations(compiled)
 
     def __call__(self, message: str, **given: str) -> str:
-        """A message, filled in."""
-        text = self._messages.gettext(message) if message else ""
+        """A message, filled in, its own values included."""
+        values: Mapping[str, object] = given
+        code = message
+        if isinstance(message, Message):
+            code, values = message.code, message.values
+        text = self._messages.gettext(code) if code else ""
+        if self.language == "en":
+            text = english().get(code, text)
         text = self._joint.worded(text, self.language)
-        return text.format(**given) if given else text
+        return _Values(self).vformat(text, (), values) if values else text
 
     def many(self, one: str, several: str, n: int, **given: str) -> str:
         """The message for so many; ``{n}`` in it is their number."""
@@ -122,11 +128,31 @@ class Words:
             return self.angle(float(at.removesuffix("deg")))
         return f"{at.removesuffix('s')} s"
 
-    def finding(self, code: str) -> str:
-        """What a finding of a check is of, and what to do, in sentences."""
-        kind = KINDS[code]
-        text = self(kind.looks_for)
-        return f"{text[:1].upper()}{text[1:]}. {self(kind.advice)}"
+    def finding(self, finding: Finding) -> str:
+        """What was found and what to do; of one that was read from a file, what such are of."""
+        if isinstance(finding.message, Message):
+            return f"{self(finding.message)} {self(finding.advice)}"
+        kind = KINDS[finding.code]
+        return f"{self.sentence(kind.looks_for)} {self(kind.advice)}"
+
+    def sentence(self, message: str) -> str:
+        """A message as a sentence of its own."""
+        text = self(message)
+        return f"{text[:1].upper()}{text[1:]}."
+
+
+class _Values(Values):
+    """What fills in a message, in a language."""
+
+    def __init__(self, words: Words) -> None:
+        self._words = words
+
+    def format_field(self, value: object, form: str) -> str:
+        """Give messages and numbers as they are there."""
+        if isinstance(value, Message):
+            return self._words(value)
+        text = super().format_field(value, form)
+        return text if isinstance(value, str) else self._words.number(text)
 
 
 #: The messages of a language and a joint, read once.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from surae.base.errors import InputError
 from surae.base.filed import filed
 from surae.base.frozen import FrozenDict
-from surae.base.words import N_
+from surae.base.words import N_, Message
 from surae.model.knowledge import Knowledge
 from surae.model.laboratory import AUTO
 from surae.quality import KINDS, Quality
@@ -143,7 +143,7 @@ def common_errors(
 ) -> tuple[str, ...]:
     """Errors that more than half of the trials have, at least two, with what to do.
 
-    In English, or in the language of `_`, in which the advice is that of such errors.
+    In English, or in the language of `_`, in which errors of a file have the advice of their kind.
     """
     every = list(quality)
     advice: dict[str, list[str]] = {}
@@ -159,7 +159,8 @@ def common_errors(
             if _ is None:
                 said.append(f"{_IN_TRIALS.format(what=what, **given)} {texts[0]}")
             else:
-                said.append(f"{_(_IN_TRIALS, what=_(what), **given)} {_(KINDS[code].advice)}")
+                told = texts[0] if isinstance(texts[0], Message) else KINDS[code].advice
+                said.append(f"{_(_IN_TRIALS, what=_(what), **given)} {_(told)}")
     return tuple(said)
 
 

@@ -2,11 +2,20 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from surae.base.units import FACTORS, FloatArray
-from surae.inference.diagnosis.explanations import Explanation, compared, possible, tried, turned
+from surae.base.words import Message
+from surae.inference.diagnosis.explanations import (
+    Explanation,
+    compared,
+    joined,
+    possible,
+    tried,
+    turned,
+)
 from surae.quality import Finding
 from surae.quality.finding import make_finding
 from surae.quality.numeric import quantiles, span_of
@@ -53,32 +62,35 @@ def wrong_angle(recording: Recording) -> tuple[Finding, Recording] | None:
     fewest = min((what.departures for what, _ in left), default=0)
     left = [(what, each) for what, each in left if what.departures == fewest]
     named = {what.words: what for what, _ in left}
-    ends = " to ".join(f"{value / FACTORS['angle'][unit]:.3g}" for value in (low, high))
-    found = f"The angle goes from {ends} {unit}".replace("-", "−").replace(" deg", "°")
-    found += ", further than an ankle can" if far else ""
-    right, advice = recording, "Find out its unit and zero: 0 is the joint’s neutral position."
+    factor = FACTORS["angle"][unit]
+    found = Message(
+        "read/range/far" if far else "read/range", low=low / factor, high=high / factor,
+        unit="°" if unit == "deg" else f" {unit}",
+    )  # fmt: skip
+    what: dict[str, Any] = {}
+    which, right, advice = "none", recording, Message("advice/angle-units/find")
     if len(named) == 1:
         best = _certain(left, good)
         others = [each for what, each in tries if what.words not in named]
-        numbers = compared(best, as_it_is, others)
-        text = f"{found}: {best.words}{': ' if numbers else ''}{numbers}."
+        what = {"what": best.words, "numbers": compared(best, as_it_is, others)}
+        which = "compared" if what["numbers"] else "known"
         right, advice = best.right(recording), best.right.lines(recording)
         if best.words == _DEGREES.words:
-            advice = 'Name the column angle_deg, or write unit = "deg" in the TOML.'
+            advice = Message("advice/angle-units/degrees")
     elif named:
         first, second, *_ = named.values()
-        text = f"{found}: the data cannot tell whether {first.words} or {second.words}."
-        advice += f" For the first: {first.right.lines(recording)}"
-    else:
-        text = f"{found}: neither another unit nor another zero makes it an ankle's."
+        which, what = "either", {"one": first.words, "other": second.words}
+        advice = Message("advice/angle-units/first", lines=first.right.lines(recording))
     value = max(abs(low), abs(high)) if far else high - low
-    span = span_of(channel.time)
-    return make_finding("angle-units", "angle", span, value, text, advice=advice), right
+    return make_finding(
+        f"angle-units/{which}", "angle", span_of(channel.time), value, advice=advice, range=found,
+        **what,
+    ), right  # fmt: skip
 
 
-_DEGREES = Explanation("these are degrees", Corrections(scale={"angle": float(np.deg2rad(1.0))}))
-_RADIANS = Explanation(
-    "these are radians taken for degrees", Corrections(scale={"angle": float(np.rad2deg(1.0))})
+_DEGREES, _RADIANS = (
+    Explanation(Message(f"read/{unit}"), Corrections(scale={"angle": float(scale)}))
+    for unit, scale in (("degrees", np.deg2rad(1.0)), ("radians", np.rad2deg(1.0)))
 )
 
 
@@ -93,7 +105,7 @@ def _far(values: FloatArray, unit: str) -> Iterator[Explanation]:
         turn = 2.0 * np.pi * (np.rad2deg(1.0) if base.words else 1.0)
         if _JUMP * turn < jump < turn / _JUMP:
             wrap = replace(base.right, wrap={"angle": float(turn / factor)})
-            words = " and ".join(filter(None, (base.words, "it jumps by a whole turn")))
+            words = joined(base.words, Message("read/turn"))
             # It may have begun a turn away.
             turns = round(float(np.median(np.unwrap(values, period=turn))) / turn)
             bases.append((Explanation(words, wrap, base.departures + 1), -360.0 * turns))
@@ -103,9 +115,9 @@ def _far(values: FloatArray, unit: str) -> Iterator[Explanation]:
         for zero in (*_ZEROS, *elsewhere):
             # The offset is in the unit that the angle has once it is scaled.
             offset = away + zero if unit == "deg" else float(np.deg2rad(away + zero))
-            about = "about " if zero in elsewhere else ""
-            word = f"its zero lies at {about}{-zero:g}°".replace("-", "−") if zero else ""
-            words = " and ".join(filter(None, (base.words, word)))
+            about = zero in elsewhere
+            which = "read/zero/about" if about else "read/zero"
+            words = joined(base.words, Message(which, degrees=-zero) if zero else "")
             departures = base.departures + (1 if zero else 0) + (1 if about else 0)
             if words:
                 right = replace(base.right, offset={"angle": offset} if offset else {})
@@ -122,7 +134,7 @@ def _signed(recording: Recording, what: Explanation) -> Iterator[Explanation]:
         for torque in (1.0, -1.0):
             signs = turned(sign, torque)
             if torque > 0.0 or "torque" in recording.channels:
-                words = " and ".join(filter(None, (what.words, signs.words)))
+                words = joined(what.words, signs.words)
                 right = replace(what.right, sign=signs.right.sign)
                 yield Explanation(words, right, what.departures + signs.departures)
 

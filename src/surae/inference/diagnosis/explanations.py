@@ -2,7 +2,10 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
+from typing import Literal
 
+from surae.base.words import Message
 from surae.inference.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.quality.trial import Signals, sampled
 from surae.recording import MUSCLE_NAMES, Recording
@@ -57,28 +60,35 @@ def possible(explanations: Iterable[Explanation]) -> list[Explanation]:
     return busy or good
 
 
+def joined(*words: str, by: Literal["and", "or"] = "and") -> str:
+    """What of several is not empty, as one text."""
+    kept = [each for each in words if each]
+    return reduce(lambda a, b: Message(f"read/{by}", one=a, other=b), kept) if kept else ""
+
+
 def compared(best: Explanation, as_it_is: Explanation, others: Sequence[Explanation]) -> str:
     """The numbers that an explanation is named by, the next best beside it."""
     if best.fit is None:
         return ""
-    text = f"with that R² rises from {percent(as_it_is.r2)} to {percent(best.r2)}"
+    text = Message("read/rises", before=percent(as_it_is.r2), after=percent(best.r2))
     if as_it_is.fit is None or as_it_is.r2 > best.r2:
-        text = f"R² is then {percent(best.r2)}"
+        text = Message("read/then", after=percent(best.r2))
     next_best = max(others, key=lambda each: each.r2, default=None)
     if next_best is not None and next_best.fit is not None:
-        text += f"; the next best, that {next_best.words}, reaches {percent(next_best.r2)}"
+        reached = percent(next_best.r2)
+        text = Message("read/next", numbers=text, other=next_best.words, reached=reached)
     return text
 
 
 def turned(angle: float, torque: float) -> Explanation:
     """Signs that may be the other way round."""
     roles = [name for name, sign in (("angle", angle), ("torque", torque)) if sign < 0.0]
-    verb = "are" if len(roles) > 1 else "is"
-    words = f"the {' and the '.join(roles)} {verb} turned" if roles else ""
+    words = Message(f"read/turned/{'-'.join(roles)}") if roles else ""
     return Explanation(words, Corrections(sign=dict.fromkeys(roles, -1.0)), len(roles))
 
 
 def swapped(first: str, second: str) -> Explanation:
     """Two muscles whose electrodes may have been exchanged."""
-    words = f"the electrodes of {MUSCLE_NAMES[first]} and {MUSCLE_NAMES[second]} are swapped"
+    names = (Message(MUSCLE_NAMES[muscle]) for muscle in (first, second))
+    words = Message("read/swapped", **dict(zip(("first", "second"), names, strict=True)))
     return Explanation(words, Corrections(swap=((first, second),)))

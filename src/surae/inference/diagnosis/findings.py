@@ -5,11 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from surae.base.words import Message
 from surae.inference.diagnosis.angle import wrong_angle
 from surae.inference.diagnosis.explanations import (
     EXPLAINS,
     Explanation,
     compared,
+    joined,
     possible,
     swapped,
     tried,
@@ -80,11 +82,8 @@ def examined(
     quality = check_recording(right, commanded, signals)
     low, high = quantiles(signals.angle, 0.005, 0.995)
     if high - low < STILL:
-        text = (
-            f"The angle stays within {np.rad2deg(high - low):.2g}°: a static hold, nothing moves."
-        )
-        still = make_finding("angle-still", "angle", span_of(signals.time), high - low, text)
-        findings.append(still)
+        span, degrees = span_of(signals.time), np.rad2deg(high - low)
+        findings.append(make_finding("angle-still", "angle", span, high - low, degrees=degrees))
         return _together(quality, findings, but=("angle-units", "rom-not-covered"))
     fit = None if signals.torque is None else quick_fit(right, signals)
     if fit is None:
@@ -139,20 +138,19 @@ def _signs(
     span, best = span_of(signals.time), good[0]
     codes = {role: f"{role}-sign" for role in best.right.sign} or {"emg_ta": "electrodes-swapped"}
     if len(good) > 1:
-        words = " or ".join(each.words for each in good)
-        numbers = f"R² rises from {percent(first.r2)} to {percent(best.r2)}"
-        text = f"{words[:1].upper()}{words[1:]}: with one of these {numbers}; "
-        text += "which of them, the data cannot tell."
-        advice = "Find out which: the angle is positive in dorsiflexion, the torque when the "
-        advice += "triceps pulls, and each electrode is on the muscle that it is called by."
+        text = Message(
+            "found/signs/several", what=joined(*(each.words for each in good), by="or"),
+            before=percent(first.r2), after=percent(best.r2),
+        )  # fmt: skip
+        advice = Message("advice/signs")
     else:
         numbers = compared(best, as_it_is, [each for each in tries if each is not best])
-        text = f"{best.words[:1].upper()}{best.words[1:]}: {numbers}."
+        text = Message("found/signs", what=best.words, numbers=numbers)
         advice = best.right.lines(recording)
         recording = best.right(recording)
-    texts = zip(codes.items(), (text, "The torque is turned, too: see angle-sign."), strict=False)
+    texts = zip(codes.items(), (text, Message("found/torque-sign/too")), strict=False)
     return [
-        make_finding(code, role, span, best.r2, message, advice=advice)
+        make_finding(code, role, span, best.r2, says=message, advice=advice)
         for (role, code), message in texts
     ], recording
 
@@ -165,22 +163,18 @@ def _slow(signals: Signals, fit: QuickFit) -> Iterator[Finding]:
     size, share = fit.slow.get("torque", (0.0, 0.0))
     if share >= _DRIFT_SHARE and _DRIFT[0] <= abs(size) <= _DRIFT[1]:
         yield make_finding(
-            "torque-drift", "torque", span, size,
-            f"The torque drifts by about {size:.2g} Nm through the trial: that "
-            f"explains {100 * share:.0f} % of what a quick fit leaves.".replace("-", "−"),
+            "torque-drift", "torque", span, size, size=size, percent=100 * share
         )  # fmt: skip
         return
     grown = {name: fit.slow[name] for name in _GAIN_SHARE if name in fit.slow}
     group = max(grown, key=lambda name: grown[name][1] / _GAIN_SHARE[name], default="")
     size, share = grown.get(group, (0.0, 0.0))
     if share >= _GAIN_SHARE.get(group, 2.0) and _GAIN[0] <= abs(size) <= _GAIN[1]:
-        whose = {"emg": "all muscles", "emg_triceps": "the triceps"}.get(group)
-        whose = whose or "the tibialis anterior"
+        which = {"emg": "all", "emg_triceps": "triceps", "emg_ta": "ta"}[group]
         after = (1.0 - size / 2.0) / (1.0 + size / 2.0)
         yield make_finding(
-            "emg-gain", None if group != "emg_ta" else group, span, after,
-            f"At its end the trial has about {100 * after:.0f} % of the EMG of {whose} that it had "
-            f"at first for the same torque: it explains {100 * share:.0f} % of what is left.",
+            f"emg-gain/{which}", None if group != "emg_ta" else group, span, after,
+            percent=100 * after, part=100 * share,
         )  # fmt: skip
 
 
@@ -198,14 +192,10 @@ def _out_of_step(recording: Recording, signals: Signals, fit: QuickFit) -> Itera
         while abs(lag) < _FARTHEST and (next_ := shifted(lag + way * _SHIFT)).left < best.left:
             lag, best = lag + way * _SHIFT, next_
         if best.left * _OUT_OF_STEP < beside.left and best.r2 - fit.r2 >= _VISIBLE:
-            text = f"The EMG is about {1e3 * abs(lag):.0f} ms late for the torque"
-            if way < 0.0:
-                text = f"The torque follows its EMG by about {1e3 * abs(lag):.0f} ms, more than "
-                text += "muscles take"
             yield make_finding(
-                "emg-torque-lag", None, span_of(signals.time), lag,
-                f"{text}: with that taken away R² rises from {percent(fit.r2)} to "
-                f"{percent(best.r2)}.",
+                f"emg-torque-lag/{'follows' if way < 0.0 else 'fitted'}", None,
+                span_of(signals.time), lag, ms=1e3 * abs(lag), before=percent(fit.r2),
+                after=percent(best.r2),
             )  # fmt: skip
             return
 
@@ -217,9 +207,8 @@ def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Iterator[Fin
     without = quick_fit(recording, signals, zero=False)
     if without is not None and without.left >= _ZERO_GAIN * fit.left:
         yield make_finding(
-            "torque-offset", "torque", span_of(signals.time), fit.zero,
-            f"The torque's zero is off by about {fit.zero:.2g} Nm: with that taken away R² rises "
-            f"from {percent(without.r2)} to {percent(fit.r2)}.",
+            "torque-offset/fitted", "torque", span_of(signals.time), fit.zero, level=fit.zero,
+            before=percent(without.r2), after=percent(fit.r2),
         )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict, read_only
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.inference import make_problem
 from surae.inference.least_squares import minimise
 from surae.inference.residuals import Residuals, curved_move
@@ -148,7 +149,6 @@ def _slow(rows: FloatArray, values: Mapping[str, float]) -> FrozenDict[str, tupl
     return FrozenDict(found)
 
 
-def percent(r2: float) -> str:
+def percent(r2: float) -> Message:
     """R² in percent, with the digits that matter near 100."""
-    text = f"{100.0 * r2:.1f}" if r2 > 0.9 else f"{100.0 * r2:.0f}"
-    return f"{text.replace('-', '−')} %"
+    return Message("{r2:.1f} %" if r2 > 0.9 else "{r2:.0f} %", r2=100.0 * r2)

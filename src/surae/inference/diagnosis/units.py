@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from surae.base.frozen import read_only
-from surae.inference.diagnosis.explanations import Explanation, compared, possible, tried
+from surae.base.words import Message
+from surae.inference.diagnosis.explanations import Explanation, compared, joined, possible, tried
 from surae.quality import Finding
 from surae.quality.finding import make_finding
 from surae.quality.numeric import quantile, quantiles, span_of
@@ -22,8 +23,8 @@ _SMALL = 4.0
 #: Movement [rad] over which the passive torque alone grows by more than that.
 _MOVES = 0.35
 #: Body mass [kg] for which per kilogram is tried, and the units that a torque may be in.
-_BODY, _PER_KG = 70.0, "per kilogram of body mass"
-_UNITS = {"in mNm": 1e-3, "in kNm": 1e3, _PER_KG: _BODY}
+_BODY = 70.0
+_UNITS = {"mNm": 1e-3, "kNm": 1e3, "per-kg": _BODY}
 #: No two muscles of a leg differ by this factor.
 _MUSCLES = 100.0
 #: The largest EMG that skin gives [V], and the largest of any amplifier's output.
@@ -63,11 +64,8 @@ def _time_unit(recording: Recording) -> _Righted | None:
         if rate >= _RATES[0] or not plausible:
             continue
         finding = make_finding(
-            "time-unit", "time", span_of(angle.time), seconds,
-            f"The time goes on for {seconds:.4g} s with {rate:.3g} samples a second: in {unit}, "
-            f"these are {lasting:.3g} s at {true_rate:.4g} Hz.",
-            advice=f"The times are in {unit}: name the column time_{unit}, or divide by "
-            f"{1 / factor:g}.",
+            "time-unit", "time", span_of(angle.time), seconds, advice="time-unit/named",
+            seconds=seconds, rate=rate, read=unit, lasting=lasting, hz=true_rate, times=1 / factor,
         )  # fmt: skip
         channels = {
             role: replace(c, time=read_only(c.time * factor))
@@ -85,8 +83,8 @@ def _torque_unit(recording: Recording) -> _Righted | None:
     if _SMALL <= top <= 2.0 * most:
         return None
     others = [
-        Explanation(words, Corrections(scale={"torque": factor}))
-        for words, factor in _UNITS.items()
+        Explanation(Message(f"read/{unit}"), Corrections(scale={"torque": factor}))
+        for unit, factor in _UNITS.items()
         if least <= top * factor <= most
     ]
     as_it_is = Explanation("")
@@ -101,21 +99,21 @@ def _torque_unit(recording: Recording) -> _Righted | None:
     if not likely or (plausible and not (moved and recording.fixed.get("m") == 0.0)):
         return None
     best, *more = likely
-    text = f"The torque reaches {top:.3g} Nm, "
-    text += "more than any ankle makes: " if top > most else "too little for an ankle: "
     if more or plausible:
-        likely = [*likely, *([Explanation("in Nm and slight")] if plausible else ())]
-        text += f"the data cannot tell whether it is {' or '.join(each.words for each in likely)}."
+        likely = [*likely, *([Explanation(Message("read/Nm"))] if plausible else ())]
+        what = Message("read/either", what=joined(*(each.words for each in likely), by="or"))
     else:
         numbers = compared(best, as_it_is, [each for each in others if each is not best])
-        text += f"it is {best.words}{', ' if numbers else ''}{numbers}."
+        which = "read/it-is/compared" if numbers else "read/it-is"
+        what = Message(which, what=best.words, numbers=numbers)
     advice = best.right.lines(recording)
-    if best.words == _PER_KG:
-        advice += f" {_BODY:g} stands for the body mass in kg."
+    if best.right.scale["torque"] == _BODY:
+        advice = Message("advice/torque-unit/per-kg", lines=advice, kg=_BODY)
     righted = recording if more or plausible else best.right(recording)
     return make_finding(
-        "torque-unit", "torque", span_of(torque.time), top, text, advice=advice,
-        severity="warning" if plausible else "error",
+        "torque-unit", "torque", span_of(torque.time), top, advice=advice,
+        severity="warning" if plausible else "error", what=what,
+        reach=Message("read/reach/large" if top > most else "read/reach/small", top=top),
     ), righted  # fmt: skip
 
 
@@ -136,23 +134,17 @@ def _emg_unit(recording: Recording) -> _Righted | None:
     span = span_of(recording.channels[largest].time)
     if not one and top <= _AMPLIFIER:
         return make_finding(
-            "emg-unit", None, span, top,
-            f"The EMG reaches {top:.2g} V, more than skin gives: mV, or volts behind an amplifier.",
-            severity="info",
-            advice="Give the unit or the amplifier's gain if weights are to be compared with "
-            "other legs.",
+            "emg-unit/large", None, span, top, severity="info", top=top
         ), recording  # fmt: skip
     if not one:
         for role in tops:
             recording = scaled(recording, role, 1e-6)
-        text = f"The EMG reaches {top:.3g} V: taken as µV, {top * 1e-6:.2g} V."
-        return make_finding("emg-unit", None, span, top, text), recording
+        taken = make_finding("emg-unit/all", None, span, top, top=top, then=top * 1e-6)
+        return taken, recording
     factor, unit = (1e-6, "µV") if top > 1e4 * others else (1e-3, "mV")
-    muscle = MUSCLE_NAMES[largest.removeprefix("emg_")]
     finding = make_finding(
-        "emg-unit", largest, span, top,
-        f"The EMG of the {muscle} reaches {top:.3g} V, that of the others {others:.2g} V: "
-        f"taken as {unit}, {top * factor:.2g} V.",
-        advice=f'Write unit = "{unit}" for {largest} in the TOML.',
+        "emg-unit/one", largest, span, top,
+        muscle=Message(MUSCLE_NAMES[largest.removeprefix("emg_")]), top=top, others=others,
+        read=unit, then=top * factor, role=largest,
     )  # fmt: skip
     return finding, scaled(recording, largest, factor)

@@ -178,14 +178,14 @@ def _others() -> Iterator["Words"]:
 
 
 def _advice(quality: Quality, judgement: Mapping[str, Any], _: "Words") -> str:
-    """What `verdict` advises, in another language: what a finding is of, instead of its numbers."""
+    """What `verdict` advises, in another language."""
     worst = sorted(quality.findings, key=_causes_first)
     for severity in ("error", "warning"):
         if severity == "warning" and judgement["grade"] == "inadequate":
             break
         for each in worst:
             if each.severity == severity:
-                return _.finding(each.code)
+                return _.finding(each)
     reasons, grade = "; ".join(map(_, judgement["reasons"])), judgement["grade"]
     if judgement["effort"] == "maximal":
         return _(_REFERENCE)

@@ -20,6 +20,7 @@ import numpy as np
 from surae import api
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
+from surae.base.words import Message
 
 #: The description that we write beside the files.
 _MAPPING = "mapping.toml"
@@ -260,8 +261,12 @@ def quality(path: str) -> list[dict[str, Any]]:
 
 def findings(recording: api.Recording) -> list[dict[str, Any]]:
     """What is questionable about a recording."""
-    found: list[dict[str, Any]] = api.check(recording).as_dict()["findings"]
-    return found
+    checked = api.check(recording)
+    rows: list[dict[str, Any]] = checked.as_dict()["findings"]
+    for row, one in zip(rows, checked.findings, strict=True):
+        if isinstance(one.message, Message) and isinstance(one.advice, Message):
+            row |= {"said": one.message.parts(), "advised": one.advice.parts()}
+    return rows
 
 
 def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:

@@ -27,7 +27,13 @@ def spoken(request: Request) -> dict[str, Any]:
     return {"_": api.words_in(language), "language": language, "messages": _messages(language)}
 
 
+#: Codes of sentences on fits, which no script says.
+_NOT_ON_PAGES = ("against/", "ended/", "interval/", "kind/", "note/", "plainly/")
+
+
 @cache
 def _messages(language: str) -> Markup:
-    """The catalogue as JSON that no tag can end."""
-    return Markup(json.dumps(api.words_in(language).messages).replace("<", "\\u003c"))
+    """What pages say of the catalogue, as JSON that no tag can end."""
+    every = api.words_in(language).messages.items()
+    said = {m: text for m, text in every if not m.startswith(_NOT_ON_PAGES)}
+    return Markup(json.dumps(said).replace("<", "\\u003c"))

@@ -181,14 +181,9 @@ def proposals(
     """Findings, with what mends each in one click where the check is certain.
 
     `channels` are those of the description; a finding then has ``mend``: a label, and what changes
-    of the channels. ``kind`` and ``usual`` are what such findings are of, and what to do: messages
-    of the catalogue.
+    of the channels.
     """
-    return [
-        {**finding, "mend": _mend(finding, channels),
-         "kind": api.KINDS[finding["code"]].looks_for, "usual": api.KINDS[finding["code"]].advice}
-        for finding in findings
-    ]  # fmt: skip
+    return [{**finding, "mend": _mend(finding, channels)} for finding in findings]
 
 
 def _mend(

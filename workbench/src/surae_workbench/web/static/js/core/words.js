@@ -9,7 +9,7 @@ const POINT = new Intl.NumberFormat(language).format(1.5)[1];
 /** A number, or several in a text without words, as they are written here. */
 export const decimal = (text) => text.replaceAll(".", POINT);
 
-const filled = (text, given) => text.replace(/\{(\w+)\}/g, (all, key) => given[key] ?? all);
+const filled = (text, given) => text.replace(/\{(\w+)(?::[^}]*)?\}/g, (all, key) => given[key] ?? all);
 
 /** A message, filled in; what the catalogue does not have stays as it is, and nothing is no text. */
 export const _ = (message, given = {}) => (message ? filled(messages[message] ?? message, given) : "");
@@ -36,6 +36,6 @@ export const chooseLanguage = (list) =>
     location.reload();
   });
 
-/** What the server says: a message and what fills it in, names of the catalogue translated, too. */
+/** What the server says: a message and what fills it in, names of the catalogue and other messages translated, too. */
 export const said = ({ message, text, given }) =>
-  _(message || text, Object.fromEntries(Object.entries(given ?? {}).map(([key, value]) => [key, /^[-−]?\d/.test(value) ? decimal(String(value)) : _(value)])));
+  _(message || text, Object.fromEntries(Object.entries(given ?? {}).map(([key, value]) => [key, value?.message ? said(value) : /^[-−]?\d/.test(value) ? decimal(String(value)) : _(value)])));

@@ -3,7 +3,7 @@
 import { button, h, table } from "../core/dom.js";
 import { roleText, span } from "../core/format.js";
 import { mark } from "./marks.js";
-import { _, language, many, said } from "../core/words.js";
+import { _, many, said } from "../core/words.js";
 
 /** A list of findings; `act` gives {show, exclude, mend} of a finding, and the trial's `duration`; null: nothing to do. */
 export function findingsTable(findings, act) {
@@ -24,16 +24,14 @@ const timed = (one) => one.start_s !== null && one.start_s !== undefined && one.
 export const part = (one, duration) => timed(one) && one.end_s - one.start_s < 0.9 * duration;
 
 function row(one, act) {
-  // In other languages it is said what such findings are of; what this one is, in English below.
-  const own = language === "en";
-  const what = own ? one.message : _(one.kind);
+  const what = said({ text: one.message, ...one.said });
   return h(
     "tr",
     {},
     h("td", {}, mark(one.severity)),
     h("td", {}, one.channel ? roleText(one.channel) : "—"),
     h("td", { class: "nowrap" }, timed(one) ? span(one.start_s, one.end_s) : "—"),
-    h("td", {}, what, h("div", { class: "muted small" }, own ? one.advice : _(one.usual)), !own && h("div", { class: "muted small", lang: "en" }, one.message)),
+    h("td", {}, what, h("div", { class: "muted small" }, said({ text: one.advice, ...one.advised }))),
     act &&
       h(
         "td",
