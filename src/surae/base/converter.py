@@ -49,8 +49,8 @@ def converter() -> "Converter":
         made.register_structure_hook(kind, _exactly)
     made.register_structure_hook(float, lambda value, _: real(value))
     made.register_unstructure_hook(float, finite)
-    for kind in (str, StrEnum):
-        made.register_unstructure_hook(kind, str)
+    for text in (str, StrEnum):
+        made.register_unstructure_hook(text, str)
     hooks: tuple[tuple[Callable[[Any], bool], Any, Any], ...] = (
         (_is(object), lambda _: _as_it_is, lambda _: made.unstructure),
         (_is(np.generic), None, lambda _: lambda number: made.unstructure(number.item())),
