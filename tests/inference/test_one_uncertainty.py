@@ -138,9 +138,15 @@ def test_draws_are_within_bounds_and_each_has_its_opposite(fit) -> None:
     assert (one + other)[straight] == pytest.approx(2.0 * known.values[straight])
 
 
-def test_what_somebody_stated_is_as_unsure_as_a_deviation_of_five_readings(auto) -> None:
-    """Student's t of JCGM 100:2008: the axis counts for more where its sd was said, not else."""
-    known = Knowledge(axis_mm=StatedAxis(0.0, 3.0), angle_zero_deg=StatedNumber(0.0, 1.0))
+def test_what_hands_set_is_as_unsure_as_a_deviation_of_five_readings(auto) -> None:
+    """Student's t of JCGM 100:2008: the axis counts for more where its sd was said, not else.
+
+    What recordings and images show, crosstalk and arms, has the deviation that these tell.
+    """
+    known = Knowledge(
+        axis_mm=StatedAxis(0.0, 3.0), angle_zero_deg=StatedNumber(0.0, 1.0),
+        crosstalk={"xt_ta_gl": StatedNumber(0.02, 0.01)}, geometry_sd_percent=3.0,
+    )  # fmt: skip
 
     def uncertainty(**settings):
         own = replace(auto.problem, settings=replace(auto.problem.settings, **settings))

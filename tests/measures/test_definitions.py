@@ -324,6 +324,17 @@ def test_a_tendons_secant_is_that_of_its_curve_over_the_recordings_force(clean) 
         assert told == pytest.approx(1e-3 * 0.6 * most / (high - low), rel=1e-3)
 
 
+def test_the_largest_activity_is_as_the_torque_tells_where_a_gain_drifts(clean) -> None:
+    p, options = random_leg(1), ModelOptions()
+    spec = get_model("muscle")
+    own = {name: value for name, value in p.items() if name in spec.names}
+    plain = Leg(spec, options, own, (clean,))
+    told = Leg(spec, options, own, (clean,), gained=(0.9, 1.2)).with_values({"g1": 2.0 * own["g1"]})
+    largest = told.largest_activity
+    assert largest["tri"] == pytest.approx(0.9 * plain.largest_activity["tri"])
+    assert largest["tib"] == pytest.approx(2.4 * plain.largest_activity["tib"])
+
+
 def test_a_filmed_fascicle_has_an_optimal_length_of_its_own_and_an_unfilmed_one_none() -> None:
     optimal = next(d for d in DEFINITIONS if d.name == "optimal_fascicle_tib").value
     spec = get_model("muscle")

@@ -181,10 +181,10 @@ class Observed:
             simulator.pulled_by(simulator.torque(values))
         return np.asarray(simulator.torque(values) - measured(recording))
 
-    def effort(self, z: FloatArray, number: int) -> FloatArray:
-        """Active states of both muscle groups together [N], shape (n,)."""
-        simulator = self._simulators[number]
-        return np.asarray(simulator.active_states(self._at.values(z, number)).sum(axis=0))
+    def effort(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> FloatArray:
+        """Active states of both muscle groups [N], shape (2, n)."""
+        simulator, _, _, values = self._set(z, c, w, number)
+        return np.asarray(simulator.active_states(values))
 
     def rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
         """What moves the torque of a recording, weighted, then what moves each of its films."""

@@ -16,6 +16,8 @@ from surae.model.sources import Gaussian
 
 #: Stretches of tendons.
 TENDONS = ("dlt_tri", "dlt_tib")
+#: Percentile of active state and force that counts as the largest of the recordings.
+LARGEST = 99.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,6 +124,7 @@ class LeastSquares(_Found):
     population: ClassVar[Mapping[str, Gaussian]] = FrozenDict()
     recordings: ClassVar[tuple[OfRecording, ...]] = ()
     contradicted: ClassVar[Mapping[str, float]] = FrozenDict()
+    gained: ClassVar[tuple[float, ...]] = (1.0, 1.0)
     #: Parameters that may lie at their lower bound without being held by it.
     may_vanish: ClassVar[tuple[str, ...]] = ()
 
@@ -156,6 +159,9 @@ class PosteriorMode(_Found):
     #: Groups of nuisances of which what was stated contradicts the torque, with the probability of
     #: a right statement to look so wrong.
     contradicted: Mapping[str, float] = field(default_factory=FrozenDict)
+    #: The largest active state of each group by the gains that the torque tells, over that of the
+    #: EMG as it is (`LARGEST`).
+    gained: tuple[float, ...] = (1.0, 1.0)
     outliers: ClassVar[None] = None  #: Its noise is learnt, and no loss is asked for.
     is_alone: ClassVar[bool] = False  #: The search goes on from the best start's end.
     #: A tendon that hardly stretches is a limit that a family reaches, and no end of its search.

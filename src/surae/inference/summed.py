@@ -23,6 +23,7 @@ from surae.inference.posterior import LogPosterior, Point
 from surae.inference.problem import FitProblem
 from surae.inference.residuals import jacobian_root
 from surae.inference.result import (
+    LARGEST,
     TENDONS,
     Candidate,
     FitResult,
@@ -110,6 +111,7 @@ def summed(
             contradicted=FrozenDict(
                 {group: c.probability for group, c in against.items() if c.doubted}
             ),
+            gained=_gained(post, point),
         ),
     )  # fmt: skip
 
@@ -127,6 +129,17 @@ def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecor
         sems = {n: float(sd[j]) for n, j in leg.items()}
         own.append(OfRecording(FrozenDict({n: values[n] for n in leg}), FrozenDict(sems)))
     return tuple(own)
+
+
+def _gained(post: LogPosterior, point: Point) -> tuple[float, ...]:
+    """Largest active states by the point's gains, over those of the EMG as it is."""
+    latents = list(zip(point.c, point.w, strict=True))
+    largest = []
+    for each in (latents, [(np.zeros_like(c), np.zeros(0)) for c, _ in latents]):
+        states = [post.observed.effort(point.z, *own, i) for i, own in enumerate(each)]
+        largest.append(np.percentile(np.hstack(states), LARGEST, axis=1))
+    gained, plain = largest
+    return tuple(np.divide(gained, plain, out=np.ones(2), where=plain > 0.0).tolist())
 
 
 def _natural(post: LogPosterior, point: Point) -> FloatArray:

@@ -14,6 +14,7 @@ import numpy as np
 from surae.base.errors import ComputationError
 from surae.base.units import FloatArray
 from surae.inference import FitResult
+from surae.inference.result import LARGEST
 from surae.inference.uncertainty.combined import ZERO
 from surae.measures.muscle import Muscle, MuscleHold, MusclePlace, elongation, series
 from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model, with_optional
@@ -27,8 +28,6 @@ from surae.signals import ModelInputs
 
 #: Triceps surae and tibialis anterior, in the order of everything that has two groups.
 GROUPS = ("tri", "tib")
-#: Percentile of active state and force that counts as the largest of a recording.
-_LARGEST = 99.0
 #: Percentiles of the angle between which the ankle was moved, and a range that is none [deg].
 _MOVED, _LITTLE = (1.0, 99.0), 2.0
 #: The slow stretch: from, beyond the end of, and by [deg]; its speed [deg/s].
@@ -57,6 +56,8 @@ class Leg:
     inputs: tuple[ModelInputs, ...] = ()  #: Recordings; empty where only the leg itself is asked.
     #: Ends of the range that was moved, by the angle of the fit [deg]; None without recordings.
     moved: tuple[float, float] | None = None
+    #: By how much the torque says that EMG was stronger than it shows, of each group.
+    gained: tuple[float, ...] = (1.0, 1.0)
     _holds: dict[tuple[str, float, float], MuscleHold] = field(default_factory=dict, compare=False)
     _muscles: dict[str, Muscle] = field(default_factory=dict, compare=False)
     # What all legs of these recordings and options share:
@@ -69,7 +70,7 @@ class Leg:
         """The leg with other values of some parameters, in the same recordings."""
         own = {**self.values, **values}
         return Leg(
-            self.spec, self.options, own, self.inputs, self.moved, _ties=self._ties,
+            self.spec, self.options, own, self.inputs, self.moved, self.gained, _ties=self._ties,
             _geometry=self._geometry,
         )  # fmt: skip
 
@@ -263,10 +264,14 @@ class Leg:
 
     @cached_property
     def largest_activity(self) -> Mapping[str, float]:
-        """Largest active state α of each group in the recordings [N]: its 99th percentile."""
+        """Largest active state α of each group in the recordings [N]: its 99th percentile.
+
+        Where an electrode's gain drifts, it is the state that the torque tells.
+        """
         if not self.inputs:
             raise NotDefinedError("no recording says how active the muscles were")
-        return _largest([tie.active_states(self._vector) for tie in self._simulators])
+        largest = _largest([tie.active_states(self._vector) for tie in self._simulators])
+        return {g: by * largest[g] for g, by in zip(GROUPS, self.gained, strict=True)}
 
     @cached_property
     def largest_force(self) -> Mapping[str, float]:
@@ -346,7 +351,7 @@ def _still(second: float | None, n: int) -> tuple[FloatArray, ...]:
 
 def _largest(of: Sequence[FloatArray]) -> dict[str, float]:
     """By group, the 99th percentile of what all recordings have of both, shape (2, n) each."""
-    most = np.percentile(np.concatenate(of, axis=1), _LARGEST, axis=1)
+    most = np.percentile(np.concatenate(of, axis=1), LARGEST, axis=1)
     return dict(zip(GROUPS, most.tolist(), strict=True))
 
 
@@ -362,6 +367,6 @@ def measured_range(
 
 def leg_of(result: FitResult) -> Leg:
     """The leg of a fit."""
-    problem = result.problem
-    moved = measured_range(result, _MOVED)
-    return Leg(problem.spec, problem.options, result.values, problem.inputs, moved)
+    problem, moved = result.problem, measured_range(result, _MOVED)
+    gained = result.found.gained
+    return Leg(problem.spec, problem.options, result.values, problem.inputs, moved, gained)

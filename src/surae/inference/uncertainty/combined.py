@@ -20,14 +20,16 @@ from surae.inference.residuals import stiffness_valleys
 from surae.inference.result import FitResult, PosteriorMode
 from surae.inference.uncertainty.covariance import Covariance, inverse_root
 from surae.inference.uncertainty.robust import RobustCovariance
-from surae.model.sources import NUISANCES, SOURCES
+from surae.model.knowledge import Knowledge
+from surae.model.sources import SOURCES
 from surae.settings import FitSettings
 
 #: The angle of the fit at which the ankle has its own zero [rad], of which measures alone are made.
 ZERO = "zero_of_angle"
-#: By how much wider what was stated beforehand is taken: its standard deviation is itself known
-#: only to a third, like that of five readings (JCGM 100:2008, E.4.3 and G.3), so that 95 % are
-#: Student's 2.78 of it. One statement that is off moves many measures alike.
+#: By how much wider a stated axis or zero is taken, which hands and eyes set: its standard
+#: deviation is itself known only to a third, like that of five readings (JCGM 100:2008, E.4.3 and
+#: G.3), so that 95 % are Student's 2.78 of it. Plate and crosstalk have that of their recordings,
+#: arms and lengths that of repeated readings of many images.
 STATED = 2.776 / NORMAL
 
 
@@ -183,15 +185,12 @@ def combined(
         rows, lost, zero = {}, names, 0.0
     if zero and "angle_zero" not in names:
         names, values = (*names, ZERO), np.append(values, 0.0)
-        origin, dof, moved = (
-            np.append(origin, np.nan),
-            np.append(dof, np.inf),
-            np.append(moved, 0.0),
-        )
+        more = (np.nan, np.inf, 0.0)
+        origin, dof, moved = map(np.append, (origin, dof, moved), more)
         lower, upper = np.append(lower, -1.0), np.append(upper, 1.0)
         rows = {source: np.pad(by, ((0, 0), (0, 1))) for source, by in rows.items()}
         rows["angle_zero"] = np.array([[0.0] * (len(names) - 1) + [zero]])
-    for source in rows.keys() & _stated(problem.settings):
+    for source in rows.keys() & _set_by_hand(problem.settings):
         rows[source] = STATED * rows[source]
     return Uncertainty(
         names, values, lower, upper, origin,
@@ -200,14 +199,12 @@ def combined(
     )  # fmt: skip
 
 
-def _stated(settings: FitSettings) -> frozenset[str]:
-    """Sources of which somebody said how far they may be off."""
-    known = settings.knowledge
-    if known is None:
-        return frozenset()
-    sources = {NUISANCES[group].name for group in known.groups & settings.known}
-    of_angle = known.angle_zero_deg is not None and settings.angle_zero_sd is None
-    return frozenset(sources | ({"angle_zero"} if of_angle else set()))
+def _set_by_hand(settings: FitSettings) -> frozenset[str]:
+    """Sources of which somebody said how far hands may have set them off."""
+    known = settings.knowledge or Knowledge()
+    zero = known.angle_zero_deg if settings.angle_zero_sd is None else None
+    told = {"axis": known.axis_mm, "angle_zero": zero}
+    return frozenset(source for source, stated in told.items() if stated)
 
 
 def of_least_squares(

@@ -24,7 +24,7 @@ from surae.inference.parameter import IDENTIFIED
 from surae.inference.uncertainty.combined import STATED
 from surae.model.knowledge import GEOMETRY_SD, Knowledge, Plate, StatedAxis
 from surae.model.laboratory import laboratory
-from surae.model.parameters import CROSSTALK
+from surae.model.parameters import CROSSTALK, OPTIONAL
 from surae.model.registry import get_model
 from surae.protocol import Trajectory
 from surae.protocol.planning.information import information, shared
@@ -205,8 +205,9 @@ class _Judge:
         priors = laboratory(stated, measured=bool(geometry))
         sds = {n: priors[n].sd if geometry else b.sd for n, b in self._legs.priors.items()}
         crosstalk = dict.fromkeys(CROSSTALK.values(), (0.0, _CROSSTALK)) if alone else {}
-        # as much wider as a fit takes what was stated beforehand
-        sds |= {n: STATED * sd for n, (_, sd) in {**stated, **crosstalk}.items() if n in sds}
+        sds |= {n: sd for n, (_, sd) in {**stated, **crosstalk}.items() if n in sds}
+        if axis:  # as much wider as a fit takes it
+            sds |= {n: STATED * sds[n] for n in OPTIONAL["axis"] if n in sds}
         known = np.diag([sds[n] ** -2.0 if n in sds else 0.0 for n in self._names])
         total = sum(n * each for n, each in zip(trials, self._matrices, strict=True)) + known
         scale = 1.0 / np.sqrt(np.maximum(np.diagonal(total, axis1=1, axis2=2), 1e-300))
