@@ -145,6 +145,14 @@ def test_what_a_model_lacks_is_none_with_the_reason(still) -> None:
     assert "rigid" in tendon.note
 
 
+def test_no_interval_of_what_is_positive_by_nature_goes_below_zero(told, still) -> None:
+    positive = ("end_stiffness", "tendon", "active_torque", "optimal_fascicle", "dissipated")
+    several = [*told.values(), *still.measures([0.0]).values()]
+    found = [m for m in several if m.ci95 and (m.name.startswith(positive) or m.unit == "%")]
+    assert len(found) > 20
+    assert not [m.name for m in found if m.ci95[0] < 0.0]
+
+
 def test_a_measure_of_fixed_parameters_has_no_interval() -> None:
     motion = generate(Protocol(profile="multiple-holds", duration=20.0, rate_hz=100.0))
     trial = virtual_trial(virtual_subject(2), motion)

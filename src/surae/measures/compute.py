@@ -229,6 +229,10 @@ def _measure(
         if float(np.abs(ends - np.array(ci95)).max()) > _BENT * half:
             low, high = min(float(ends[0]), value), max(float(ends[1]), value)
             ci95, method = (low, high), "draws"
+    elif half >= abs(value) and unit != "%":  # so far off no slope tells how the measure bends
+        return replace(bare, note="not determined: its interval is as wide as its value")
+    elif value >= 0.0:  # what the recordings make is positive by nature
+        ci95 = (max(ci95[0], 0.0), ci95[1])
     share = known.repeat_half_width(g) / half if half > 0.0 else 0.0
     repeat = tuple(value + share * (end - value) for end in ci95)
     verdict, note = _judge(evaluated, ci95, result, assessment)
