@@ -61,7 +61,7 @@ def test_a_leg_is_asked_through_every_door_and_one_number_comes(fit, tmp_path, n
     assert np.percentile(drawn, [2.5, 97.5]) == pytest.approx(p.ci95, abs=0.1 * half)
     tree = fit.to_inference_data(4000, seed=1)
     np.testing.assert_array_equal(tree["posterior"][name].values.ravel(), drawn)
-    legs = fit_legs(fit.result, fit.assessment, 400)
+    legs = fit_legs(fit, 400)
     own = legs.values[1:, legs.spec.names.index(name)]
     if half < 0.5 * p.value:
         assert np.percentile(own, [2.5, 97.5]) == pytest.approx(p.ci95, abs=0.25 * half)
@@ -118,7 +118,7 @@ def test_a_named_model_that_the_data_contradict_is_as_unsure_in_its_measures() -
 
 
 def test_the_report_has_the_numbers_of_the_fit(fit) -> None:
-    text = str(parameters_section(fit.result, fit.assessment, next_anchor=""))
+    text = str(parameters_section(fit, next_anchor=""))
     p = fit.parameters["k_tri"]
     assert estimate(p.value, p.trusted_sem, p.ci95).interval in text
     told = dict(fit_settings(fit.result))

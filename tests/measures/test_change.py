@@ -27,7 +27,7 @@ def pair(fitted):
 @pytest.fixture(scope="module")
 def sides(pair):
     end = common_end(fit.result for fit in pair)
-    return tuple(quantities(fit.result, fit.assessment, [10.0], end) for fit in pair)
+    return tuple(quantities(fit, [10.0], end) for fit in pair)
 
 
 def moved(side, name: str, deviations: float):
@@ -54,7 +54,7 @@ def test_stiffness_is_compared_over_the_range_that_both_moved_through(pair) -> N
     row = surae.change(*pair).as_dict()["measures"]["end_stiffness"]
     assert row["to_deg"] - row["from_deg"] == pytest.approx(10.0)
     # that each session has a range of its own is no change of the leg
-    own = (quantities(fit.result, fit.assessment, [10.0]) for fit in pair)
+    own = (quantities(fit, [10.0]) for fit in pair)
     assert compare_sessions(*own).measures["end_stiffness"].verdict is NOT
 
 
@@ -116,7 +116,7 @@ def test_timing_is_not_compared_where_a_muscle_had_no_electrode(pair, sides) -> 
     problem = fit.result.problem
     deaf = tuple(replace(recording, missing_emg=("gl",)) for recording in problem.inputs)
     partly = replace(fit, result=replace(fit.result, problem=replace(problem, inputs=deaf)))
-    told = compare_sessions(quantities(partly.result, fit.assessment, [10.0]), sides[1])
+    told = compare_sessions(quantities(replace(fit, result=partly.result), [10.0]), sides[1])
     for d in (told.measures["bandwidth"], told.parameters["f0"], told.parameters["beta"]):
         assert d.verdict is NOT
         assert "electrode" in d.note
@@ -128,7 +128,7 @@ def test_an_inadequate_fit_changes_nothing(pair, sides) -> None:
     fit, other = pair[0], sides[1]
     worse = replace(fit.adequacy, grade=Grade.INADEQUATE, against=(against("failed"),))
     judged = replace(fit, assessment=replace(fit.assessment, adequacy=worse))
-    told = compare_sessions(quantities(judged.result, judged.assessment, [10.0]), other)
+    told = compare_sessions(quantities(judged, [10.0]), other)
     assert told.changed == ()
     assert {d.verdict for d in told.measures.values()} == {NOT}
 

@@ -16,7 +16,7 @@ import surae
 import surae.cli
 from surae.base.errors import InputError
 from surae.cli.screen import show_fit
-from surae.inference import assess
+from surae.inference import AssessedFit, assess
 from surae.model import ModelOptions, adapted, get_model, read_geometry
 from surae.model.joint import ANKLE, STATED, read_joint
 from surae.model.laboratory import laboratory
@@ -188,7 +188,9 @@ def test_what_users_gave_stays_as_it_is(fit) -> None:
     problem = fit.result.problem
     inputs = [replace(own, name=f"{name}, ankle clinic leg 7.csv") for own in problem.inputs]
     result = replace(fit.result, problem=replace(problem, inputs=tuple(inputs)))
-    heading = fit_report(result, assess(result), versions={}, created=NOW).document.heading
+    heading = fit_report(
+        AssessedFit(result, assess(result)), versions={}, created=NOW
+    ).document.heading
     assert heading == f"{name}, ankle clinic leg 7.csv"
 
 

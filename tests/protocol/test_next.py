@@ -51,8 +51,8 @@ def test_the_answer_is_a_trial_that_helps(weak, tmp_path) -> None:
 
 
 def test_the_information_of_a_fit_is_its_covariance(weak) -> None:
-    legs = fit_legs(weak.result, weak.assessment, 1)
-    known = known_from(weak.result, weak.assessment, legs)
+    legs = fit_legs(weak, 1)
+    known = known_from(weak, legs)
     told = weak.assessment.uncertainty
     names = [name for name in told.names if name not in told.lost and name in legs.free]
     at = [legs.free.index(name) for name in names]

@@ -1,7 +1,7 @@
 """A short made-up trial, fitted in the few ways a report has to show."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
 from functools import cached_property
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from surae.base.frozen import read_only
-from surae.inference import Assessment, FitResult, assess, fit_problem, make_problem
+from surae.inference import AssessedFit, FitResult, assess, fit_problem, make_problem
 from surae.model import ModelOptions, get_model
 from surae.recording import SourceFile
 from surae.report.fit import fit_report
@@ -53,19 +53,14 @@ def trial(
     return replace(inputs, torque=read_only(torque))
 
 
-@dataclass(frozen=True)
-class Case:
+class Case(AssessedFit):
     """A fit, what it is worth, and its report, where a test reads it."""
-
-    result: FitResult
-    assessment: Assessment
 
     @cached_property
     def page(self) -> str:
         """All of the report."""
         return fit_report(
-            self.result,
-            self.assessment,
+            self,
             versions={"surae": "1.2.3"},
             created=datetime(2026, 1, 5, 14, 3),
         ).page()

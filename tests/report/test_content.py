@@ -4,6 +4,7 @@ from datetime import datetime
 import pytest
 
 from surae.base.formatting import estimate, percentage, significant, standard_error
+from surae.inference import AssessedFit
 from surae.inference.adequacy import Adequacy, Grade
 from surae.inference.reasons import against
 from surae.report import block
@@ -13,9 +14,9 @@ from . import parts
 
 
 def content_of(case, result=None):
-    result = result or case.result
+    fit = AssessedFit(result or case.result, case.assessment)
     return fit_report(
-        result, case.assessment, versions={"surae": "1.2.3"}, created=datetime(2026, 1, 5, 14, 3)
+        fit, versions={"surae": "1.2.3"}, created=datetime(2026, 1, 5, 14, 3)
     ).document
 
 

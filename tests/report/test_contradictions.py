@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from surae.base.words import Message
 from surae.inference import Verdict
 from surae.quality import Quality
 from surae.quality.finding import make_finding
@@ -57,7 +58,8 @@ def test_a_session_has_one_zero_of_the_torque() -> None:
     """Each trial's own check finds another; the page says one, which it subtracts."""
 
     def checked(name: str, off: float) -> Quality:
-        found = make_finding("torque-offset", "torque", (0.0, 9.0), off, f"It is off by {off} Nm.")
+        told = Message(f"It is off by {off} Nm.")
+        found = make_finding("torque-offset", "torque", (0.0, 9.0), off, says=told)
         return Quality(name, (found,))
 
     quality = {"a": checked("a", 13.1), "b": checked("b", 16.1), "c": checked("c", 19.3)}

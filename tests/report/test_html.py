@@ -141,8 +141,8 @@ def test_the_same_fit_gives_the_same_file(plain, tmp_path):
     arguments = {"versions": {"surae": "1.2.3"}, "created": datetime(2026, 1, 5, 14, 3)}
     path = tmp_path / "report.html"
     with blank_figures():
-        fit_report(plain.result, plain.assessment, **arguments).write(path)
+        fit_report(plain, **arguments).write(path)
         assert path.read_text(encoding="utf-8") == plain.words
         created = datetime(2027, 1, 5, 14, 3)
-        later = fit_report(plain.result, plain.assessment, versions={}, created=created).page()
+        later = fit_report(plain, versions={}, created=created).page()
     assert "2027-01-05" in later

@@ -4,7 +4,7 @@ from datetime import datetime
 
 import pytest
 
-from surae.inference import assess, fit_problem, make_problem
+from surae.inference import AssessedFit, assess, fit_problem, make_problem
 from surae.inference.identifiability.identified import identifiability
 from surae.protocol import Protocol, generate
 from surae.report.fit import fit_report
@@ -27,14 +27,19 @@ def toe():
 
 @pytest.mark.usefixtures("undrawn")
 def test_the_report_shows_the_trade_off_of_the_tibialis_tendon(toe):
-    page = fit_report(toe, assess(toe), versions={}, created=datetime(2026, 1, 5)).page()
+    page = fit_report(
+        AssessedFit(toe, assess(toe)), versions={}, created=datetime(2026, 1, 5)
+    ).page()
     assert "pt_tib up with dlt_tib down and l0_tib up: nearly the same torque" in page
     assert "dlt_tib trades off with pt_tib" in page
     assert "higher forces of the tibialis, past the toe of its tendon" in page
 
 
 def test_the_rows_are_the_figures(toe):
-    identified, section = identifiability(toe), identifiability_section(toe, assess(toe))
+    identified, section = (
+        identifiability(toe),
+        identifiability_section(AssessedFit(toe, assess(toe))),
+    )
     assert list(parts.rows(section, 1)) == sorted(
         toe.problem.free, key=lambda name: -identified.parameters[name].sensitivity
     )
@@ -49,7 +54,7 @@ def test_the_rows_are_the_figures(toe):
 
 
 def test_advice_only_where_something_is_to_be_done(plain):
-    section = identifiability_section(plain.result, plain.assessment)
+    section = identifiability_section(plain)
     for row in parts.rows(section, 1).values():
         identified = row["Verdict"].badge[1] == "identified"
         assert (row["What to do"].text == "") == identified, row
@@ -58,7 +63,7 @@ def test_advice_only_where_something_is_to_be_done(plain):
 
 
 def test_a_silent_muscle(silent):
-    section = identifiability_section(silent.result, silent.assessment)
+    section = identifiability_section(silent)
     rows = parts.rows(section, 1)
     assert (rows["g1"]["Influence δ"].text, rows["g1"]["SEM alone"].text) == ("0", "—")
     for name in ("g1", "l0_tib"):

@@ -2,13 +2,12 @@
 
 from dataclasses import replace
 from datetime import datetime
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from surae.base.frozen import read_only
-from surae.inference import assess, fit_problem, fit_robust, make_problem
+from surae.inference import AssessedFit, assess, fit_problem, fit_robust, make_problem
 from surae.inference.validation import predict_others
 from surae.report.figures.torque import predictions_figure
 from surae.report.fit import fit_report
@@ -29,7 +28,7 @@ def texts(case):
 
 def judged(result):
     """A fit and what it is worth, without its page."""
-    return SimpleNamespace(result=result, assessment=assess(result))
+    return AssessedFit(result, assess(result))
 
 
 @pytest.fixture(scope="module")
@@ -94,11 +93,8 @@ def predictions(plain, make_trial):
 @pytest.fixture(scope="module")
 def page(plain, predictions):
     """A report with predictions."""
-    assessment = assess(plain.result)
     with blank_figures():
-        return fit_report(
-            plain.result, assessment, versions={}, created=CREATED, predictions=predictions
-        ).page()
+        return fit_report(plain, versions={}, created=CREATED, predictions=predictions).page()
 
 
 def section_of(page, name):

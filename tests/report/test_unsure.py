@@ -7,7 +7,7 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from surae.inference import Verdict, assess, fit_problem, make_problem, solve
+from surae.inference import AssessedFit, Verdict, assess, fit_problem, make_problem, solve
 from surae.inference.adequacy import Adequacy, Grade
 from surae.inference.reasons import against
 from surae.inference.result import OfRecording
@@ -41,7 +41,7 @@ def graded(assessment, grade):
 
 def test_shares_add_up_and_are_those_of_the_assessment(auto):
     result, assessment = auto
-    budget = budget_of(result, assessment)
+    budget = budget_of(AssessedFit(result, assessment))
     assert list(budget.rows) == [p.name for p in assessment.parameters.values() if p.budget]
     for _, shares in budget.rows.values():
         assert sum(shares) == pytest.approx(1.0, abs=0.06)
@@ -74,7 +74,7 @@ def test_the_sentence_follows_from_the_budget(auto, monkeypatch):
     result, assessment, budget, name = unsure(auto, "zero")
     budgeted(monkeypatch, name, budget)
     monkeypatch.setattr("surae.report.budget.covariance_if_filmed", lambda *_: None)
-    assert what_would_help(result, assessment) == (
+    assert what_would_help(AssessedFit(result, assessment)) == (
         f"Measure the zero of the torque sensor, and {name} would be known to ±3 % instead of "
         "±12 %.",
     )
@@ -97,7 +97,7 @@ def test_the_sentence_is_not_said(auto, monkeypatch, why):
         assessment = replace(assessment, uncertainty=replace(known, rows=rows))
     budgeted(monkeypatch, name, budget)
     monkeypatch.setattr("surae.report.budget.covariance_if_filmed", lambda *_: None)
-    assert what_would_help(result, assessment) == ()
+    assert what_would_help(AssessedFit(result, assessment)) == ()
 
 
 @pytest.mark.parametrize("why", ["", "inadequate", "identified", "little gain", "filmed"])
@@ -114,15 +114,15 @@ def test_filming_is_advised_with_what_it_would_narrow(auto, monkeypatch, why):
     budgeted(monkeypatch, name, replace(budget, without={}))
     monkeypatch.setattr("surae.report.budget.covariance_if_filmed", lambda *of: answers.get(of[-1]))
     said = f"Film the tibialis, and {name} would be known to ±3 % instead of ±12 %."
-    assert what_would_help(result, assessment) == (() if why else (said,))
+    assert what_would_help(AssessedFit(result, assessment)) == (() if why else (said,))
 
 
 def test_a_named_model_says_that_noise_is_all_it_knows(plain):
-    budget = budget_of(plain.result, plain.assessment)
+    budget = budget_of(plain)
     assert "the noise of the torque and nothing else" in parts.text(budget_section(budget))
     assert (budget.rows, budget.helps) == ({}, what_to_measure(plain.assessment))
     for section in (laboratory_section, family_section, trials_section):
-        assert section(plain.result, plain.assessment) == ()
+        assert section(plain) == ()
     assert "imperfections" not in plain.words
 
 
@@ -143,7 +143,7 @@ def test_every_weak_verdict_links_to_what_to_measure_next(plain):
 
 def test_the_laboratory_says_what_was_assumed_and_who_says_so(auto):
     result, assessment = auto
-    (section,) = laboratory_section(result, assessment)
+    (section,) = laboratory_section(AssessedFit(result, assessment))
     rows = parts.rows(section)
     assert set(rows) == set(result.found.beliefs)
     zero, belief = rows["torque_zero"], result.found.beliefs["torque_zero"]
@@ -152,7 +152,9 @@ def test_the_laboratory_says_what_was_assumed_and_who_says_so(auto):
     assert (zero["Source"].text == "from the data") == (known <= 0.5)
     vague = replace(assessment.nuisances["torque_zero"], sem=9.9, value=25.0)
     other = replace(assessment, nuisances={**assessment.nuisances, "torque_zero": vague})
-    origin = parts.rows(laboratory_section(result, other)[0])["torque_zero"]["Source"].text
+    origin = parts.rows(laboratory_section(AssessedFit(result, other))[0])["torque_zero"][
+        "Source"
+    ].text
     assert (
         origin == "as assumed: the data add little; 2.5 standard deviations from what was assumed"
     )
@@ -166,7 +168,8 @@ def test_the_evidence_is_said_as_strongly_as_it_is(auto):
     def said(weight, grade=Grade.ADEQUATE, groups=("arm", "shape")):
         one = replace(first, weight=weight, groups=groups)
         family = replace(result.found, candidates=(one,))
-        return family_text(replace(result, found=family), graded(assessment, grade))
+        found = replace(result, found=family)
+        return family_text(AssessedFit(found, graded(assessment, grade)))
 
     assert said(0.9).startswith(
         "These data fit better with moment arms, EMG curve (probability 90 %)."
@@ -179,7 +182,7 @@ def test_the_evidence_is_said_as_strongly_as_it_is(auto):
 
 def test_trials_are_told_of_only_where_they_differ(auto):
     result, assessment = auto
-    assert trials_section(result, assessment) == ()  # a single recording
+    assert trials_section(AssessedFit(result, assessment)) == ()  # a single recording
     names = [n for n, p in assessment.parameters.items() if p.free]
     value = assessment.parameters[names[0]].value
     recordings = tuple(
@@ -192,7 +195,7 @@ def test_trials_are_told_of_only_where_they_differ(auto):
     family = replace(result.found, recordings=recordings)
     inputs = tuple(replace(result.problem.inputs[0], name=each) for each in "abc")
     joint = replace(result, found=family, problem=replace(result.problem, inputs=inputs))
-    rows = parts.rows(trials_section(joint, assessment)[0])
+    rows = parts.rows(trials_section(AssessedFit(joint, assessment))[0])
     assert list(rows) == names
     first = rows[names[0]]
     assert all("±" in first[each].text for each in "abc")
@@ -204,7 +207,7 @@ def test_repeatable_stands_beside_identified_and_is_not_it(auto):
     name = next(n for n, p in assessment.parameters.items() if p.ci95_repeat)
     p = replace(assessment.parameters[name], verdict=Verdict.WEAK, repeatable=True)
     other = with_parameters(assessment, **{name: {"verdict": Verdict.WEAK, "repeatable": True}})
-    row = parts.rows(parameters_section(result, other, next_anchor=""))[name]
+    row = parts.rows(parameters_section(AssessedFit(result, other), next_anchor=""))[name]
     assert (row["Verdict"].badge[1], row["Repeatable"].text) == ("weak", "yes")
     assert repeatable(replace(p, repeatable=False)) == "no"
     assert repeatable(replace(p, ci95_repeat=None)) == "—"
@@ -220,7 +223,9 @@ def test_what_had_nothing_to_act_on_is_not_shown(auto):
 @pytest.mark.usefixtures("undrawn")
 def test_the_page_has_all_of_it(auto):
     result, assessment = auto
-    page = fit_report(result, assessment, versions={}, created=datetime(2026, 1, 5, 14, 3)).page()
+    page = fit_report(
+        AssessedFit(result, assessment), versions={}, created=datetime(2026, 1, 5, 14, 3)
+    ).page()
     for heading in ("What makes each parameter unsure", "The laboratory’s imperfections",
                     "Which model the data support"):  # fmt: skip
         assert page.count(f">{heading}</h3>") == 1
@@ -231,7 +236,7 @@ def test_the_page_has_all_of_it(auto):
 def test_a_fit_without_imperfections_says_that_it_was_asked_for(make_trial):
     result = solve(make_problem([make_trial()], "auto", nuisances="none"))
     assert "data support" not in result.message  # that is for the judged fit to say
-    (section,) = laboratory_section(result, assess(result))
+    (section,) = laboratory_section(AssessedFit(result, assess(result)))
     assert "assume a perfect laboratory" in parts.text(section)
     assert not any(isinstance(each, block.Grid) for each in section.blocks)
 
@@ -239,9 +244,8 @@ def test_a_fit_without_imperfections_says_that_it_was_asked_for(make_trial):
 @pytest.mark.usefixtures("undrawn")
 def test_one_start_of_a_named_model_is_still_warned_of(make_trial):
     result = fit_problem(make_problem([make_trial()]), starts=1)
-    page = fit_report(
-        result, assess(result), versions={}, created=datetime(2026, 1, 5, 14, 3)
-    ).page()
+    fit = AssessedFit(result, assess(result))
+    page = fit_report(fit, versions={}, created=datetime(2026, 1, 5, 14, 3)).page()
     assert "only one: whether its minimum" in page
 
 

@@ -246,7 +246,7 @@ def test_the_commands_write_it_in_the_readers_language(done, leg, tmp_path, run)
 def sides(done):
     """Quantities of the leg's fit, as adequate and as doubtful, and the fit."""
     fit = done[1].joint
-    one = quantities(fit.result, fit.assessment, [10.0])
+    one = quantities(fit, [10.0])
     good = replace(one.adequacy, grade=Grade.ADEQUATE, against=())
     doubt = replace(one.adequacy, grade=Grade.DOUBTFUL, against=(against("said", text="why"),))
     return replace(one, adequacy=good), replace(one, adequacy=doubt), fit

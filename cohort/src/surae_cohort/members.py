@@ -23,7 +23,7 @@ from surae.base.frozen import FrozenDict
 from surae.base.progress import Progress
 from surae.base.records import from_plain, to_plain
 from surae.base.units import FloatArray
-from surae.inference import make_problem, solve
+from surae.inference import AssessedFit, make_problem, solve
 from surae.inference.assessment import assess
 from surae.inference.saved.fit_json import load_saved
 from surae.measures.quantity import Quantities, quantities
@@ -140,20 +140,18 @@ def quantities_of(
     """
     place = Path(path)
     try:
-        saved = load_saved(fit_in(place) if place.is_dir() else place)
-        result, assessment = saved.result, saved.assessment
+        fit = load_saved(fit_in(place) if place.is_dir() else place)
         if priors is not None:
             known = {
                 name: (float(pair[0]), float(pair[1]))
                 for name, pair in priors.items()
-                if name in result.problem.free
+                if name in fit.result.problem.free
             }
-            settings = FitSettings.of(
-                result.problem.settings, priors={**result.problem.settings.priors, **known}
-            )
-            result = solve(make_problem(result.problem.inputs, settings))
-            assessment = assess(result, alternatives=True)
-        brought = quantities(result, assessment, angles)
+            problem = fit.result.problem
+            settings = FitSettings.of(problem.settings, priors={**problem.settings.priors, **known})
+            result = solve(make_problem(problem.inputs, settings))
+            fit = AssessedFit(result, assess(result, alternatives=True))
+        brought = quantities(fit, angles)
     except SuraeError as error:
         return {"error": str(error)}
     return dict(to_plain(brought))

@@ -8,7 +8,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
-from surae.inference import Assessment, FitResult
+from surae.inference import AssessedFit
 from surae.inference.coordinates import is_straight
 from surae.inference.observed import measured
 from surae.inference.residuals import simulators
@@ -63,10 +63,9 @@ def prior_draws(
     return drawn(np.array([*by_name.values()]).T, {name: units[name] for name in by_name})
 
 
-def of_fit(
-    result: FitResult, assessment: Assessment, draws: int, seed: int, *, log_likelihood: bool
-) -> Any:
+def of_fit(fit: AssessedFit, draws: int, seed: int, *, log_likelihood: bool) -> Any:
     """What a fit leaves possible (`Uncertainty.draw`), its priors, and what it has seen."""
+    result, assessment = fit.result, fit.assessment
     xarray = library("xarray", "InferenceData")
     known, problem = assessment.uncertainty, result.problem
     every = {**assessment.parameters, **assessment.nuisances}
@@ -92,7 +91,7 @@ def of_fit(
     torque = np.concatenate([measured(own)[own.counts] for own in problem.inputs])
     groups["observed_data"] = xarray.Dataset({"torque": ("sample", torque, {"units": "Nm"})}, along)
     if log_likelihood:
-        each = np.array([_log_likelihood(result, assessment, leg) for leg in legs])
+        each = np.array([_log_likelihood(fit, leg) for leg in legs])
         chains = groups["posterior"].sizes["chain"]
         by = ("chain", "draw", "sample")
         groups["log_likelihood"] = xarray.Dataset(
@@ -104,9 +103,9 @@ def of_fit(
     return inference_data(groups, result.versions["surae"], "approximation", message)
 
 
-def _log_likelihood(result: FitResult, assessment: Assessment, leg: FloatArray) -> FloatArray:
+def _log_likelihood(fit: AssessedFit, leg: FloatArray) -> FloatArray:
     """Logarithm of the likelihood of every sample that counts, its noise taken for white."""
-    problem, sigma2, parts = result.problem, assessment.covariance.sigma2, []
+    problem, sigma2, parts = fit.result.problem, fit.assessment.covariance.sigma2, []
     values = problem.values(leg[: len(problem.free)])
     for simulator, own in zip(simulators(problem), problem.inputs, strict=True):
         weight = np.ones(own.n) if own.weight is None else own.weight

@@ -68,7 +68,7 @@ def change(
     angles = settings.angles or CHANGE_ANGLES
     fits = [*map(fit_of, (before, after, *baselines))]
     end = common_end(fit.result for fit in fits)
-    sides = [quantities(fit.result, fit.assessment, angles, end) for fit in fits]
+    sides = [quantities(fit, angles, end) for fit in fits]
     return compare_sessions(sides[0], sides[1], sides[2:], legs=settings.legs)
 
 

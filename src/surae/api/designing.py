@@ -102,7 +102,7 @@ def design(
     unseen, _ = requested_legs(settings, who, _JUDGED, options, rate_hz)
     legs, unseen = (filmed(each, muscles_of(settings.film)) for each in (legs, unseen))
     limits = as_device(device)
-    told = {} if who is None else told_by(who.result, who.assessment, unseen)
+    told = {} if who is None else told_by(who, unseen)
     return make_design(
         name=f"design of {duration:g} s",
         seconds=float(duration),
@@ -232,7 +232,7 @@ def measure_next(
     legs, level = requested_legs(LegSettings(noise=noise), fit, _SEARCHED, ModelOptions(), 256.0)
     limits = as_device(device)
     return measure_next_of(
-        fit.result, fit.assessment, legs, noise=level, device=limits,
+        fit, legs, noise=level, device=limits,
         range_of_motion=_range_of(limits, range, None, fit), longest=duration, wanted=wanted,
     )  # fmt: skip
 
@@ -323,7 +323,7 @@ def expect(
     rate_hz = trajectory.settings.rate_hz
     who, level = requested_legs(settings, fit, settings.legs, options, rate_hz)
     legs = filmed(who, muscles_of(settings.film))
-    told = {} if fit is None else told_by(fit.result, fit.assessment, legs)
+    told = {} if fit is None else told_by(fit, legs)
     return expected(trajectory, legs, level, **told)
 
 
@@ -404,5 +404,5 @@ def requested_legs(
         return who, settings.noise or NOISE
     if settings.population is not None:
         raise InputError("give a population or a fit, not both")
-    who = fit_legs(fit.result, fit.assessment, count, seed=first)
+    who = fit_legs(fit, count, seed=first)
     return who, settings.noise or noise_of(fit.result, rate_hz)

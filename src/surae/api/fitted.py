@@ -64,7 +64,7 @@ class Fit(Tabular, AssessedFit):
         """
         from surae.report.summary import fit_table
 
-        return fit_table(self.result, self.assessment)
+        return fit_table(self)
 
     def summary(self) -> str:
         """The fit on one screen: what it is worth, its parameters and their verdicts.
@@ -351,7 +351,7 @@ class Fit(Tabular, AssessedFit):
         """
         from surae.measures import measures
 
-        return measures(self.result, self.assessment, angles)
+        return measures(self, angles)
 
     def save(self, path: PathLike) -> None:
         """Write FIT.json; `load` reads it back without loss.
@@ -414,7 +414,4 @@ class Fit(Tabular, AssessedFit):
         from surae.report.fit import fit_report  # matplotlib, only when one is made
 
         now, versions = datetime.now().astimezone(), self.result.versions
-        return fit_report(
-            self.result, self.assessment, predictions, versions=versions, created=now,
-            quality=self.quality,
-        )  # fmt: skip
+        return fit_report(self, predictions, versions=versions, created=now)

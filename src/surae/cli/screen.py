@@ -27,7 +27,7 @@ _SENTENCE, _ANY = 24, 10_000
 def show_fit(fit: "api.Fit") -> None:
     """What a fit is worth, its parameters with intervals and verdicts, and what to do."""
     width = _console().width
-    table = api.fit_table(fit.result, fit.assessment, width)
+    table = api.fit_table(fit, width)
     if width < _WIDE:
         kept = [k for k, head in enumerate(table.heads) if head != "meaning"]
         heads, *rows = (tuple(row[k] for k in kept) for row in (table.heads, *table.rows))

@@ -11,7 +11,7 @@ from surae.base.errors import ComputationError, InputError
 from surae.base.frozen import FrozenDict
 from surae.base.plugins import plugins
 from surae.base.units import FloatArray
-from surae.inference import Assessment, FitResult, Grade, Verdict
+from surae.inference import AssessedFit, FitResult, Grade, Verdict
 from surae.inference.parameter import IDENTIFIED, percent
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.measures.leg import Leg, NotDefinedError, leg_of, measured_range
@@ -129,24 +129,22 @@ def measures_of_values(
     return {name: value for name, value in values_by_name.items() if math.isfinite(value)}
 
 
-def measures(
-    result: FitResult, assessment: Assessment, angles: Sequence[float] = ANGLES
-) -> Measures:
+def measures(fit: AssessedFit, angles: Sequence[float] = ANGLES) -> Measures:
     """All measures of a fit, those of angles at these [deg]; what it lacks has a reason instead."""
-    judged = judged_measures(result, assessment, points(angles))
+    judged = judged_measures(fit, points(angles))
     by_name = FrozenDict((measure.name, measure) for _, measure in judged)
-    return Measures(result.problem.spec.name, assessment.adequacy, by_name)
+    return Measures(fit.result.problem.spec.name, fit.assessment.adequacy, by_name)
 
 
 @lru_cache(maxsize=4)  # pages, comparisons and answers are often of the same fit
 def judged_measures(
-    result: FitResult, assessment: Assessment, wanted: tuple[MeasurePoint, ...]
+    fit: AssessedFit, wanted: tuple[MeasurePoint, ...]
 ) -> tuple[tuple[Evaluated, Measure], ...]:
     """All these measures of a fit, each with its derivatives."""
-    drawn = _drawn(result, assessment.uncertainty, wanted)
+    drawn = _drawn(fit.result, fit.assessment.uncertainty, wanted)
     return tuple(
-        (each, _measure(each, drawn.get(each.point.name), result, assessment))
-        for each in evaluate(result, assessment.uncertainty, wanted)
+        (each, _measure(each, drawn.get(each.point.name), fit))
+        for each in evaluate(fit.result, fit.assessment.uncertainty, wanted)
     )
 
 
@@ -196,23 +194,21 @@ def _drawn(
     return {point.name: rows[:, k] for k, point in enumerate(inner)}
 
 
-def _measure(
-    evaluated: Evaluated, drawn: FloatArray | None, result: FitResult, assessment: Assessment
-) -> Measure:
-    known = assessment.uncertainty
+def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -> Measure:
+    known = fit.assessment.uncertainty
     definition, name = evaluated.point.definition, evaluated.point.name
     unit, value = definition.unit, evaluated.value
-    if unit == "Nm/mV" and result.problem.inputs[0].emg_unit == "1":
+    if unit == "Nm/mV" and fit.result.problem.inputs[0].emg_unit == "1":
         unit = "Nm"
     meaning, missing = (
-        result.problem.options.anatomy.worded(text)
+        fit.result.problem.options.anatomy.worded(text)
         for text in (definition.meaning, evaluated.missing)
     )
     bare = Measure(name, unit, meaning, value, None, None, Verdict.UNDETERMINED, missing)
     if value is None or evaluated.missing:
         return bare
     if definition.span:
-        low, high = definition.span(leg_of(result), evaluated.point.at)
+        low, high = definition.span(leg_of(fit.result), evaluated.point.at)
         bare = replace(bare, from_deg=low, to_deg=high)
     touched = [n for n, g in zip(known.names, evaluated.gradient, strict=True) if g != 0.0]
     if not touched:
@@ -235,7 +231,7 @@ def _measure(
         ci95 = (max(ci95[0], 0.0), ci95[1])
     share = known.repeat_half_width(g) / half if half > 0.0 else 0.0
     repeat = tuple(value + share * (end - value) for end in ci95)
-    verdict, note = _judge(evaluated, ci95, result, assessment)
+    verdict, note = _judge(evaluated, ci95, fit)
     return replace(
         bare, ci95=ci95, ci95_repeat=(repeat[0], repeat[1]), verdict=verdict, note=note,
         method=method,
@@ -243,7 +239,7 @@ def _measure(
 
 
 def _judge(
-    evaluated: Evaluated, ci95: tuple[float, float], result: FitResult, assessment: Assessment
+    evaluated: Evaluated, ci95: tuple[float, float], fit: AssessedFit
 ) -> tuple[Verdict, str]:
     """Verdict and sentence of a measure that has an interval."""
     assert evaluated.value is not None
@@ -256,15 +252,15 @@ def _judge(
         wide, known = relative > 1.0, f"±{percent(relative)}"
     if wide:
         return Verdict.UNDETERMINED, "not determined: its interval is as wide as its value"
-    adequacy = assessment.adequacy
+    adequacy = fit.assessment.adequacy
     if adequacy.grade is not Grade.ADEQUATE:
         note = "the fit is inadequate: what it says means nothing"
         if adequacy.grade is Grade.DOUBTFUL:
             note = f"{known}, but the fit is doubtful: {adequacy.reasons[0]}"
         return Verdict.WEAK, note
-    if beyond := extrapolated(evaluated, result):
+    if beyond := extrapolated(evaluated, fit.result):
         return Verdict.WEAK, f"{beyond}; {known} if the model holds there"
-    if bound := _through_bound(evaluated, assessment.uncertainty):
+    if bound := _through_bound(evaluated, fit.assessment.uncertainty):
         return Verdict.WEAK, f"it rests on {bound}, which lies at its bound"
     if relative <= IDENTIFIED:
         return Verdict.IDENTIFIED, f"known to {known}"

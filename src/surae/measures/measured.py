@@ -8,7 +8,7 @@ import numpy as np
 from surae.base.frozen import Comparable, read_only
 from surae.base.normal import Student
 from surae.base.units import FloatArray
-from surae.inference import Assessment, FitResult
+from surae.inference import AssessedFit, FitResult
 from surae.measures.compute import MeasurePoint, evaluate
 from surae.measures.leg import measured_range
 from surae.measures.table import DEFINITIONS
@@ -150,14 +150,14 @@ def weight_torque(result: FitResult, angle: FloatArray) -> FloatArray:
     return np.asarray(result.values.get("m", 0.0) * weight)
 
 
-def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
+def torque_curve(fit: AssessedFit) -> TorqueCurve:
     """The curve of a fit."""
-    low, high = measured_range(result)
+    low, high = measured_range(fit.result)
     low, high = min(max(low, _LOWEST), _HIGHEST), max(min(high, _HIGHEST), _LOWEST)
     angle = np.linspace(low, high, _COUNT)
-    known = assessment.uncertainty
+    known = fit.assessment.uncertainty
     (torque,) = (each for each in DEFINITIONS if each.name == "passive_torque")
-    evaluated = evaluate(result, known, [MeasurePoint(torque, float(at)) for at in angle])
+    evaluated = evaluate(fit.result, known, [MeasurePoint(torque, float(at)) for at in angle])
     values = np.array([np.nan if t.value is None else t.value for t in evaluated])
     lost = np.isin(known.names, known.lost)
     half = np.array(

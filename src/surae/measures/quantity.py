@@ -10,7 +10,7 @@ import numpy as np
 from surae.base.frozen import FrozenDict
 from surae.base.normal import standard_error_of
 from surae.base.records import OrNaN
-from surae.inference import Adequacy, Assessment, FitResult, Grade
+from surae.inference import Adequacy, AssessedFit, FitResult, Grade
 from surae.measures.compute import ANGLES, extrapolated, judged_measures, points
 from surae.measures.leg import leg_of
 from surae.measures.table import ELECTRODES, LEADING
@@ -68,7 +68,7 @@ def common_end(results: Iterable[FitResult]) -> float:
 
 
 def quantities(
-    result: FitResult, assessment: Assessment, angles: Sequence[float] = ANGLES,
+    fit: AssessedFit, angles: Sequence[float] = ANGLES,
     end: float = math.inf, only: Collection[str] = (),
 ) -> Quantities:  # fmt: skip
     """What a fit brings to a comparison; torque and stiffness are those at `angles` [deg].
@@ -77,6 +77,7 @@ def quantities(
 
     At the `end` [deg] of the range that others moved through too, those at the end are compared.
     """
+    result, assessment = fit.result, fit.assessment
     problem, known = result.problem, assessment.uncertainty
     has_reference = all(
         recording.emg_reference is not None and recording.emg_reference.kind == "mvc"
@@ -88,7 +89,7 @@ def quantities(
     timing = np.isin(known.names, _TIMING) & problem.has_unheard
     by_name: dict[str, Quantity] = {}
     wanted = tuple(p for p in points(angles, end) if not only or p.definition.name in only)
-    for evaluated, m in judged_measures(result, assessment, wanted):
+    for evaluated, m in judged_measures(fit, wanted):
         alone = evaluated.point.definition.alone
         common = m.name in LEADING and math.isfinite(end)
         if common or (alone == ELECTRODES and has_reference):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.base.formatting import listed
-from surae.inference import Assessment, FitResult, ParameterEstimate, Verdict
+from surae.inference import AssessedFit, Assessment, ParameterEstimate, Verdict
 from surae.inference.adequacy import Grade
 from surae.inference.parameter import percent
 from surae.model.sources import SOURCES
@@ -35,11 +35,11 @@ class BudgetTable:
     helps: tuple[str, ...]  #: What to measure, and how much better which parameter would be known.
 
 
-def budget_of(result: FitResult, assessment: Assessment) -> BudgetTable:
+def budget_of(fit: AssessedFit) -> BudgetTable:
     """The budgets of all parameters in one table."""
-    known = {p.name: p for p in assessment.parameters.values() if p.budget and p.ci95}
-    helps = what_to_measure(assessment)
-    if assessment.uncertainty.is_of_noise_alone or not known:
+    known = {p.name: p for p in fit.assessment.parameters.values() if p.budget and p.ci95}
+    helps = what_to_measure(fit.assessment)
+    if fit.assessment.uncertainty.is_of_noise_alone or not known:
         return BudgetTable((), (), {}, helps)
     met = {source for p in known.values() for source in p.budget if p.budget[source] >= _SHOWN}
     sources = tuple(source for source in SOURCES if source in met)
@@ -50,9 +50,9 @@ def budget_of(result: FitResult, assessment: Assessment) -> BudgetTable:
         )
         for name, p in known.items()
     }
-    worded = result.problem.options.anatomy.worded
+    worded = fit.result.problem.options.anatomy.worded
     labels = tuple(worded(SOURCES[source].label) for source in sources)
-    return BudgetTable(sources, labels, rows, (*what_would_help(result, assessment), *helps))
+    return BudgetTable(sources, labels, rows, (*what_would_help(fit), *helps))
 
 
 #: The anchor of what to measure next.
@@ -89,13 +89,14 @@ def budget_section(budget: BudgetTable) -> block.Section:
     return block.Section("What makes each parameter unsure", tuple(blocks), "budget", "page")
 
 
-def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...]:
+def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
     """What to measure so that parameters that are not identified would be known better.
 
     A sentence for each source that is a quarter of a parameter's variance and whose knowledge
     would narrow its interval by a fifth; none of a fit that is inadequate, for its intervals mean
     nothing, and none of a named model, which knows of noise alone.
     """
+    result, assessment = fit.result, fit.assessment
     if assessment.uncertainty.is_of_noise_alone or assessment.adequacy.grade is Grade.INADEQUATE:
         return ()
     gains: dict[str, dict[str, tuple[float, str]]] = {}

@@ -31,10 +31,7 @@ def change_report(
     names = sides(change, _)
     worst = max(fits, key=lambda fit: list(Grade).index(fit.assessment.adequacy.grade)).assessment
     drawn = visits_figure(
-        [
-            (name, torque_curve(fit.result, fit.assessment))
-            for name, fit in zip(names, fits, strict=True)
-        ],
+        [(name, torque_curve(fit)) for name, fit in zip(names, fits, strict=True)],
         _,
     )
     curves = (block.Picture("visits", _("Torque of the relaxed ankle over its angle"), "", "here",

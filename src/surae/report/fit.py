@@ -7,10 +7,9 @@ from itertools import chain
 import numpy as np
 
 from surae.base.formatting import NO_NUMBER, estimate, percentage, short, significant
-from surae.inference import Assessment, FitResult, Interval, Prediction, Verdict
+from surae.inference import AssessedFit, Assessment, Interval, Prediction, Verdict
 from surae.inference.parameter import IDENTIFIED, percent
 from surae.model import GeometryTable
-from surae.quality import Quality
 from surae.report import block
 from surae.report.budget import NEXT, BudgetTable, budget_of, budget_section
 from surae.report.figures import Figure
@@ -47,14 +46,15 @@ _BOUNDS = "converged, with parameters at a bound"
 
 
 def fit_report(
-    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction] = (), *,
-    versions: Mapping[str, str], created: datetime, quality: Sequence[Quality] = (),
+    fit: AssessedFit, predictions: Sequence[Prediction] = (), *,
+    versions: Mapping[str, str], created: datetime,
 ) -> Report:  # fmt: skip
     """The report of a fit; the same arguments give the same report.
 
-    `predictions` are of other recordings, `quality` is what was found in each before it was fitted.
+    `predictions` are of other recordings.
     """
-    traces, budget = traces_of(result), budget_of(result, assessment)
+    result, assessment = fit.result, fit.assessment
+    traces, budget = traces_of(result), budget_of(fit)
     joint = result.problem.options.anatomy
     kicker = joint.worded("Ankle muscle parameters")
     names = [recording.name for recording in assessment.recordings]
@@ -65,9 +65,9 @@ def fit_report(
             zip(assessment.recordings, traces, assessment.whiteness, strict=True)
         )
     )
-    found = {checked.recording: checked for checked in quality}
+    found = {checked.recording: checked for checked in fit.quality}
     details = (
-        parameters_section(result, assessment, next_anchor=NEXT if budget.helps else ""),
+        parameters_section(fit, next_anchor=NEXT if budget.helps else ""),
         *([findings_section(found)] if found else []),
         *([holds_section(traces)] if are_holds(traces) else []),
         *recordings,
@@ -75,11 +75,11 @@ def fit_report(
     research = (
         budget_section(budget),
         *known_section(result),
-        *laboratory_section(result, assessment),
-        *family_section(result, assessment),
-        *trials_section(result, assessment),
+        *laboratory_section(fit),
+        *family_section(fit),
+        *trials_section(fit),
         correlation_section(assessment),
-        identifiability_section(result, assessment),
+        identifiability_section(fit),
         *geometry_section(result),
         provenance_section(result, versions),
     )
@@ -92,7 +92,7 @@ def fit_report(
         ),
         title=f"{kicker}: {', '.join(names)}",
         blocks=(
-            _summary(result, assessment, traces),
+            _summary(fit, traces),
             *predictions_section(assessment, predictions, joint),
             block.Section("Details", details, "details", "more"),
             block.Section("Research", research, "research", "more"),
@@ -144,8 +144,9 @@ def _figures(
         yield "correlation", correlation_figure(estimated.names, estimated.correlation)
 
 
-def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]) -> block.Section:
+def _summary(fit: AssessedFit, traces: Sequence[Traces]) -> block.Section:
     """What a reader sees first: what the fit is worth, a few numbers, and its parameters."""
+    result, assessment = fit.result, fit.assessment
     torque = np.concatenate([trial.measured[trial.counted] for trial in traces])
     rms = float(np.sqrt(np.mean(torque**2)))
     message = result.message if result.message.endswith(".") else f"{result.message}."
@@ -157,14 +158,15 @@ def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]
     blocks: tuple[block.Block, ...] = (
         adequacy_words(assessment.adequacy),
         status,
-        _key(result, assessment, rms),
-        *block.paragraphs(summary(result, assessment)),
+        _key(fit, rms),
+        *block.paragraphs(summary(fit)),
         _glance(assessment),
     )
     return block.Section("Summary", blocks, "summary")
 
 
-def _key(result: FitResult, assessment: Assessment, rms: float) -> block.KeyFigures:
+def _key(fit: AssessedFit, rms: float) -> block.KeyFigures:
+    result, assessment = fit.result, fit.assessment
     parameters = assessment.parameters.values()
     free = sum(p.free for p in parameters)
     identified = sum(p.verdict is Verdict.IDENTIFIED for p in parameters)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from surae.base.formatting import NO_NUMBER, estimate, significant
-from surae.inference import Assessment, FitResult, ParameterEstimate
+from surae.inference import AssessedFit, FitResult, ParameterEstimate
 from surae.inference.adequacy import Grade
 from surae.inference.each import trial_spread
 from surae.inference.result import Candidate
@@ -46,9 +46,9 @@ _NUISANCES = (
 )
 
 
-def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[block.Section, ...]:
+def laboratory_section(fit: AssessedFit) -> tuple[block.Section, ...]:
     """Errors of the laboratory; nothing for a named model, which takes it for perfect."""
-    found, inputs = result.found, result.problem.inputs
+    found, inputs = fit.result.found, fit.result.problem.inputs
     if not found.candidates:
         return ()
     blocks: list[block.Block] = []
@@ -58,9 +58,9 @@ def laboratory_section(result: FitResult, assessment: Assessment) -> tuple[block
             "laboratory."
         ))  # fmt: skip
     else:
-        estimates = [p for name, p in assessment.nuisances.items() if name in found.beliefs]
+        estimates = [p for name, p in fit.assessment.nuisances.items() if name in found.beliefs]
         present = {group_of(p.name) for p in estimates}
-        worded = result.problem.options.anatomy.worded
+        worded = fit.result.problem.options.anatomy.worded
         groups = [
             worded(f"{s.label}: {s.meaning}") for group, s in NUISANCES.items() if group in present
         ]
@@ -113,14 +113,14 @@ def _origin(p: ParameterEstimate, belief: Gaussian) -> str:
     return text
 
 
-def family_text(result: FitResult, assessment: Assessment) -> str:
+def family_text(fit: AssessedFit) -> str:
     """Which departures the data ask for; empty for a named model."""
-    if not result.found.candidates:
+    if not fit.result.found.candidates:
         return ""
-    if assessment.adequacy.grade is Grade.INADEQUATE:
+    if fit.assessment.adequacy.grade is Grade.INADEQUATE:
         return "The fit is inadequate: what the data ask for means nothing."
-    chosen = result.found.candidates[0]
-    departures = _labels(result, chosen)
+    chosen = fit.result.found.candidates[0]
+    departures = _labels(fit.result, chosen)
     return (
         f"These data fit better with {departures or 'the plain model'} (probability "
         f"{_chance(chosen.weight)}). The intervals include what others would give."
@@ -133,11 +133,11 @@ def _labels(result: FitResult, candidate: Candidate) -> str:
     return ", ".join(worded(NUISANCES[group].label) for group in candidate.groups)
 
 
-def family_section(result: FitResult, assessment: Assessment) -> tuple[block.Section, ...]:
+def family_section(fit: AssessedFit) -> tuple[block.Section, ...]:
     """The models that were weighed, and what the evidence says; nothing for a named model."""
-    if not result.found.candidates:
+    if not fit.result.found.candidates:
         return ()
-    chosen, *others = result.found.candidates
+    chosen, *others = fit.result.found.candidates
     models = [chosen, *(other for other in others if other.model != chosen.model)]
     variants = [other for other in others if other.model == chosen.model]
     heads = block.columns("Model", "Imperfections in it", "Probability", numbers=(2,), wide=(1,))
@@ -148,13 +148,13 @@ def family_section(result: FitResult, assessment: Assessment) -> tuple[block.Sec
     ):
         rows = block.rows(
             (get_model(each.model).title,
-             _labels(result, each) or "none",
+             _labels(fit.result, each) or "none",
              _chance(each.weight))
             for each in candidates
         )  # fmt: skip
         if candidates:
             tables.append(block.Grid(caption, heads, rows, "family", titled=True))
-    blocks: tuple[block.Block, ...] = (block.Text(family_text(result, assessment)), *tables)
+    blocks: tuple[block.Block, ...] = (block.Text(family_text(fit)), *tables)
     return (block.Section("Which model the data support", blocks, "family", "together"),)
 
 
@@ -167,14 +167,14 @@ TRIALS = (
 )
 
 
-def trials_section(result: FitResult, assessment: Assessment) -> tuple[block.Section, ...]:
+def trials_section(fit: AssessedFit) -> tuple[block.Section, ...]:
     """How the trials of a joint fit differ; nothing where that was not looked at."""
-    recordings, inputs = result.found.recordings, result.problem.inputs
+    recordings, inputs = fit.result.found.recordings, fit.result.problem.inputs
     if not recordings:
         return ()
     apart = trial_spread(recordings)
     rows: list[block.Row] = []
-    for name, p in assessment.parameters.items():
+    for name, p in fit.assessment.parameters.items():
         if not p.free or any(name not in alone.values for alone in recordings):
             continue
         each = [estimate(a.values[name], a.sem[name], (0.0, 0.0)) for a in recordings]

@@ -63,10 +63,10 @@ def leg_answers(
     known = read_norms(joint=ANKLE if joint is None else joint.result.problem.options.anatomy)
     if joint is not None:
         angles = {at, *ANGLES, *(_point(norm) for norm in known)}
-        of_fit = measures(joint.result, joint.assessment, sorted(angles))
+        of_fit = measures(joint, sorted(angles))
     m = None if of_fit is None else of_fit[LEADING[0]]
     believed = m is not None and cards.is_known(m) and not cards.PASSIVE & set(contradicted)
-    model = torque_curve(joint.result, joint.assessment) if joint is not None and believed else None
+    model = torque_curve(joint) if joint is not None and believed else None
     if joint is not None and model is not None:  # what was measured, as the curve and norms are
         holds, stretches = _weightless(joint, holds, stretches)
     zero = 0.0 if model is None else _zero(model, holds, stretches)
@@ -135,7 +135,7 @@ def compared(
 
 def fixed_quantities(fit: AssessedFit, end: float) -> Quantities:
     """What visits are compared in, over the range up to `end` [deg]: few looks find more."""
-    return quantities(fit.result, fit.assessment, ANGLES[:1], end, cards.COMPARED)
+    return quantities(fit, ANGLES[:1], end, cards.COMPARED)
 
 
 def visit_angle(fit: AssessedFit | None) -> float:

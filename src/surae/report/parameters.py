@@ -3,7 +3,7 @@
 import math
 
 from surae.base.formatting import NO_NUMBER, estimate, short, standard_error
-from surae.inference import Assessment, FitResult, Interval, ParameterEstimate, Prior, Verdict
+from surae.inference import AssessedFit, Assessment, Interval, ParameterEstimate, Prior, Verdict
 from surae.model.laboratory import group_of
 from surae.report import block
 from surae.report.provenance import prior_note, prior_span
@@ -18,10 +18,9 @@ _GROUPS = {
 }
 
 
-def parameters_section(
-    result: FitResult, assessment: Assessment, *, next_anchor: str
-) -> block.Section:
+def parameters_section(fit: AssessedFit, *, next_anchor: str) -> block.Section:
     """All parameters by the part of the torque they act on; weak ones lead to `next_anchor`."""
+    result, assessment = fit.result, fit.assessment
     priors, interval = result.problem.priors, assessment.interval
     marginal = interval is Interval.MARGINAL
     groups: dict[str, list[tuple[block.AnyCell, ...]]] = {}

@@ -7,7 +7,7 @@ from typing import Any
 from surae.base.formatting import percentage, short, significant
 from surae.base.setting import default_of, settings_of
 from surae.base.units import FloatArray
-from surae.inference import Assessment, FitResult, Prior
+from surae.inference import AssessedFit, FitResult, Prior
 from surae.quality.numeric import runs
 from surae.report import block
 from surae.signals import ModelInputs
@@ -17,12 +17,12 @@ from surae.signals import ModelInputs
 _MANY_OUTLIERS = 0.05
 
 
-def emphasis_text(result: FitResult, assessment: Assessment) -> str:
+def emphasis_text(fit: AssessedFit) -> str:
     """A paragraph of the summary; empty where every sample counts as any other."""
     texts = []
-    if any(recording.emphasised for recording in result.problem.inputs):
+    if any(recording.emphasised for recording in fit.result.problem.inputs):
         texts.append("Some samples count more than others in this fit.")
-    if (outliers := result.found.outliers) is not None:
+    if (outliers := fit.result.found.outliers) is not None:
         share = 100 * outliers.share
         texts.append(
             f"Outliers count less ({outliers.loss} loss): {significant(share, 2)} "
@@ -34,10 +34,10 @@ def emphasis_text(result: FitResult, assessment: Assessment) -> str:
                 "So many are no stray artefacts: the model leaves something out, and a loss that "
                 "spares outliers hides it."
             )
-    if texts and assessment.vaf_weighted is not None:
+    if texts and fit.assessment.vaf_weighted is not None:
         texts.append(
             f"With the samples counted as in the fit, the VAF is "
-            f"{percentage(assessment.vaf_weighted)} %."
+            f"{percentage(fit.assessment.vaf_weighted)} %."
         )
     return " ".join(texts)
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from surae.base.formatting import NO_NUMBER, percentage, significant
 from surae.base.normal import NORMAL
-from surae.inference import Assessment, FitResult, Prediction, Verdict, pooled
+from surae.inference import AssessedFit, Assessment, FitResult, Prediction, Verdict, pooled
 from surae.inference.assessment import described, variance_inflation
 from surae.inference.identifiability.identified import Direction, Identified, identifiability
 from surae.inference.parameter import IDENTIFIED
@@ -107,10 +107,10 @@ _NOTE = (
 )
 
 
-def identifiability_section(result: FitResult, assessment: Assessment) -> block.Section:
+def identifiability_section(fit: AssessedFit) -> block.Section:
     """Weak combinations, and what each parameter needs; verdicts are the assessment's."""
-    title, inflation = "Which parameters this torque separates", variance_inflation(assessment)
-    identified = identifiability(result, variance_inflation=inflation.common)
+    title, inflation = "Which parameters this torque separates", variance_inflation(fit.assessment)
+    identified = identifiability(fit.result, variance_inflation=inflation.common)
     if not identified.parameters:
         why = block.Text("The model gives no finite torque here.")
         return block.Section(title, (why,), "identifiability", "page")
@@ -121,7 +121,7 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> block.
     ]
     shown = weak[:_DIRECTIONS] or list(identified.directions[:1])
     condition = "infinite" if identified.condition is None else significant(identified.condition, 2)
-    own = [p for p in identified.parameters.values() if p.name in assessment.parameters]
+    own = [p for p in identified.parameters.values() if p.name in fit.assessment.parameters]
     text = f"Condition number of the scaled information matrix: {condition}."
     text += _noise(inflation.common, inflation.reason)
     directions = block.Grid(
@@ -137,7 +137,7 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> block.
         "identified",
         block.columns("Parameter", "Influence δ", "SEM alone", "Widened ×", "Verdict", "What to do",
                       numbers=(1, 2, 3), wide=(5,), looks={5: "why"}),
-        block.rows(_row(p, assessment) for p in sorted(own, key=lambda p: -p.sensitivity)),
+        block.rows(_row(p, fit.assessment) for p in sorted(own, key=lambda p: -p.sensitivity)),
         "sensitivity",
         titled=True,
     )  # fmt: skip

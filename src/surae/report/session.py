@@ -116,11 +116,11 @@ def _details(
                 drawn = f"film-{number}-{place}"
                 figures[drawn] = film_figure(trial, film)
                 details.append(film_block(drawn, film))
-        budget = budget_of(shown.result, shown.assessment)
+        budget = budget_of(shown)
         if budget.rows:
             figures["budget"] = budget_figure(budget)
         research += [
-            parameters_section(shown.result, shown.assessment, next_anchor=""),
+            parameters_section(shown, next_anchor=""),
             budget_section(budget),
         ]
     details.append(trials.findings_section(leg.quality, answers.zero))

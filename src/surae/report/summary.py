@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from surae.base.formatting import estimate, of_interval, percentage, significant
 from surae.base.tables import TextTable
-from surae.inference import Assessment, FitResult
+from surae.inference import AssessedFit, Assessment
 from surae.inference.assessment import outdated
 from surae.inference.parameter import ParameterEstimate
 from surae.measures.compute import judged_measures, points
@@ -23,21 +23,22 @@ _HEADS = ("parameter", "value", "95 % interval", "unit", "repeats", "verdict", "
 _REQUESTS = ("Weights: ", "EMG normalised: ")
 
 
-def fit_table(result: FitResult, assessment: Assessment, width: int = 100) -> TextTable:
+def fit_table(fit: AssessedFit, width: int = 100) -> TextTable:
     """What it is worth, its parameters, what to do, what came of the search.
 
     Sentences are folded to `width` columns.
     """
+    result, assessment = fit.result, fit.assessment
     words = adequacy_words(assessment.adequacy)
     listed = estimates_table(shown_parameters(assessment))
-    groups = [_notes(assessment), _helps(result, assessment), _closing(result, assessment)]
+    groups = [_notes(assessment), _helps(fit), _closing(fit)]
     table = replace(
         listed,
         above=(
             result.problem.spec.title,
             f"{words.mark} {words.sentence}",
             *(f"  – {reason}" for reason in words.reasons),
-            *_leading(result, assessment),
+            *_leading(fit),
             *filter(None, [outdated(assessment)]),
         ),
         below=tuple("\n".join(group) for group in groups if group),
@@ -56,10 +57,10 @@ def estimates_table(estimates: Iterable[ParameterEstimate]) -> TextTable:
     return TextTable(_HEADS, tuple(rows), numbers=("value", "95 % interval"))
 
 
-def _leading(result: FitResult, assessment: Assessment) -> Iterator[str]:
+def _leading(fit: AssessedFit) -> Iterator[str]:
     """Stiffness and torque at the end of the range that was moved, a line each."""
     wanted = tuple(each for each in points() if each.definition.name in LEADING)
-    for _, m in judged_measures(result, assessment, wanted):
+    for _, m in judged_measures(fit, wanted):
         if m.value is not None and m.from_deg is not None and m.to_deg is not None:
             text, ends = of_interval(m.value, m.ci95), dict.fromkeys((m.from_deg, m.to_deg))
             span = " to ".join(f"{end:.0f}°".replace("-", "−") for end in ends)
@@ -84,15 +85,16 @@ def _notes(assessment: Assessment) -> list[str]:
     return ["Not identified:", *lines] if lines else []
 
 
-def _helps(result: FitResult, assessment: Assessment) -> list[str]:
+def _helps(fit: AssessedFit) -> list[str]:
     """What to measure to know more, and which model the data support, of a fit with model auto."""
-    helps = [f"– {line}" for line in what_would_help(result, assessment)]
-    family = family_text(result, assessment)
+    helps = [f"– {line}" for line in what_would_help(fit)]
+    family = family_text(fit)
     return [*(["What would help:"] if helps else []), *helps, *filter(None, [family])]
 
 
-def _closing(result: FitResult, assessment: Assessment) -> list[str]:
+def _closing(fit: AssessedFit) -> list[str]:
     """How well each recording is followed, what was asked for, and how the search ended."""
+    result, assessment = fit.result, fit.assessment
     lines = []
     for each in assessment.recordings:
         lines.append(
@@ -108,7 +110,7 @@ def _closing(result: FitResult, assessment: Assessment) -> list[str]:
     lines += [step for step in dict.fromkeys(steps) if step.startswith(_REQUESTS)]
     if result.problem.priors:
         lines.append(f"Priors on {', '.join(result.problem.priors)}.")
-    lines += filter(None, [emphasis_text(result, assessment)])
+    lines += filter(None, [emphasis_text(fit)])
     ipde = "none" if assessment.ipde is None else f"{assessment.ipde:.2f}"
     lines.append(f"IPDE {ipde}" + (f" ({assessment.ipde_note})" if assessment.ipde_note else ""))
     if assessment.covariance.names:

@@ -1,7 +1,7 @@
 """The plain-language summary and the adequacy: what may be taken from a fit, and what not."""
 
 from surae.base.formatting import percentage
-from surae.inference import Assessment, FitResult, Interval
+from surae.inference import AssessedFit, Assessment, Interval
 from surae.inference.adequacy import Adequacy, Grade
 from surae.inference.assessment import outdated
 from surae.report import block
@@ -44,15 +44,16 @@ FAILED = (
 )
 
 
-def summary(result: FitResult, assessment: Assessment) -> tuple[str, ...]:
+def summary(fit: AssessedFit) -> tuple[str, ...]:
     """What to know before the numbers are used, one paragraph an entry."""
-    if result.status == "failed":
+    if fit.result.status == "failed":
         return (FAILED,)
-    texts = [outdated(assessment), emphasis_text(result, assessment)]
-    if result.found.is_alone:
+    texts = [outdated(fit.assessment), emphasis_text(fit)]
+    if fit.result.found.is_alone:
+        starts = len(fit.result.found.starts)
         texts.append(
-            f"Only one of {len(result.found.starts)} starts reached this solution. There may be a "
-            "better one: give more starts before relying on the values."
+            f"Only one of {starts} starts reached this solution. There may be a better one: give "
+            "more starts before relying on the values."
         )
     return tuple(text for text in texts if text)
 

@@ -8,7 +8,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.frozen import Comparable, read_only
 from surae.base.units import FloatArray
-from surae.inference import Assessment, FitResult
+from surae.inference import AssessedFit, FitResult
 from surae.inference.uncertainty.combined import ZERO, Uncertainty
 from surae.model import ModelOptions, ModelSpec, get_model, with_optional
 from surae.model.joint import ANKLE
@@ -105,8 +105,9 @@ def population_legs(
     )  # fmt: skip
 
 
-def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int = 0) -> Legs:
+def fit_legs(fit: AssessedFit, count: int, *, seed: int = 0) -> Legs:
     """Legs that a fit leaves possible: its estimate first, then draws of what it left open."""
+    result, assessment = fit.result, fit.assessment
     problem = result.problem
     if result.status == "failed":
         raise InputError("the fit failed and describes no leg; name a population instead")

@@ -14,7 +14,7 @@ from surae.base.packed import finite
 from surae.base.records import to_plain
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
-from surae.inference import Assessment, FitResult
+from surae.inference import AssessedFit, Assessment
 from surae.inference.adequacy import Grade
 from surae.inference.parameter import IDENTIFIED, Verdict, percent
 from surae.inference.uncertainty.covariance import half_width
@@ -74,16 +74,16 @@ class NextTrial(Comparable):
         return dict(to_plain(self))
 
 
-def known_from(result: FitResult, assessment: Assessment, legs: Legs) -> FloatArray:
+def known_from(fit: AssessedFit, legs: Legs) -> FloatArray:
     """Information that a fit has, on ``legs.free``, and priors of another trial's own nuisances.
 
     Intervals that are believed for correlated residuals are believed here too. Nuisances that
     trials share are in with their priors, once. The legs are those of the fit (`fit_legs`).
     """
     free, own = legs.free, legs.each_trial
-    alone = own | {n for n in free if n not in result.problem.free}  # another film
+    alone = own | {n for n in free if n not in fit.result.problem.free}  # another film
     known = np.diag([legs.priors[n].sd ** -2.0 if n in alone else 0.0 for n in free])
-    told = assessment.uncertainty
+    told = fit.assessment.uncertainty
     shares = {*free} - {*own, *told.lost}
     names = [n for n in told.names if n in shares and told.budget(told.along(n)).sd > 0.0]
     if names:
@@ -96,7 +96,7 @@ def known_from(result: FitResult, assessment: Assessment, legs: Legs) -> FloatAr
 
 
 def measure_next_of(
-    result: FitResult, assessment: Assessment, legs: Legs, *, noise: float, device: Device | None,
+    fit: AssessedFit, legs: Legs, *, noise: float, device: Device | None,
     range_of_motion: tuple[float, float], longest: float, wanted: Sequence[str] | None = None,
     rate_hz: float = 256.0,
 ) -> NextTrial:  # fmt: skip
@@ -106,6 +106,7 @@ def measure_next_of(
     than `longest` [s] is proposed; `wanted` are parameters to know better, by default all that are
     not identified.
     """
+    assessment = fit.assessment
     if unknown := [name for name in wanted or () if name not in legs.own]:
         raise InputError(
             f"{unknown[0]} is not estimated by this fit; it has: {', '.join(legs.own)}"
@@ -119,7 +120,7 @@ def measure_next_of(
     )  # fmt: skip
     if not weak:
         return _nothing("Every parameter is identified: nothing more needs to be measured.")
-    known = known_from(result, assessment, legs)
+    known = known_from(fit, legs)
     best: tuple[float, Ready, Trajectory, FloatArray] | None = None
     names = tuple(n for n in legs.free if n not in legs.each_trial)
     with one_blas_thread():
@@ -173,10 +174,10 @@ def measure_next_of(
     return NextTrial(ready.name, tuple(sentences), gains, FrozenDict(many), trajectory)
 
 
-def told_by(result: FitResult, assessment: Assessment, legs: Legs) -> dict[str, Any]:
+def told_by(fit: AssessedFit, legs: Legs) -> dict[str, Any]:
     """What a fit tells an expectation: information, half widths, and what of these stays."""
-    known = known_from(result, assessment, legs)
-    now, stays = _kept(assessment, legs, known)
+    known = known_from(fit, legs)
+    now, stays = _kept(fit.assessment, legs, known)
     return {"known": known, "now": now, "stays": stays}
 
 
