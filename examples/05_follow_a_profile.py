@@ -22,6 +22,7 @@ for panel, (name, profile) in zip(axes, found.profiles.items(), strict=True):
     panel.plot(profile.values, profile.chi2, color="black", marker=".")
     panel.axhline(profile.threshold, color="0.5", linestyle="--")
     panel.axvline(estimate.value, color="0.5", linestyle=":")
+    panel.locator_params(axis="x", nbins=4)
     panel.set(xlabel=f"{name} [{estimate.unit}]", ylabel="Rise of the sum of squares, Δχ² [-]")
 plt.show()
 for name, profile in found.profiles.items():

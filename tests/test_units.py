@@ -12,7 +12,8 @@ from surae.base.units import FACTORS, spelled, stated
     [
         *((text, "Nm") for text in ("Nm", "N m", "N.m", "N·m", "N-m", "N*m", "Newton-Meters")),
         *((text, "Nm") for text in ("newton metre", "NEWTON METERS", "n·M")),
-        *((text, "deg") for text in ("°", "Degrees", "deg", "degree")),
+        *((text, "deg") for text in ("°", "Degrees", "deg", "degree", "Grad", "grad", "graden")),
+        ("Grad/s", "deg/s"),
         *((text, "uV") for text in ("µV", "μV", "uV", "microvolts")),
         *((text, "s") for text in ("sec", "Seconds", "s")),
         *((text, None) for text in ("", "N", "counts", "left", "9**9**9", "m" * 100, "%")),
@@ -35,6 +36,7 @@ def test_spellings(text, unit):
         ("N cm", "torque", 0.01),
         ("mrad", "angle", 1e-3),
         ("rev", "angle", 2 * math.pi),
+        ("gon", "angle", math.pi / 200),
         ("rpm", "angular_velocity", 2 * math.pi / 60),
         ("nV", "emg", 1e-9),
         ("inches", "length", 0.0254),

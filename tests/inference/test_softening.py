@@ -19,14 +19,14 @@ def trial():
     return virtual_trial(virtual_subject(2), motion)
 
 
-def fitted(trial, share: float, seed: int = 1):
-    """The fit of a trial in which so much of the tissue's torque comes on top at first."""
+def fitted(trial, share: float, seed: int = 1, of: str = "tissue"):
+    """The fit of a trial in which so much of a part of the torque comes on top at first."""
     stretches = np.cumsum(np.abs(np.gradient(trial.angle))) / (2.0 * np.ptp(trial.angle))
     plain = fit_problem(make_problem([trial], "muscle"), starts=1)
     spec, options = plain.problem.spec, plain.problem.options
     parts = spec.simulator(trial, options).parts(spec.vector(plain.values, options))
     noise = 0.03 * np.std(trial.torque) * np.random.default_rng(seed).standard_normal(trial.n)
-    torque = trial.torque + share * np.exp(-stretches / 2.0) * parts.tissue + noise
+    torque = trial.torque + share * np.exp(-stretches / 2.0) * getattr(parts, of) + noise
     softer = replace(trial, torque=read_only(torque))
     return fit_problem(make_problem([softer], "muscle"), starts=1)
 
@@ -38,6 +38,11 @@ def test_a_leg_that_softens_is_told_and_one_that_does_not_is_not(trial) -> None:
     assert 0.1 < soft.size < 0.6
     (stiffer,) = softening(fitted(trial, -0.3))  # becoming stiffer is no softening
     assert not stiffer.is_seen
+
+
+def test_muscles_that_were_weaker_at_first_are_no_softening(trial) -> None:
+    (steady,) = softening(fitted(trial, -0.3, of="neural"))
+    assert not steady.is_seen
 
 
 def test_such_a_fit_is_doubtful_and_says_why(trial) -> None:

@@ -80,6 +80,17 @@ def test_the_operator_loads_starts_and_stops(client, here) -> None:
     assert trial["marks"][0]["text"] == "cough"
 
 
+@pytest.mark.parametrize("state", ["silent", "lost"])
+def test_a_stream_that_sends_nothing_is_an_alarm_for_as_long(served, monkeypatch, state) -> None:
+    streams = [{"name": "EMG", "kind": "EMG", "state": state}]
+    monkeypatch.setattr(served.room.trials.recorder, "health", lambda: streams)
+    assert [alarm["text"] for alarm in served.health()["alarms"]] == [
+        "EMG sends nothing: look at its program, cable and battery."
+    ]
+    streams[0]["state"] = "good"
+    assert served.health()["alarms"] == []
+
+
 @pytest.mark.parametrize(
     ("name", "body", "says"),
     [

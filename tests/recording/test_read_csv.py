@@ -11,6 +11,7 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.recording import inspect, read
+from surae.recording.delimited import is_time
 from surae.recording.formats import open_table
 from surae.recording.rows import Rows
 from surae.recording.source import open_source
@@ -244,6 +245,18 @@ def test_fast_and_careful_parsing_agree(csv):
     fast = rows.load([2, 0])
     np.testing.assert_array_equal(fast, numbers[:, [2, 0]].T)
     np.testing.assert_array_equal(rows._load([2, 0]), fast)
+
+
+@pytest.mark.parametrize(
+    ("name", "time"),
+    [
+        *((name, True) for name in ("temps", "tijd [ms]", "Tiempo (s)", "tempo", "Uhrzeit")),
+        *((name, True) for name in ("t", "T [s]", "Time", "time of day", "unix time")),
+        *((name, False) for name in ("Zeit (%)", "timex", "temperature", "torque", "t (h)")),
+    ],
+)
+def test_times_of_other_languages_are_known_and_no_unit_is_made_of_their_letters(name, time):
+    assert is_time(name) is time
 
 
 def test_a_european_csv_has_semicolons_and_decimal_commas(tmp_path):

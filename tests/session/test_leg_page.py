@@ -32,6 +32,7 @@ from undrawn import blank_figures
 pytestmark = pytest.mark.usefixtures("few")
 TRANSLATED = LANGUAGES[1:]
 #: Calls whose text `pybabel extract` takes for the catalogue, as `make messages` names them.
+JS = {"parse_template_string": "true"}
 MARKS = {"_": None, "N_": None, "self": None, "many": (1, 2)}
 
 
@@ -42,7 +43,7 @@ def messages():
     found = [
         each
         for package in ("surae", "surae_nerve", "surae_workbench")
-        for each in extract_from_dir(files(package), methods, keywords=MARKS)
+        for each in extract_from_dir(files(package), methods, {"**.js": JS}, keywords=MARKS)
     ]
     every = [(m,) if isinstance(m, str) else tuple(m) for *_, m, _, _ in found]
     assert len(every) > 100

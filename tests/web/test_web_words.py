@@ -6,10 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from babel.messages.pofile import read_po
 
 import surae_workbench
 from surae.api import words_in
 from surae.base.names import LANGUAGES
+from surae.report.language import catalogue
 
 HERE = Path(surae_workbench.__file__).parent
 #: What is no language: names, formats, what browsers and servers read.
@@ -102,6 +104,15 @@ def unmarked_in_template(text: str) -> list[str]:
 )
 def test_no_script_says_what_is_not_in_the_catalogue(path) -> None:
     assert unmarked_in_script(path.read_text(encoding="utf-8")) == []
+
+
+def test_every_marked_text_of_a_script_is_in_the_catalogue() -> None:
+    """What the extraction does not see, such as a text within another's values, is found here."""
+    with catalogue("de").open("rb") as file:
+        known = {m.id if isinstance(m.id, str) else m.id[0] for m in read_po(file)}
+    marked = re.compile(r'(?<![\w.])(?:_|N_|many)\(\s*"([^"]*)"')
+    scripts = (path.read_text(encoding="utf-8") for path in HERE.rglob("static/**/*.js"))
+    assert {text for script in scripts for text in marked.findall(script)} <= known
 
 
 @pytest.mark.parametrize("path", sorted(HERE.rglob("*.html.j2")), ids=lambda path: path.name)

@@ -17,6 +17,7 @@ from surae.inference.assessment import assess, outdated
 from surae.inference.saved.fit_json import load_saved
 from surae.inference.starts import Follow
 from surae.model import ModelOptions
+from surae.model.jit import on_compilation
 from surae.model.laboratory import AUTO
 from surae.quality import Quality
 from surae.quality.position import is_perturbed
@@ -85,7 +86,10 @@ def fit(
         quality = checks_for(settings, measured)
     if progress is not None or follow is not None:
         return fit_inputs(inputs, settings, tuple(quality), progress, follow)
-    with line_of_progress("fitting") as tell:
+    with (
+        line_of_progress("fitting") as tell,
+        on_compilation(lambda: tell("compiling the model, once for this installation")),
+    ):
         return fit_inputs(inputs, settings, tuple(quality), tell, lambda *_: tell())
 
 

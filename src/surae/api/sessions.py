@@ -15,12 +15,7 @@ from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.progress import SearchProgress, line_of_progress
 from surae.inference.starts import Follow
-from surae.model.knowledge_file import (
-    SESSION_TOML,
-    SessionFile,
-    known_from,
-    read_session_toml,
-)
+from surae.model.knowledge_file import SESSION_TOML, SessionFile, known_from, read_session_toml
 from surae.model.laboratory import AUTO
 from surae.recording import Recording
 from surae.recording.corrections import Corrections

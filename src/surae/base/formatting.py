@@ -1,10 +1,13 @@
 """Numbers as text: as many digits as the standard error allows, powers of ten in print style."""
 
 import math
-from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple, TypeVar
 
+from surae.base.errors import InputError
 from surae.base.normal import NORMAL, standard_error_of
+
+T = TypeVar("T")
 
 #: What stands for a number that there is not.
 NO_NUMBER = "—"
@@ -49,14 +52,24 @@ def of_interval(value: float, ci95: tuple[float, float] | None) -> EstimateText:
     return estimate(value, None if ci95 is None else standard_error_of(ci95), ci95)
 
 
+def in_a_line(name: str, value: float, ci95: tuple[float, float] | None, unit: str) -> str:
+    """A named estimate with unit and interval."""
+    text = of_interval(value, ci95)
+    interval = "" if ci95 is None else f"({text.interval})"
+    return " ".join(filter(None, (name, text.value, unit.strip("-"), interval)))
+
+
 def ends(value: float, ci95: tuple[float, float]) -> tuple[str, str]:
-    """Both ends of a 95 % interval, each by itself.
+    """Both ends of a 95 % interval, each by itself where one lies much nearer to the value.
 
     Each has two digits of what would be its standard error, and no more than two of its own where
     it lies farther from the value than that is large. None but nought is rounded to nought.
     """
-    least = (ci95[1] - ci95[0]) / 10.0
-    low, high = (_end(end, value, max(abs(end - value), least)) for end in ci95)
+    far = max(abs(end - value) for end in ci95)
+    aways = [
+        far if 3.0 * abs(end - value) > far else max(abs(end - value), far / 9.0) for end in ci95
+    ]
+    low, high = (_end(end, value, away) for end, away in zip(ci95, aways, strict=True))
     return low, high
 
 
@@ -166,6 +179,15 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
     near = get_close_matches(name.lower(), known, n=1, cutoff=0.6)
     return f" (did you mean {near[0]!r}?)" if near else ""
+
+
+def named(what: str, known: Mapping[str, T], name: str) -> T:
+    """What has that name; another one is refused, and the nearest that there is named."""
+    if name not in known:
+        raise InputError(
+            f"{what} {name!r} is not known{nearest(name, known)}; use one of: {', '.join(known)}"
+        )
+    return known[name]
 
 
 def open_ends(interval: Sequence[float | None] | None) -> str:

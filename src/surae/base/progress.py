@@ -19,8 +19,8 @@ _PATIENCE, _PACE = 2.0, 0.5
 def line_of_progress(what: str) -> Iterator[Callable[..., None]]:
     """Say on stderr how far something is that takes longer than two seconds, and take it away.
 
-    What is given back is called with (done, total, …), or with nothing to say that it goes on. A
-    terminal or a notebook shows it; a log or a pipe has no use for it.
+    What is given back is called with (done, total, …), with nothing to say that it goes on, or with
+    words, which are shown at once. A terminal or a notebook shows it; a log has no use for it.
     """
     is_seen = sys.stderr.isatty() or "ipykernel" in sys.modules
     begun = last = time.monotonic()
@@ -30,9 +30,10 @@ def line_of_progress(what: str) -> Iterator[Callable[..., None]]:
         nonlocal last, counted, width
         if len(news) > 1 and isinstance(news[0], int):
             counted = f", {news[0]} of {news[1]} done"
+        words = next((f", {word}" for word in news if isinstance(word, str)), "")
         now = time.monotonic()
-        if is_seen and now - begun > _PATIENCE and now - last > _PACE:
-            last, text = now, f"{what}: {now - begun:.0f} s{counted}"
+        if is_seen and (words or (now - begun > _PATIENCE and now - last > _PACE)):
+            last, text = now, f"{what}: {now - begun:.0f} s{words or counted}"
             sys.stderr.write(f"\r{text.ljust(width)}")
             sys.stderr.flush()
             width = len(text)

@@ -37,7 +37,7 @@ def _range(whose: str = "") -> Any:
         None, "The subject's full plantarflexion and dorsiflexion [rad]; by default what the fit's "
         "recordings reached, or -0.9 … 0.6 rad, as far as the device reaches. Required for "
         "patients.", metavar="LOW:HIGH", help="Full plantarflexion and dorsiflexion of the subject "
-        f"in rad; required for patients.  [default: {whose}-0.9:0.6 as far as the device]",
+        f"in rad, or as 20deg; required for patients.  [default: {whose}-0.9:0.6, or the device's]",
     )  # fmt: skip
 
 
@@ -125,7 +125,7 @@ class MotionSettings:
         0.0, "Amplitude of the added chirp [rad], less than half the range of motion; 0 for none. "
         "Without a device it goes on to the last sample and stops there; a motion that is "
         "filtered for a device ends at rest.", least=0.0, most=3.0, metavar="A",
-        label=N_("Chirp amplitude [rad]"), help="Of the added chirp, in rad.",
+        label=N_("Chirp amplitude [rad]"), help="Of the added chirp, in rad or as 3deg.",
     )  # fmt: skip
     chirp_rate: float = setting(
         CHIRP_RATE, "Rise of the chirp's frequency [Hz/s]; irrelevant at amplitude 0. The thesis's "
@@ -135,7 +135,7 @@ class MotionSettings:
     range_of_motion: tuple[float, float] = setting(
         (-0.9, 0.6), "The subject's angles of full plantarflexion and full dorsiflexion [rad], "
         "within the device's.", option="range", metavar="LOW:HIGH",
-        help="Full plantarflexion and dorsiflexion of the subject, in rad.  "
+        help="Full plantarflexion and dorsiflexion of the subject, in rad or as 20deg.  "
         "[default: -0.9:0.6, as far as the device]",
     )  # fmt: skip
     duration: float | None = setting(

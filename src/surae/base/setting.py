@@ -151,20 +151,22 @@ def takes(*requests: Any, defaults: bool = True) -> Callable[[F], F]:
     """Have the keywords of a function stand for all settings of requests, for help and completion.
 
     Where its docstring says ``{settings}``, it describes them. Without `defaults` they are None in
-    its signature: not given.
+    its signature: not given. The signature is without types, which the docstring has in words.
     """
 
     def decorate(function: F) -> F:
         own = [p for p in signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD]
         there = {p.name for p in own}
         added = [
-            Parameter(each.name, Parameter.KEYWORD_ONLY, annotation=each.type,
-                      default=default_of(each) if defaults else None)
+            Parameter(
+                each.name, Parameter.KEYWORD_ONLY, default=default_of(each) if defaults else None
+            )
             for request in requests
             for each, _ in settings_of(request)
             if each.name not in there
-        ]  # fmt: skip
-        vars(function)["__signature__"] = signature(function).replace(parameters=[*own, *added])
+        ]
+        plain = [each.replace(annotation=Parameter.empty) for each in (*own, *added)]
+        vars(function)["__signature__"] = signature(function).replace(parameters=plain)
         text = "\n".join(_described(each, keywords=True, without=there) for each in requests)
         function.__doc__ = docstring(function).replace("    {settings}", text)
         return function

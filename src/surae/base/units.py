@@ -36,8 +36,9 @@ FACTORS: dict[str, dict[str, float]] = {
 
 #: How else files spell units, in small letters.
 _SPELLINGS = {
-    "°/s": "deg/s", "rad/s^2": "rad/s2", "radian": "rad", "radians": "rad",
-    **dict.fromkeys(("degree", "degrees", "°"), "deg"),
+    "°/s": "deg/s", "grad/s": "deg/s", "rad/s^2": "rad/s2", "radian": "rad", "radians": "rad",
+    # Degrees of other languages; grads, of which a circle has 400, are written gon.
+    **dict.fromkeys(("degree", "°", "grad", "grade", "graden", "grado", "gradi", "degré"), "deg"),
     **dict.fromkeys(("°/s2", "deg/s^2", "°/s^2", "deg/s²", "°/s²"), "deg/s2"),
     **dict.fromkeys(("newtonmeter", "newtonmetre", "newtonm", "nmeter"), "Nm"),
     **dict.fromkeys(("newtonmillimeter", "newtonmillimetre", "ntmm"), "Nmm"),
@@ -60,7 +61,7 @@ _KINDS_ALONE = dict.fromkeys(
 _READABLE = re.compile(
     r"(?:(?:k?n|k?nc?m|k?newton|(?:ft|in)lbf?|lbf?|pound|ft|foot|feet|in|inch|inche|kgf|kg|kilogram|ozf?|"
     r"ounce|dyne?|force|[cmkd]?m|(?:centi|milli|kilo)?met(?:er|re)|[kmun]?v|(?:nano|milli|kilo)?volt"
-    r"|turn|rev|revolution|mrad|milliradian|grad|gon|arcmin|rpm|rad|deg|degree|min|minute|h|us|"
+    r"|turn|rev|revolution|mrad|milliradian|gon|arcmin|rpm|rad|deg|degree|min|minute|h|us|"
     r"microsecond|s)s?(?:[\s.·⋅*×_/-]+|$))+"
 )
 #: What is written as one word, and what pint calls otherwise.

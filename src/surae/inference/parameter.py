@@ -8,6 +8,7 @@ from enum import StrEnum
 import numpy as np
 
 from surae.base.filed import filed
+from surae.base.formatting import in_a_line
 from surae.base.words import Message
 from surae.inference.uncertainty.covariance import Covariance
 from surae.model.registry import PARAMETERS
@@ -105,7 +106,7 @@ class Interval(StrEnum):
 
 
 @filed("name", "meaning", "group")
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class ParameterEstimate:
     """One parameter of a fit."""
 
@@ -139,6 +140,10 @@ class ParameterEstimate:
     repeatable: bool = False
     #: Shares of the variance behind `ci95` by source, their sum 1; empty without an interval.
     budget: Mapping[str, float] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        known = in_a_line(self.name, self.value, self.possible_ci95, self.unit)
+        return f"{known}: {self.verdict}: {self.note}"
 
     @property
     def possible_ci95(self) -> tuple[float, float] | None:

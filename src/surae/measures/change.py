@@ -96,31 +96,19 @@ class Difference:
 @filed("before", "after", "legs", "is_withheld")
 @dataclass(frozen=True, slots=True, repr=False)
 class Change(Tabular, Saved):
-    """Two sessions compared.
+    """Two sessions compared."""
 
-    Attributes
-    ----------
-    before, after : Quantities
-        What each fit brings.
-    measures, parameters : mapping of str to Difference
-        By name.
-    multiplicity : str
-        How many were looked at, and what that does to the claims.
-    baselines : int
-        Repeated baselines from which the spread between sessions was estimated; 0 without.
-    legs : bool
-        Whether they are two legs, and not two sessions of one.
-    is_withheld : bool
-        Whether a fit is doubtful, so that differences are shown and none is judged.
-    """
-
+    #: `before`, `after`: what each fit brings.
     before: Quantities
     after: Quantities
+    #: `measures`, `parameters`: by name.
     measures: FrozenDict[str, Difference]
     parameters: FrozenDict[str, Difference]
-    multiplicity: str
+    multiplicity: str  #: How many were looked at, and what that does to the claims.
+    #: Repeated baselines from which the spread between sessions was estimated; 0 without.
     baselines: int = 0
-    legs: bool = False
+    legs: bool = False  #: Whether they are two legs, and not two sessions of one.
+    #: Whether a fit is doubtful, so that differences are shown and none is judged.
     is_withheld: bool = False
 
     @property

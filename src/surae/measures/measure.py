@@ -9,7 +9,7 @@ from surae._version import __version__
 from surae.base.errors import InputError
 from surae.base.filed import filed
 from surae.base.files import PathLike, csv_row, shown, write_atomic, write_json
-from surae.base.formatting import of_interval
+from surae.base.formatting import in_a_line, of_interval
 from surae.base.frozen import FrozenDict
 from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
@@ -17,7 +17,7 @@ from surae.inference import Adequacy, Verdict
 
 
 @filed("name", sparse=("from_deg", "to_deg"))
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Measure:
     """One measure of a fit."""
 
@@ -39,6 +39,13 @@ class Measure:
     #: angle [deg]; None for others.
     from_deg: float | None = None
     to_deg: float | None = None
+
+    def __repr__(self) -> str:
+        if self.value is None:
+            return f"{self.name}: {self.note}"
+        return (
+            f"{in_a_line(self.name, self.value, self.ci95, self.unit)}: {self.verdict}: {self.note}"
+        )
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -78,13 +78,7 @@ class SessionFile:
 
 
 def read_session_toml(path: PathLike) -> SessionFile:
-    """The file, all of it checked but what other files hold.
-
-    Raises
-    ------
-    InputError
-        It is no TOML, has an unknown key or kind, or a number that nobody can have measured.
-    """
+    """The file, all of it checked but what other files hold."""
     plain = read_toml(path)
     if not isinstance(plain.get("trials", {}), dict) or "path" in plain:
         raise InputError(f"{shown(path)}: trials: write a table of files and kinds")
@@ -125,11 +119,6 @@ def known_from(
 
     `recordings` are trials that are read already, and `kinds` what each is; by default those that
     the file names, as `read` reads them.
-
-    Raises
-    ------
-    InputError
-        A file that it names is missing, or is not what it says.
     """
     plate, known = said.knowledge.plate, _stated(said)
     there = dict(recordings or {})

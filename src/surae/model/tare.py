@@ -39,13 +39,7 @@ def _terms(inputs: ModelInputs) -> FloatArray:
 
 
 def tared(inputs: ModelInputs) -> Plate:
-    """The plate by the recording of an empty device.
-
-    Raises
-    ------
-    InputError
-        It has no torque, hardly moves, or is not of an empty device.
-    """
+    """The plate by the recording of an empty device."""
     if inputs.torque is None:
         raise InputError(f"{inputs.where}: there is no torque of an empty device")
     low, high = (float(np.quantile(inputs.angle, share)) for share in (0.005, 0.995))

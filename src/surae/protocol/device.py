@@ -10,6 +10,7 @@ from typing import Any
 from surae.base.errors import InputError
 from surae.base.filed import filed
 from surae.base.files import PathLike, shown
+from surae.base.formatting import named
 from surae.base.plugins import Extended, plugins
 from surae.base.records import OrInfinite, from_file, read_toml
 
@@ -171,6 +172,4 @@ def named_device(name: str) -> Device:
     InputError
         There is none.
     """
-    if name not in DEVICES:
-        raise InputError(f"device {name!r} is not known; use one of: {', '.join(DEVICES)}")
-    return DEVICES[name]
+    return named("device", DEVICES, name)

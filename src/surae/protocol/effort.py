@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surae.base.errors import InputError
+from surae.base.formatting import named
 from surae.base.units import FloatArray
 from surae.base.words import N_
 from surae.protocol.profiles import smooth_step
@@ -33,7 +34,7 @@ class Task:
     rise: float | None = None
 
     def with_own(self, passive_seconds: float | None, turns: tuple[str, ...]) -> "Task":
-        """The task with a passive part and an order of muscles of one's own, where these are given.
+        """The task with a passive part and an order of muscles of one's own, if given.
 
         Raises
         ------
@@ -205,6 +206,4 @@ def burst_effort(
 
 def named_task(name: str) -> Task:
     """The task of that name."""
-    if name not in TASKS:
-        raise InputError(f"task {name!r} is not known; use one of: {', '.join(TASKS)}")
-    return TASKS[name]
+    return named("task", TASKS, name)

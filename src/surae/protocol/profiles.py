@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from surae.base.errors import InputError
+from surae.base.formatting import named
 from surae.base.units import FloatArray
 from surae.base.words import N_
 
@@ -187,9 +187,7 @@ PROFILES: dict[str, Profile] = {
 
 def named_profile(name: str) -> Profile:
     """The profile of that name."""
-    if name not in PROFILES:
-        raise InputError(f"profile {name!r} is not known; use one of: {', '.join(PROFILES)}")
-    return PROFILES[name]
+    return named("profile", PROFILES, name)
 
 
 def chirp_rate(factor: float) -> float:

@@ -26,7 +26,8 @@ _EMG = ("raw", "envelope")
 
 #: Names of the time in files that are described by a mapping, beside our own.
 _OTHER_TIME = re.compile(
-    r"(?:time ?stamps?|elapsed time|times?|t|zeit|uhrzeit|tijd|temps|tiempo|tempo|clock)"
+    r"(?:time ?stamps?|(?:elapsed |unix )?time|times|zeit|uhrzeit|tijd|temps|tiempo|tempo|clock"
+    r"|time of day|t)"
     r"[^\w%]*_*(%|\w*)[\W_]*",
     re.IGNORECASE,
 )

@@ -13,6 +13,7 @@ from surae.base.frozen import FrozenDict
 from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
+from surae.base.words import N_
 from surae.recording.channels import Scaling, gaps_of, stated_unit, written_unit
 from surae.recording.channels import channel as read_channel
 from surae.recording.described import LONGEST_BRIDGE_S
@@ -213,20 +214,27 @@ def recording_by_names(path: PathLike) -> Recording | None:
     """A file's recording as `inspect` understands the names and units of its columns.
 
     It is good for a check, which says so, and for no fit: signs are as in the file. None where the
-    angle or what the EMG is stays open, or a unit is not stated: none is guessed.
+    angle or what the EMG is stays open. A channel that is there, but unusable, or whose unit is not
+    stated, is an InputError: none is guessed.
     """
     found = inspect(path)
+    why = [f"{role} is there, but unusable: {reason}" for role, reason in found.unusable.items()]
     emg = [role for role in found.roles if role.startswith("emg_")]
-    if "angle" not in found.roles or found.open or (emg and found.emg is None):
+    if not why and ("angle" not in found.roles or found.open or (emg and found.emg is None)):
         return None
+    if unknown := [c.column for c in found.roles.values() if c.known_unit is None]:
+        why.append(f"the unit of {some(unknown)} is not stated, or not known")
+    if why:
+        raise InputError(
+            f"{shown(path)}: {'; '.join(why)}; settle it in a mapping, which `surae inspect FILE "
+            "--output MAP.toml` begins"
+        )
     source = open_source(path)
     table = open_table(source)
     columns = table.load(tuple(c.column for c in found.roles.values()))
     channels = {}
     for role, each in found.roles.items():
-        if each.known_unit is None:
-            return None
-        scaling = Scaling(each.known_unit, scale=each.scale)
+        scaling = Scaling(each.known_unit or "", scale=each.scale)
         own = read_channel(role, columns[each.column], scaling, table)
         channels[role] = replace(own, source=f"{own.source}; {BY_NAME}")
     return Recording(
@@ -461,10 +469,11 @@ def _advice(inspection: Inspection) -> Iterator[str]:
             yield from filter(None, [contradiction(repr(c.column), c.look, inspection.emg)])
     if inspection.emg is None and inspection.emg_rule:
         yield f"whether the EMG is raw is unclear ({inspection.emg_rule}): write it in the mapping"
-    if "angle" in inspection.roles or "torque" in inspection.roles:
-        yield (
-            "we can’t tell which direction of angle and torque is positive: check sign in the "
-            "mapping (dorsiflexion positive; torque positive when the triceps pulls)"
+    found = [inspection.roles[role] for role in ("angle", "torque") if role in inspection.roles]
+    if any(c.guess is None or c.guess.confidence != "stated" for c in found):
+        yield N_(
+            "Their names do not say which direction of angle and torque is positive: dorsiflexion "
+            "and the triceps’s pull must be, else correct sign in the mapping"
         )
     if inspection.direction:
         yield inspection.direction

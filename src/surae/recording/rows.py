@@ -129,13 +129,7 @@ class Rows:
         seconds = freeze(seconds)
         return {
             name: Column(
-                name,
-                seconds,
-                freeze(values),
-                time,
-                self.position,
-                self.reason(first[name]),
-                remark,
+                name, seconds, freeze(values), time, self.position, self.reason(first[name]), remark
             )
             for name, values in zip(wanted, data[len(timed) :], strict=True)
         }

@@ -133,13 +133,7 @@ def regular(time: FloatArray) -> tuple[FloatArray, str]:
 
     A program that writes 1500 Hz with three decimals gives every third stamp twice. Stamps are
     rounded where all are multiples of a decimal step and a uniform axis explains each to that step.
-
-    Returns
-    -------
-    time : ndarray, shape (n,)
-        The uniform times [s]; the stamps themselves where they are none.
-    remark : str
-        What was done; empty where nothing was.
+    What was done comes with them; nothing, and the stamps themselves, where they are not rounded.
     """
     n, span = len(time), float(time[-1] - time[0]) if len(time) else 0.0
     if n < 10 or not span > 0 or not np.isfinite(time).all():

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from surae.base.formatting import NO_NUMBER, significant
+from surae.base.formatting import NO_NUMBER, short, significant
 from surae.inference import Adequacy, AssessedFit, Assessment, Grade, Verdict
 from surae.measures import Measure, Measures
 from surae.measures.change import Change, ChangeVerdict, Difference
@@ -125,7 +125,7 @@ def _slope(slope: MeasuredSlope, _: Words) -> tuple[str, str]:
 
 def _between(low: float, high: float, _: Words) -> str:
     """From one angle to another."""
-    ends = (_.number(significant(each, 2)) for each in (low, high))
+    ends = (_.number(short(round(each, 1))) for each in (low, high))
     return _("from {low}° to {high}°", **dict(zip(("low", "high"), ends, strict=True)))
 
 

@@ -120,10 +120,13 @@ def family_text(fit: AssessedFit) -> str:
     if fit.assessment.adequacy.grade is Grade.INADEQUATE:
         return "The fit is inadequate: what the data ask for means nothing."
     chosen = fit.result.found.candidates[0]
-    departures = _labels(fit.result, chosen)
+    departures = _labels(fit.result, chosen) or "the plain model"
+    better = "These data fit better with"
+    if chosen.weight < 0.5:
+        better = "Several models fit these data about as well, the likeliest with"
     return (
-        f"These data fit better with {departures or 'the plain model'} (probability "
-        f"{_chance(chosen.weight)}). The intervals include what others would give."
+        f"{better} {departures} (probability {_chance(chosen.weight)}). The intervals include what "
+        "others would give."
     )
 
 

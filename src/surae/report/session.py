@@ -157,11 +157,7 @@ def _in_words(of_fit: Measures, at: float, _: Words) -> block.Section:
     ]
     chosen.sort(key=lambda m: order.index(m.name.partition("@")[0]))
     rows = (
-        (
-            titled(m, _),
-            *_.estimate(m.value or 0.0, m.ci95),
-            _(JUDGEMENTS[m.verdict].plain),
-        )
+        (titled(m, _), *_.estimate(m.value or 0.0, m.ci95), _(JUDGEMENTS[m.verdict].plain))
         for m in chosen
     )
     heads = block.columns("", _("Value"), "95 %", _("Judgement"), numbers=(1, 2), wide=(0,))

@@ -4,7 +4,7 @@ import textwrap
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from surae.base.formatting import estimate, of_interval, percentage, significant
+from surae.base.formatting import estimate, in_a_line, percentage, short, significant
 from surae.base.tables import TextTable
 from surae.inference import AssessedFit, Assessment
 from surae.inference.assessment import outdated
@@ -62,9 +62,9 @@ def _leading(fit: AssessedFit) -> Iterator[str]:
     wanted = tuple(each for each in points() if each.definition.name in LEADING)
     for _, m in judged_measures(fit, wanted):
         if m.value is not None and m.from_deg is not None and m.to_deg is not None:
-            text, ends = of_interval(m.value, m.ci95), dict.fromkeys((m.from_deg, m.to_deg))
-            span = " to ".join(f"{end:.0f}°".replace("-", "−") for end in ends)
-            yield f"{m.name} {text.value} {m.unit} ({text.interval}), {span}: {m.verdict}"
+            ends = dict.fromkeys((m.from_deg, m.to_deg))
+            span = " to ".join(f"{short(round(end, 1))}°" for end in ends)
+            yield f"{in_a_line(m.name, m.value, m.ci95, m.unit)}, {span}: {m.verdict}"
 
 
 def _folded(groups: tuple[str, ...], width: int) -> Iterator[str]:

@@ -6,26 +6,27 @@ import numpy as np
 
 from surae.base.formatting import NO_NUMBER, percentage, signed
 from surae.base.normal import NORMAL
+from surae.base.words import N_
 from surae.inference import Assessment, ParameterEstimate, Verdict
 from surae.quality import SEVERITIES, Finding, Quality
 from surae.report import block
 from surae.trials import Crossed, Trial
 
 _USES = {
-    "fit": "fitted",
-    "hold": "torque at a held angle",
-    "reference": "reference for EMG",
-    "device": "taken from the torque of the others",
-    "crosstalk": "what electrodes hear of other muscles",
-    "nerve": "tissue and reflex",
-    "none": "not used",
+    "fit": N_("fitted"),
+    "hold": N_("torque at a held angle"),
+    "reference": N_("reference for EMG"),
+    "device": N_("taken from the torque of the others"),
+    "crosstalk": N_("what electrodes hear of other muscles"),
+    "nerve": N_("tissue and reflex"),
+    "none": N_("not used"),
 }
 
 
 def trial_words(trial: Trial) -> tuple[str, str]:
     """What a trial is, a dash where that is not known, and what it is used for."""
-    what = f"{trial.effort}, {'moves' if trial.moves else 'holds still'}"
-    return what if trial.why else NO_NUMBER, _USES[trial.use]
+    moves = N_("moves") if trial.moves else N_("holds still")
+    return f"{trial.effort}, {moves}" if trial.why else NO_NUMBER, _USES[trial.use]
 
 
 def trials_section(

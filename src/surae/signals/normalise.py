@@ -42,8 +42,7 @@ def normalise(
     Raises
     ------
     InputError
-        EMG is normalised already or silent, a muscle has no reference, or `mvc` does not go with
-        `reference`.
+        EMG is normalised already or silent, or has no reference, or `mvc` does not go with it.
     """
     if reference == "mvc" and not mvc:
         raise InputError("normalising by MVC needs recordings of maximum contractions; give mvc")

@@ -6,6 +6,7 @@ from types import NoneType
 from typing import Any
 
 from surae.base.errors import InputError
+from surae.base.formatting import named
 from surae.base.setting import Request, documented, parts_of, setting
 from surae.base.words import N_
 
@@ -79,12 +80,9 @@ class Preparation(Request):
         InputError
             A setting is not known or its value is not allowed.
         """
-        known = [setting.name for setting in fields(self)]
+        known = {setting.name: setting for setting in fields(self)}
         for name in mapping:
-            if name not in known:
-                raise InputError(
-                    f"prepare: setting {name!r} is not known; use one of: {', '.join(known)}"
-                )
+            named("prepare: setting", known, name)
         optional = {each.name for each in fields(self) if NoneType in parts_of(each.type)}
         off = {name: None for name in optional if mapping.get(name) is False}
         try:

@@ -65,11 +65,7 @@ def as_dict(fit: AssessedFit) -> dict[str, Any]:
         "message": result.message,
         **judged,
         "findings": to_plain(fit.quality),
-        "starts": {
-            "n": len(how.starts),
-            "agreeing": how.agreeing,
-            "all": to_plain(how.starts),
-        },
+        "starts": {"n": len(how.starts), "agreeing": how.agreeing, "all": to_plain(how.starts)},
         "search": {
             "outcome": how.outcome,
             "evaluations": how.evaluations,

@@ -109,13 +109,7 @@ class SessionPlan(Tabular, Comparable):
 def best_session(
     trials: Mapping[str, Trajectory], legs: Legs, noise: float, minutes: float
 ) -> SessionPlan:
-    """The best session of these kinds of trials, by name, within `minutes`.
-
-    Raises
-    ------
-    InputError
-        Not even one trial fits into the time.
-    """
+    """The best session of these kinds of trials, by name, within `minutes`."""
     with one_blas_thread():
         told = [shared(information(each, legs, noise), legs) for each in trials.values()]
         kinds = [

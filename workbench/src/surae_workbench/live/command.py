@@ -25,7 +25,7 @@ from surae_workbench.options import server_options
 @click.option("--device", default="achilles", show_default=True, metavar="NAME|FILE.toml",
               help="What moves the leg.")  # fmt: skip
 @click.option("--range", type=RANGE, metavar="LOW:HIGH",
-              help="Full plantarflexion and dorsiflexion of the subject, in rad.  "
+              help="Full plantarflexion and dorsiflexion of the subject, in rad or as 20deg.  "
               "[default: -0.9:0.6, as far as the device]")  # fmt: skip
 @click.option("--output", default="surae-live", show_default=True, metavar="DIR",
               help="Where the trials are kept.")  # fmt: skip

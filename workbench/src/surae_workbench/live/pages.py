@@ -20,7 +20,7 @@ from surae.api import GOOD_FOR, PROFILES, TASKS, Trajectory, ready_protocols
 from surae.base.errors import InputError
 from surae.base.files import PathLike, template
 from surae.base.names import TELLING
-from surae_workbench.live.room import MAXIMUM, Room, RoomOptions
+from surae_workbench.live.room import MAXIMUM, QUIET, Room, RoomOptions, sends_nothing
 from surae_workbench.live.showing import Showing
 from surae_workbench.live.target import KIND
 from surae_workbench.web.app import bare_app
@@ -120,7 +120,7 @@ class ServedRoom:
             "trials": [trials.trials[number].shown() for number in sorted(trials.trials)],
             "session": trials.session,
             "asked": room.asked,
-            "moves": f"{room.device.name}, {low:.0f}° to {high:.0f}°",
+            "moves": {"device": room.device.name, "low": f"{low:.0f}", "high": f"{high:.0f}"},
             **self.health(),
             "limits": room.limits,
             "profiles": _MOVEMENTS,
@@ -141,13 +141,15 @@ class ServedRoom:
         trials = self.room.trials
         self.showing.roles = self.room.roles
         message, given = trials.recorder.trouble_said
+        streams = [s for s in trials.recorder.health() if s["kind"] != KIND]
+        quiet = [sends_nothing(s["name"]) for s in streams if s["state"] in QUIET]
         return {
-            "streams": [s for s in trials.recorder.health() if s["kind"] != KIND],
+            "streams": streams,
             "trouble": trials.recorder.trouble,
             "trouble_said": {"message": message, "given": given},
             "roles": sorted(role for role, _, _ in self.showing.roles.values()),
             "ready": self.room.ready,
-            "alarms": [alarm.shown() for alarm in self.room.alarms.active],
+            "alarms": [alarm.shown() for alarm in (*quiet, *self.room.alarms.active)],
         }  # fmt: skip
 
     def _frame(self, frame: dict[str, Any]) -> None:

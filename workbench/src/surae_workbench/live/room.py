@@ -58,6 +58,8 @@ _AFTER = 0.5
 _WATCH = 1.0
 #: Endings of files that a program is still writing.
 _UNFINISHED = (".tmp", ".part", ".partial", ".crdownload")
+#: States of a stream that sends nothing.
+QUIET = ("silent", "lost")
 #: The simulated laboratory is waited for so long [s]: the first time, all is compiled.
 _PATIENCE = 180.0
 
@@ -288,9 +290,8 @@ class Room:
 
     def _heard(self, event: str, data: Mapping[str, Any]) -> None:
         self._tell(event, data)
-        if event in ("silent", "lost") and data["stream"] != TARGET:
-            what = N_("{stream} sends nothing: look at its program, cable and battery.")
-            self._alarm(Alarm("stream", None, what, {"stream": data["stream"]}))
+        if event in QUIET and data["stream"] != TARGET:
+            self._alarm(sends_nothing(data["stream"]))
 
     def _look(self) -> None:
         """Look at what arrives; a mistake of ours ends nothing."""
@@ -324,6 +325,12 @@ class Room:
         if self.trials.running == number:
             with suppress(InputError):  # somebody stopped it at this moment
                 self.stop()
+
+
+def sends_nothing(stream: str) -> Alarm:
+    """The alarm of a stream that is silent or lost."""
+    what = N_("{stream} sends nothing: look at its program, cable and battery.")
+    return Alarm("stream", None, what, {"stream": stream})
 
 
 def _files(folder: Path) -> dict[Path, int]:

@@ -2,7 +2,7 @@
 
 import { get, post } from "../js/core/api.js";
 import { button, byId, h, num, replace, table } from "../js/core/dom.js";
-import { number, r2, unitText, verdictText } from "../js/core/format.js";
+import { minus, number, r2, unitText, verdictText } from "../js/core/format.js";
 import { _, chooseLanguage, decimal, language, many, said } from "../js/core/words.js";
 import { at, listen, surface } from "./stream.js";
 
@@ -14,6 +14,7 @@ const ROWS = [
   ["torque", _("Torque [Nm]"), 1, "series-2"],
   ...MUSCLES.map(([role, name], i) => [role, `${name} [mV]`, 1000, `series-${(i % 4) + 3}`]),
 ];
+const named = (channel) => ROWS.find(([role]) => role === channel)?.[1].replace(/ \[.*/, "") ?? channel;
 const WORDS = { keep: _("Keep"), look: _("Look at it"), repeat: _("Repeat") };
 const SIGNS = { keep: "✓", look: "!", repeat: "↻" };
 
@@ -55,7 +56,7 @@ function draw() {
       high = Math.max(Math.abs(low), Math.abs(high), 5e-5);
       low = -high;
     }
-    if (!(high > low)) [low, high] = [low - 1, low + 1];
+    if (!(high > low)) [low, high] = role === "angle" ? [low - 0.1, low + 0.1] : [low - 1, low + 1];
     if (!Number.isFinite(low)) [low, high] = [-1, 1];
     const y = (v) => bottom - ((v - low) / (high - low)) * (bottom - top);
     c.fillStyle = colour("muted");
@@ -63,8 +64,10 @@ function draw() {
     c.textAlign = "right";
     const least = 1e-3 * (high - low);
     const tick = (v) => (Math.abs(v) < least ? "0" : decimal(String(Number((v * factor).toPrecision(2))).replace("-", "−")));
-    c.fillText(tick(high), left - 6, top + 9);
-    c.fillText(tick(low), left - 6, bottom);
+    if (seen.length || target) {
+      c.fillText(tick(high), left - 6, top + 9);
+      c.fillText(tick(low), left - 6, bottom);
+    }
     c.textAlign = "left";
     c.strokeStyle = colour("grid");
     c.lineWidth = 1;
@@ -162,7 +165,7 @@ function showStreams() {
     state.streams.map((stream) => {
         const [kind, word] = report[stream.state === "good" && stream.remark ? "changed" : stream.state];
       const rate = stream.measured_hz === null ? "" : _("{now} of {whole} Hz", { now: stream.measured_hz.toFixed(0), whole: stream.rate_hz.toFixed(0) });
-      const clock = stream.offset_ms === null ? "" : `, ${_("clock {ms} ms", { ms: number(Math.round(10 * stream.offset_ms) / 10, 2) })}`;
+      const clock = stream.offset_ms === null ? "" : ", " + _("clock {ms} ms", { ms: number(Math.round(10 * stream.offset_ms) / 10, 2) });
       const wrong = [
         stream.gaps ? many("{n} gap", "{n} gaps", stream.gaps) : "",
         stream.losses ? many("lost {n} time", "lost {n} times", stream.losses) : "",
@@ -172,7 +175,7 @@ function showStreams() {
         stream.remark && _("came back as another stream"),
       ].filter(Boolean).join(", ");
       return h("li", {}, h("strong", {}, stream.name), h("span", { class: `pill ${kind}` }, word),
-        h("span", { class: "muted small" }, `${stream.channels.join(", ")}: ${rate}${clock}${wrong ? `; ${wrong}` : ""}`));
+        h("span", { class: "muted small" }, `${stream.channels.map(named).join(", ")}: ${rate}${clock}${wrong ? `; ${wrong}` : ""}`));
     }),
     missing.map((text) => h("li", { class: "muted" }, text)),
   );
@@ -214,13 +217,13 @@ function pill(trial) {
 
 function showTrials() {
   const items = [...state.trials].reverse().map((trial) => {
-    const numbers = trial.grade ? `${_(trial.grade)}, VAF ${r2(trial.vaf)}` : _(trial.why);
+    const numbers = trial.grade ? `${_(trial.grade)}, VAF ${r2(trial.vaf)}` : !trial.told?.[language] && _(trial.why);
     const about = [_(trial.protocol), numbers, trial.note].filter(Boolean).join(" · ");
     return h("li", {}, h("strong", {}, _("Trial {n}", { n: trial.trial })), pill(trial), h("span", { class: "muted small" }, about),
       own(trial).advice ? h("span", { class: "muted small" }, own(trial).advice) : null,
       own(trial).leg.map((sentence) => h("span", { class: "small" }, sentence)),
       trial.alarms.map((alarm) => h("span", { class: "muted small" },
-        alarm.at === null ? said(alarm) : `${_("At {s} s:", { s: alarm.at.toFixed(0) })} ${said(alarm)}`)));
+        alarm.at === null ? said(alarm) : _("At {s} s:", { s: alarm.at.toFixed(0) }) + " " + said(alarm))));
   });
   replace(byId("trials"), items.length ? items : h("li", { class: "muted" }, _("None yet.")));
   byId("repeat").disabled = !state.trials.length || state.running !== null;
@@ -255,7 +258,7 @@ function showSession() {
     h("p", {}, `${together(session.trials)}: ${_(session.grade)}, VAF ${r2(session.vaf)}. ${own(session).reasons.join("; ")}`),
     (own(session).leg ?? []).map((sentence) => h("p", {}, sentence)),
     h("div", { class: "next" }, own(session).next.map((sentence) => h("p", {}, sentence)),
-      session.proposed && button([`${_("Load {movement}", { movement: session.proposed })} `, h("kbd", {}, "N")], next, { id: "next", "aria-keyshortcuts": "N" })),
+      session.proposed && button([_("Load {movement}", { movement: session.proposed }), " ", h("kbd", {}, "N")], next, { id: "next", "aria-keyshortcuts": "N" })),
     h("details", {}, h("summary", {}, _("All measures and parameters")),
       h("div", { lang: "en" }, session.next.map((sentence) => h("p", { class: "small" }, sentence))),
       estimates(_("Measures"), session.measures, session.before),
@@ -278,7 +281,7 @@ function showAsked() {
   byId("asked").textContent = state.asked.protocol
     ? `${_(state.asked.protocol)}, ${state.asked.seconds.toFixed(0)} s`
     : _("Nothing is loaded: a trial records what comes, until it is stopped.");
-  replace(byId("moves"), h("p", {}, state.moves.replaceAll("-", "−")), state.limits.map((limit) => {
+  replace(byId("moves"), h("p", {}, _("{device}, from {low}° to {high}°", { ...state.moves, low: minus(state.moves.low), high: minus(state.moves.high) })), state.limits.map((limit) => {
     const text = said(limit);
     return h("p", { class: limit.exceeded ? "alert" : null }, text[0].toUpperCase() + text.slice(1));
   }));

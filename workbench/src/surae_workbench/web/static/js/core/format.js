@@ -19,7 +19,7 @@ export function number(value, digits = 4) {
   return minus(rounded.toFixed(Math.min(decimals, 9)));
 }
 
-const minus = (text) => decimal(text.replace("-", "−"));
+export const minus = (text) => decimal(text.replace("-", "−"));
 
 /** A number with its unit; "-" means that it has none. */
 export function quantity(value, unit, digits = 4) {

@@ -50,7 +50,7 @@ const request = () => ({ recordings: [...chosen], efforts: Object.fromEntries(Ob
 
 const sorted = (trials) =>
   table(_("What each trial is"), [_("Trial"), _("What it is"), _("Effort"), _("Used for")], trials.map((one) => [
-    one.name, h("td", { class: "what" }, one.problem || _(one.what), h("div", { class: "muted small", lang: "en" }, one.problem ? "" : one.why)), effort(one), _(one.use),
+    one.name, h("td", { class: "what" }, one.problem || one.what.split(", ").map((word) => _(word)).join(", "), h("div", { class: "muted small", lang: "en" }, one.problem ? "" : one.why)), effort(one), _(one.use),
   ]), { caption: _("What each trial is, and what it is used for") });
 
 function effort(one) {

@@ -34,6 +34,7 @@ async function compare() {
   const card = document.querySelector(".report [aria-labelledby=change]");
   if (!card) return;
   place ??= { card, before: [...card.querySelectorAll(":scope > :not(h2)")] };
+  if (byId("before").value) card.replaceChildren(card.querySelector("h2"), h("progress", { "aria-label": byId("before").selectedOptions[0].textContent }));
   const { html: text } = byId("before").value ? await get(`/api/sessions/${id}/change${query({ language })}`) : {};
   const said = h("div", { role: "status" }, text ? html(text) : place.before);
   card.replaceChildren(card.querySelector("h2"), said);

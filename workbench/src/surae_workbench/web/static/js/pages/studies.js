@@ -18,7 +18,7 @@ const running = (study) => study.state === "running" || study.state === "queued"
 const table = sortable(_("Studies"), [
   { title: _("Study"), value: (s) => s.name, show: (s) => h("details", {}, h("summary", {}, s.name), h("pre", { class: "scroll", tabindex: "0", role: "region", "aria-label": _("Settings of {name}", s) }, h("code", {}, s.toml))) },
   { title: _("State"), value: (s) => s.state, show: (s) => mark(s.state) },
-  { title: _("Done"), value: (s) => s.done / (s.fits || 1), show: (s) => [h("progress", { max: s.fits || 1, value: s.done, "aria-label": _("Progress of {name}", s) }), ` ${_("{done} of {whole} fits", { done: s.done, whole: s.fits ?? s.rows })}`, Object.entries(s.reasons).map(([why, n]) => h("div", { class: "small" }, `${n} × ${why}`))] },
+  { title: _("Done"), value: (s) => s.done / (s.fits || 1), show: (s) => [h("progress", { max: s.fits || 1, value: s.done, "aria-label": _("Progress of {name}", s) }), " ", _("{done} of {whole} fits", { done: s.done, whole: s.fits ?? s.rows }), Object.entries(s.reasons).map(([why, n]) => h("div", { class: "small" }, `${n} × ${why}`))] },
   { title: _("Made"), look: "minor", value: (s) => s.created, show: (s) => when(s.created) },
   { title: "", show: actions },
 ]);

@@ -31,7 +31,8 @@ export function lines(panel, options = {}) {
     { class: "legend" },
     panel.series.length > 1 || panel.legend ? panel.series.map((one) => h("li", {}, key(one), one.label)) : [],
   );
-  const canvas = h("div", { class: "plot-canvas", role: "img", "aria-label": _("Plot: {what} over {x}", { what: title(panel), x: panel.x?.label ?? _("time") }) });
+  const over = panel.x?.label ?? _("time");
+  const canvas = h("div", { class: "plot-canvas", role: "img", "aria-label": _("Plot: {what} over {x}", { what: title(panel), x: over }) });
   const element = h("div", { class: "plot-panel" }, h("div", { class: "plot-head" }, heading, legend, readout), canvas);
 
   let plot = null;

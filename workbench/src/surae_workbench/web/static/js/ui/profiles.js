@@ -60,11 +60,13 @@ function card(name, profile, parameter) {
   panel.show([order.map((i) => profile.values[i]), order.map((i) => profile.delta[i]), order.map(() => profile.threshold ?? RISE)], null);
   onTheme(panel.redraw);
   const side = (value, none) => (value === null || value === undefined ? none : quantity(value, unit));
+  const low = side(profile.lower, _("no lower limit"));
+  const high = side(profile.upper, _("no upper limit"));
   return h(
     "article",
     { class: "card" },
     h("h3", {}, `${name} = ${quantity(parameter?.value, unit)}`),
-    h("p", {}, _("95 % interval of the profile: {low} … {high}", { low: side(profile.lower, _("no lower limit")), high: side(profile.upper, _("no upper limit")) })),
+    h("p", {}, _("95 % interval of the profile: {low} … {high}", { low, high })),
     profile.note && h("p", { class: "muted small" }, profile.note),
     panel.element,
     h("p", { class: "muted small" }, many("Over {name}, {n} fit", "Over {name}, {n} fits", profile.values.length, { name: unitText(unit) ? `${name} [${unitText(unit)}]` : name })),
