@@ -20,6 +20,8 @@ EACH_TRIAL = tuple(group for group, n in _NUISANCES.items() if n.anew == "trial"
 OUTSIDE = tuple(group for group, n in _NUISANCES.items() if not n.of_leg)
 #: Groups that are in a model only where the data ask for them.
 DEPARTURES = tuple(group for group, n in _NUISANCES.items() if n.departs)
+#: Those of them that are looked for one by one before they are weighed with the others.
+RARE = tuple(group for group, n in _NUISANCES.items() if n.rare)
 
 
 def richest(model: str) -> str:
