@@ -120,9 +120,7 @@ def test_sensitivities(name, geometry, values, raw, inputs) -> None:
     if not any(values[n] for n in ("emg_shape", "plate_give")):
         own = dict.fromkeys(own, 0.0) | ({"bridge_reach": 0.01} if own else {})
     simulator, p, spec = tied(name, inputs, options, **values, **own)
-    assert spec.optional == tuple(
-        p.name for p in OPTIONAL_PARAMETERS if own or p.name not in ALONE
-    )
+    assert spec.optional == tuple(p.name for p in OPTIONAL_PARAMETERS if own or p.name not in ALONE)
     columns = [
         j
         for j, parameter in enumerate(spec.names)

@@ -208,7 +208,10 @@ def compliant_states(
                     x_b[last + j] += length_slopes[j, 2 + stage, i]
             held = keep * z_before
             solved, e, here = solve(
-                guess, own, curve, (rigid, x_before, per_h, 1.0 - take, held, alpha, slack),
+                guess,
+                own,
+                curve,
+                (rigid, x_before, per_h, 1.0 - take, held, alpha, slack),
                 (holding if i > 0 else 0.0, reach, x_last, strain),
             )
             if not solved:

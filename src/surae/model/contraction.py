@@ -82,9 +82,7 @@ def force_velocity(
 
 
 @jit
-def bridge_strain(
-    moved: float, before: float, reach: float
-) -> tuple[float, float, float, float]:
+def bridge_strain(moved: float, before: float, reach: float) -> tuple[float, float, float, float]:
     """How far bridges are strained that hold a muscle and yield, short-range stiffness.
 
     ds/dx = 1 − sgn(dx)·s/ρ (P. R. Dahl, 1968, TOR-158(3107-18)), exact where x goes one way:

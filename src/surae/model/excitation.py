@@ -59,10 +59,10 @@ from surae.signals import ModelInputs, smooth_effort
 GROUPS = (slice(1, 4), slice(0, 1))
 _DELAY = OPTIONAL["reflex"][2]
 _OFF = next(p.start for p in OPTIONAL_PARAMETERS if p.name == _DELAY)
-#: Tissue's stiffness and slack length of each group.
+#: Of each group: tissue's stiffness and slack length; a reflex's gains, to velocity, length, force.
 _TISSUE = tuple((f"k_{group}", f"x0_{group}") for group in ("tri", "tib"))
-#: Gains of each group's reflex: to velocity, to length and to force.
-_GAINS = tuple(zip(OPTIONAL["reflex"], OPTIONAL["reflex_length"], OPTIONAL["reflex_force"]))
+_LAWS = ("reflex", "reflex_length", "reflex_force")
+_GAINS = tuple(tuple(f"{law}_{group}" for law in _LAWS) for group in ("tri", "tib"))
 _RESTS = OPTIONAL["emg_rest"]
 
 
@@ -233,7 +233,7 @@ class Excitation:
             signal += gain * answered
             moving = zip(leg.columns, muscle.speed_slopes, muscle.length_slopes, strict=True)
             slopes += [(c, gain * (by_speed * v + by_length * x)) for c, v, x in moving]
-            slopes += [(c, gain * by) for c, by in zip(tissue, own) if c in wanted]
+            slopes += [(c, gain * by) for c, by in zip(tissue, own, strict=False) if c in wanted]
             slopes += [(at[name], answered)] if at[name] in wanted else []
         delay = at.get(_DELAY, -1)
         late = _OFF if delay < 0 else float(values[delay])

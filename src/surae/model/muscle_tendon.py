@@ -31,8 +31,15 @@ COLUMNS = tuple(
 )
 #: What shapes the curves of each group and makes its bridges hold, in the same order.
 _CURVES = tuple(
-    (f"fl_short_{group}", f"fl_long_{group}", "fv_speed", "fv_curve", "fv_stretch",
-     "bridge_stiffness", "bridge_reach")
+    (
+        f"fl_short_{group}",
+        f"fl_long_{group}",
+        "fv_speed",
+        "fv_curve",
+        "fv_stretch",
+        "bridge_stiffness",
+        "bridge_reach",
+    )
     for group in ("tri", "tib")
 )
 

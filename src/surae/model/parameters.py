@@ -215,13 +215,13 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
            advice="faster and shorter stretches at rest, held for half a second after each"),
     ),
     "reflex_length": tuple(
-        _P(f"reflex_length_{group}", "N/m", f"reflex to length beyond slack, {muscle}", "active",
-           0.0, 0.0, 1e6, False, straight=True, wide=Prior(1e4, 1.5, _REFLEX), advice=_HOLD)
+        _M(f"reflex_length_{group}", "N/m", f"reflex to length beyond slack, {muscle}", 0.0, 1e6,
+           _HOLD)
         for group, muscle in _GROUPS.items()
     ),
     "reflex_force": tuple(
-        _P(f"reflex_force_{group}", "-", f"reflex to the tissue's force, {muscle}", "active",
-           0.0, 0.0, 10.0, False, straight=True, wide=Prior(0.3, 1.5, _REFLEX), advice=_HOLD)
+        _M(f"reflex_force_{group}", "-", f"reflex to the tissue's force, {muscle}", 0.0, 10.0,
+           _HOLD)
         for group, muscle in _GROUPS.items()
     ),
     "crosstalk": tuple(
