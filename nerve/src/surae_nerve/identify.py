@@ -314,8 +314,8 @@ def _spread(
     ]
     others.append((replace(own, late=False), "torque that is not late"))
     others += [
-        (replace(own, order=order), f"a torque channel {words}")
-        for order, words in enumerate(("without a filter", "of the first order", "of the second"))
+        (replace(own, order=order), f"a torque channel {filtered}")
+        for order, filtered in enumerate(("without a filter", "with one pole", "with two poles"))
         if order != own.order
     ]
     if own.direction:
