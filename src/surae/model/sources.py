@@ -270,18 +270,18 @@ _SOURCES = (
             own=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}))),
     UncertaintySource(
         "reflex_length", "reflex to length", "force that answers a held stretch",
-        N_("Record a slow and a quick stretch at rest."), Fill("series-1", "\\"), Nuisance(
+        N_("record a slow and a quick stretch at rest"), Fill("series-1", "\\"), Nuisance(
             "reflex_length", OPTIONAL["reflex_length"], Gaussian(0.0, 1e4), "N/m",
             "some Nm at a stretch of a centimetre; assumed", of_leg=True, departs=True, rare=True)),
     UncertaintySource(
         "reflex_force", "reflex to force", "force that answers the force of stretched tissue",
-        N_("Record a slow and a quick stretch at rest."), Fill("series-1", "+"), Nuisance(
+        N_("record a slow and a quick stretch at rest"), Fill("series-1", "+"), Nuisance(
             "reflex_force", OPTIONAL["reflex_force"], Gaussian(0.0, 0.3), "",
             "of spastic muscles (Falisse et al. 2018); size assumed", of_leg=True, departs=True,
             rare=True)),
     UncertaintySource(
         "bridges", "short-range stiffness", "force of bridges that hold until they yield",
-        N_("Turn the movement about under steady effort, fast and slowly."), Fill("series-3", "\\"),
+        N_("turn the movement about under steady effort, fast and slowly"), Fill("series-3", "\\"),
         Nuisance(
             "bridges", OPTIONAL["bridges"], Gaussian(23.0, 12.0, off=0.0), "",
             "23 forces per length (Cui et al. 2008), over half to one and a half percent (Rack and "
