@@ -103,6 +103,9 @@ _LIKELY = 0.1
 #: What a rare departure has to gain in −2 ln Z from one point, very strong evidence (Kass and
 #: Raftery, JASA 90 (1995) 773), and the standard deviations by which it has to be there.
 _ASKED, _MOVED = 10.0, 3.0
+#: Departures beside it, but for these two, from which a rare one is left out: of virtual legs that
+#: depart in all ways at once half of what was then called known was false.
+_SEVERAL, _PLAIN = 2, ("reflex", "spring")
 #: How far EMG at rest may be from what is expected, in standard deviations.
 _REST = 6.0
 #: Bounds that are wider than those of a named model's search.
@@ -419,11 +422,13 @@ class _Search:
             point = full.descend(point.z, evaluations=25, tolerance=0.3)
         full, point = self._learnt(full, point, _ROUNDS)
         if rare := self._rare(full, point, possible):
-            possible += rare
-            more = self._posterior(possible, _RATES[1], full.noise, full.sizes, full)
+            more = self._posterior((*possible, *rare), _RATES[1], full.noise, full.sizes, full)
             more, z = more.having(fast=full.fast), more.like(full, point.z)
-            point = more.descend(z, point.c, point.w, evaluations=25, tolerance=0.3)
-            full, point = self._learnt(more, point, _ROUNDS)
+            there = more.descend(z, point.c, point.w, evaluations=25, tolerance=0.3)
+            more, there = self._learnt(more, there, _ROUNDS)
+            beside = {*self._scored(more, there, (*possible, *rare))[0].groups} - {*rare, *_PLAIN}
+            if len(beside) < _SEVERAL:
+                full, point, possible = more, there, (*possible, *rare)
         # which departures there are would hide behind it; what muscles do that no electrode hears
         # is loud under effort as well, and no error of another's EMG
         louder = not self._original.has_unheard and effort_ratio(full, point) > _LOUDER
