@@ -46,16 +46,7 @@ from surae.inference.problem import MASSES, FitProblem
 from surae.inference.result import TENDONS, FitResult, PosteriorMode, Stage, Start
 from surae.inference.summed import summed
 from surae.model import get_model, with_optional
-from surae.model.laboratory import (
-    COMPLIANT,
-    DEPARTURES,
-    LAWS,
-    NONE,
-    RARE,
-    RIGID,
-    group_of,
-    laboratory,
-)
+from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
 from surae.model.sources import Gaussian
 from surae.signals import ModelInputs, emg_levels, quiet_levels, steady_emg
 from surae.signals.prepare import sharpened
@@ -68,8 +59,8 @@ _RATES, _SAMPLES = (32.0, 64.0), 400
 _ROUNDED = (30.0, 3.0)
 #: Relaxation times [s] and factor from which a search begins.
 _RELAXATIONS, _RELAXED = (0.4, 4.0), 0.3
-#: Noise of the continuation, as parts of the torque's changes.
-_TEMPERS = (0.1, 0.03)
+#: Noise that a search begins with, as a part of the torque's changes.
+_TEMPER = 0.1
 #: Standard deviations of the latents before anything is learnt, those above which parameters have
 #: to explain the torque, and those of none.
 _BEGIN = {"gain": 0.03, "drift": 0.1, "misfit": 0.01}
@@ -81,6 +72,8 @@ _ROUNDS, _AT_REST = 5, 0.1
 #: Standard deviations, noise taken for much greater than it is, within which two starts are in one
 #: valley.
 _ALIKE = 1.0
+#: By how much more −2 ln p, noise taken for so much, a start is left behind; damping far away.
+_BEHIND, _AFAR = 10.0, 0.1
 #: What is to be gained in −2 ln p where a search ends: the square of 0.03 standard deviations.
 _ENDS = 1e-3
 #: Rounds of a search's end at most, and the part of a standard deviation, of the noise and of the
@@ -100,12 +93,6 @@ _ODDS = 0.3
 #: Probability from which the joint's spring, of which the ankle's stiffness is made, is in, and a
 #: plate beside it, whose weight goes with the angle as the spring does.
 _LIKELY = 0.1
-#: What a rare departure has to gain in −2 ln Z from one point, very strong evidence (Kass and
-#: Raftery, JASA 90 (1995) 773), and the standard deviations by which it has to be there.
-_ASKED, _MOVED = 10.0, 3.0
-#: Departures beside it, but for these two, from which a rare one is left out: of virtual legs that
-#: depart in all ways at once half of what was then called known was false.
-_SEVERAL, _PLAIN = 2, ("reflex", "spring")
 #: How far EMG at rest may be from what is expected, in standard deviations.
 _REST = 6.0
 #: Bounds that are wider than those of a named model's search.
@@ -262,7 +249,9 @@ class _Search:
 
     def _stage(self, name: str, number: int, cost: float) -> None:
         before = sum(stage.evaluations for stage in self._stages)
-        self._stages.append(Stage(name, self._evaluations - before, float(cost)))
+        capped = sum(observed.calls[1] for observed in self._observed)
+        capped -= sum(stage.capped for stage in self._stages)
+        self._stages.append(Stage(name, self._evaluations - before, float(cost), capped))
         if self._progress is not None:
             self._progress(number, 2, min(cost for cost, _ in self._met))
 
@@ -342,43 +331,37 @@ class _Search:
 
     def _first(self) -> tuple[dict[str, float], tuple[NoiseModel, ...]]:
         """Values without departures from thinned data, and the noise they leave."""
-        white = _white(self._original, _TEMPERS[0])
+        white = _white(self._original, _TEMPER)
         post = self._posterior((), _RATES[0], white, _NEARLY_NONE, rest=_ROUNDED[0])
-        found: list[tuple[float, LogPosterior, Point]] = []
-        first: Point | None = None
+        runs: list[tuple[FloatArray, Point, int]] = []
         for relaxation in _RELAXATIONS:
             given = {"tau_rel": relaxation, "k_rel": _RELAXED, **self._original.settings.start}
-            near = {} if first is None else post.by_name(first.z)
+            near = post.by_name(runs[0][1].z) if runs else {}
             begin, before = post.start(near | given), self._evaluations
-            point = post.descend(begin, evaluations=10, tolerance=0.3)
-            if first is None or not self._is_alike(post, point, first):
-                found.append(self._quieter(post, point))
-            first = first or point
-            cost, own, point = found[-1]
-            self._met.append((cost, _started(own, begin, point, self._evaluations - before)))
-        _, own, point = min(found, key=lambda each: each[0])
-        return own.by_name(point.z), own.noise
-
-    @staticmethod
-    def _is_alike(post: LogPosterior, one: Point, other: Point) -> bool:
-        """Whether two points are in one valley."""
-        sd = np.sqrt(np.diag(post.covariance(one)))
-        return bool(np.all(np.abs(one.z - other.z) < _ALIKE * sd))
+            end = post.descend(begin, evaluations=15, tolerance=3.0, damping=_AFAR)
+            runs.append((begin, end, self._evaluations - before))
+        best = min((end for _, end, _ in runs), key=lambda end: end.cost)
+        reach, before = _ALIKE * np.sqrt(np.diag(post.covariance(best))), self._evaluations
+        lowest = own = self._quieter(post, best)
+        for begin, end, spent in runs:
+            own, behind = lowest, end.cost - best.cost
+            if np.any(np.abs(end.z - best.z) > reach):  # of another valley
+                # at less noise what is far behind is farther behind
+                doubtful = behind < _BEHIND
+                own = self._quieter(post, end) if doubtful else (lowest[0] + behind, post, end)
+            total, before = spent + self._evaluations - before, self._evaluations
+            self._met.append((own[0], _started(own[1], begin, own[2], total)))
+            lowest = min(lowest, own, key=lambda each: each[0])
+        return lowest[1].by_name(lowest[2].z), lowest[1].noise
 
     def _quieter(self, post: LogPosterior, point: Point) -> tuple[float, LogPosterior, Point]:
         """The noise lowered to what the residual says, in turn with the mode; −2 ln p."""
-        post = post.having(noise=_white(self._original, _TEMPERS[1]))
-        point = post.descend(point.z, point.c, evaluations=10, tolerance=0.3)
         post = post.having(sizes=_BEGIN)
-        point = post.again(point)
-        for _ in range(2):
-            post = post.having(noise=learnt_noise(post, point, white=True))
-            point = post.descend(point.z, point.c, evaluations=12, tolerance=0.3)
-        cost = point.cost + sum(
-            recording.n * np.log(noise.variance)
-            for recording, noise in zip(post.problem.inputs, post.noise, strict=True)
-        )
-        return float(cost), post, point
+        post = post.having(noise=learnt_noise(post, post.again(point), white=True))
+        point = post.descend(point.z, point.c, evaluations=20, tolerance=1.0)
+        each = zip(post.problem.inputs, post.noise, strict=True)
+        widths = sum(recording.n * np.log(noise.variance) for recording, noise in each)
+        return float(point.cost + widths), post, point
 
     def _learnt(
         self, post: LogPosterior, point: Point, rounds: int, *, white: bool = False,
@@ -393,8 +376,9 @@ class _Search:
             noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
             post = post.having(noise=noise, sizes=sizes, latents=latents)
             moved = post.descend(
-                point.z, point.c, point.w, evaluations=evaluations, tolerance=tolerance
-            )
+                point.z, point.c, point.w, evaluations=evaluations, tolerance=tolerance,
+                damping=point.damping,
+            )  # fmt: skip
             sd = np.sqrt(np.diag(post.covariance(moved)))
             if np.all(np.abs(moved.z - point.z) < _AT_REST * sd):
                 return post, moved
@@ -408,33 +392,32 @@ class _Search:
         possible = tuple(
             group
             for group in DEPARTURES
-            if group not in (*self._known, *RARE)
-            and any(group_of(n) == group for n in self._beliefs)
+            if group not in self._known and any(group_of(n) == group for n in self._beliefs)
         )
         sizes = _NEARLY_NONE if self._still else _BEGIN
         post = self._posterior(possible, _RATES[0], noise, sizes, rest=_ROUNDED[0])
-        point = post.descend(post.start(values), evaluations=20, tolerance=0.3)
-        post, point = self._learnt(post, point, 2, white=True, evaluations=12)
+        point = post.descend(post.start(values), evaluations=20, tolerance=1.0)
+        post, point = self._learnt(post, point, 2, white=True, evaluations=12, tolerance=0.3)
         full = self._posterior(possible, _RATES[1], post.noise, post.sizes, rest=_ROUNDED[1])
         point = full.descend(full.like(post, point.z), point.c, evaluations=10, tolerance=0.3)
         if full.rectified and not self._still:  # what that noise does is no error of the model
             full = full.having(fast=0.0, sizes=_BEGIN)
             point = full.descend(point.z, evaluations=25, tolerance=0.3)
         full, point = self._learnt(full, point, _ROUNDS)
-        if rare := self._rare(full, point, possible):
-            more = self._posterior((*possible, *rare), _RATES[1], full.noise, full.sizes, full)
-            more, z = more.having(fast=full.fast), more.like(full, point.z)
-            there = more.descend(z, point.c, point.w, evaluations=25, tolerance=0.3)
-            more, there = self._learnt(more, there, _ROUNDS)
-            beside = {*self._scored(more, there, (*possible, *rare))[0].groups} - {*rare, *_PLAIN}
-            if len(beside) < _SEVERAL:
-                full, point, possible = more, there, (*possible, *rare)
         # which departures there are would hide behind it; what muscles do that no electrode hears
         # is loud under effort as well, and no error of another's EMG
         louder = not self._original.has_unheard and effort_ratio(full, point) > _LOUDER
         if louder and not self._still and self._followed((full, point)) > _FOLLOWED:
             full, point = self._with_drive_errors(full, point, _ERRORS)
-        scored = self._scored(full, point, possible)
+        positions: dict[str, list[int]] = {}
+        off: dict[int, float] = {}
+        for j, name in enumerate(full.names):
+            group = group_of(name)
+            if group in possible and name in self._beliefs:
+                positions.setdefault(group, []).append(j)
+                off[j] = self._beliefs[name].off
+        odds = dict.fromkeys(possible, _ODDS)
+        scored = subsets(full.laplace(point), positions, off, odds=odds)
         scored = with_likely(scored, "spring", "plate", _LIKELY)
         own = self._posterior(scored[0].groups, _RATES[1], full.noise, full.sizes, full)
         own = own.having(fast=full.fast)
@@ -448,49 +431,15 @@ class _Search:
         own, best = self._rested(own, best)
         return own, best, scored, full.names
 
-    def _scored(
-        self, post: LogPosterior, point: Point, groups: Sequence[str]
-    ) -> tuple[Subset, ...]:
-        """All sets of these groups, of one quadratic."""
-        positions: dict[str, list[int]] = {group: [] for group in groups}
-        off: dict[int, float] = {}
-        for j, name in enumerate(post.names):
-            if name in self._beliefs and (group := group_of(name)) in positions:
-                positions[group].append(j)
-                off[j] = self._beliefs[name].off
-        return subsets(post.laplace(point), positions, off, odds=dict.fromkeys(groups, _ODDS))
-
-    def _rare(self, full: LogPosterior, point: Point, groups: tuple[str, ...]) -> tuple[str, ...]:
-        """Rare departures that the data ask for, each alone beside these, from one point."""
-        there = tuple(g for g in RARE if any(group_of(n) == g for n in self._beliefs))
-        more = self._posterior((*groups, *there), _RATES[1], full.noise, full.sizes, full)
-        more, z = more.having(fast=full.fast), more.like(full, point.z)
-        of = [group_of(name) for name in more.names]
-        for j, name in enumerate(more.names):
-            z[j] = self._beliefs[name].off if of[j] in there else z[j]
-        sets = {s.groups: s for s in self._scored(more, more.again(replace(point, z=z)), there)}
-        gained = {}
-        for group in there:
-            own, at = sets[group,], [j for j, each in enumerate(of) if each == group]
-            if np.any(own.mode[at] - z[at] > _MOVED * np.sqrt(own.variance[at])):
-                gained[group] = sets[()].evidence - own.evidence
-        asked = sorted((g for g in gained if gained[g] > _ASKED), key=lambda g: -gained[g])
-        laws = [group for group in asked if group in LAWS]
-        return tuple(group for group in asked if group not in laws[1:])
-
     def _rested(self, own: LogPosterior, best: Point) -> _Stage:
         """The fixed point of noise, sizes and mode."""
         for _ in range(_LAST):
             before, at, sd = own, best, np.sqrt(np.diag(own.covariance(best)))
             own, best = self._learnt(own, best, 1, evaluations=20, tolerance=_ENDS)
-            self._moved = max(
-                float(np.max(np.abs(best.z - at.z) / sd)),
-                *(abs(np.log(own.sizes[s] / before.sizes[s])) for s in SOURCES),
-                *(
-                    0.5 * abs(np.log(new.variance / old.variance))
-                    for new, old in zip(own.noise, before.noise, strict=True)
-                ),
-            )
+            sizes = [own.sizes[s] / before.sizes[s] for s in SOURCES]
+            both = zip(own.noise, before.noise, strict=True)
+            sizes += [np.sqrt(new.variance / old.variance) for new, old in both]
+            self._moved = float(max(*(np.abs(best.z - at.z) / sd), *np.abs(np.log(sizes))))
             if best.rested and self._moved < _RESTS:
                 break
         else:

@@ -105,8 +105,9 @@ class Observed:
         for simulator in self._simulators:
             simulator.rest = rest
         self._gains = [_short(each.gain) for each in latents]
-        #: Recordings that were simulated with derivatives, those of what was observed before too.
-        self.calls = [0] if calls is None else calls
+        #: Recordings that were simulated with derivatives, and descents that ended at a cap, those
+        #: of what was observed before too.
+        self.calls = [0, 0] if calls is None else calls
         #: What the misfit's values add to each recording's torque, once its descent began.
         self._added: list[FloatArray | None] = []
         #: Where a descent began, of recordings whose fast gains are known noise.

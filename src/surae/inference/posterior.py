@@ -30,6 +30,8 @@ from surae.model.sources import Gaussian
 
 #: Ridge under which the whole step is judged, and the shortest part of a step that is tried.
 _RIDGE, _SHORTEST = 1e-12, 1e-3
+#: Damping of a descent's first step.
+DAMPING = 1e-3
 #: A descent also rests after so many steps that gained less than this part of its tolerance each:
 #: on a kink, where tissue goes slack, less is to be gained than the normal equations promise.
 _IDLE, _LITTLE = 2, 0.1
@@ -67,6 +69,7 @@ class Point:
     w: tuple[FloatArray, ...]  #: Fast gains of each recording; empty where they are left out.
     cost: float  #: −2 ln p there, but for a constant.
     blocks: tuple[Block, ...] = field(repr=False)  #: The normal equations there.
+    damping: float = DAMPING  #: Of the next step.
     rested: bool = False  #: Whether a descent ended here because nothing was to be gained.
 
     def latents_at(
@@ -223,10 +226,7 @@ class LogPosterior(Coordinates):
         self, z: FloatArray, c: Sequence[FloatArray], w: Sequence[FloatArray]
     ) -> tuple[Block, ...]:
         """Normal equations of all recordings."""
-        return tuple(
-            self.block(z, own, quick, number)
-            for number, (own, quick) in enumerate(zip(c, w, strict=True))
-        )
+        return tuple(self.block(z, *own, i) for i, own in enumerate(zip(c, w, strict=True)))
 
     def reduced(self, blocks: Sequence[Block]) -> tuple[FloatArray, FloatArray]:
         """Hessian and gradient of −½·2 ln p by z of the data, latents eliminated."""
@@ -244,6 +244,7 @@ class LogPosterior(Coordinates):
     def descend(
         self, z: FloatArray, c: Sequence[FloatArray] | None = None,
         w: Sequence[FloatArray] | None = None, *, evaluations: int, tolerance: float,
+        damping: float = DAMPING,
     ) -> Point:  # fmt: skip
         """The mode that a point leads to; it ends where less than `tolerance` is to be gained."""
         z = np.clip(z, self.lower, self.upper)
@@ -251,7 +252,7 @@ class LogPosterior(Coordinates):
         w = self.expected() if w is None or self.fast is None or not len(w[0]) else tuple(w)
         self.observed.anew()
         here = self._point(z, c, w)
-        damping, spent, idle = 1e-3, 0, 0
+        spent, idle = 0, 0
         secant, eye = Secant(len(z)), np.eye(len(z))
         while True:
             H, g = self._normal(here)
@@ -264,7 +265,8 @@ class LogPosterior(Coordinates):
             left = predicted_gain(A, b, whole) + latent_gain
             rested = bool(left < tolerance) or idle == _IDLE
             if rested or spent >= evaluations:
-                return replace(here, rested=rested)
+                self.observed.calls[1] += not rested
+                return replace(here, damping=damping, rested=rested)
             A = secant.added(A, scale)
             d = box_quadratic(A + damping * eye, b, *room)
             gain, slope = predicted_gain(A, b, d), 2.0 * (latent_gain - float(b @ d))

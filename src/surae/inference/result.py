@@ -42,6 +42,7 @@ class Stage:
     evaluations: int  #: Of the model and its derivatives, over all recordings.
     #: −2 ln p where it ended, but for a constant; of least squares the least sum [Nm²].
     cost: OrInfinite
+    capped: int = 0  #: Descents that ended at a cap; the next one went on from there.
 
 
 @filed(scale="scale_Nm", share="share_below_half")

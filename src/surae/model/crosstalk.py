@@ -14,9 +14,9 @@ import numpy as np
 from surae.base.units import FloatArray
 from surae.model.parameters import CROSSTALK
 
-#: Part of an electrode's power over which that of its own muscle reaches zero, where others are all
-#: that it hears: what rounds off the square root there is 7 % of what others show.
-_SILENT = 0.01
+#: Noise of the part of an electrode's power that is its own muscle's, over which the root of that
+#: part goes through zero: 2·√(S/T), S of rectified EMG at 1024 Hz and T of the smooth envelopes.
+_SILENT = 0.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,11 +59,12 @@ class OfPowers:
         inverse = np.asarray(np.linalg.inv(mixing**2), dtype=np.float64)
         power = smooth**2 + 1e-300
         powers = np.einsum("ij,jn->in", inverse, power)
-        part = powers / power
-        rounded = np.hypot(part, _SILENT)
-        kept = np.sqrt((part + rounded) / (1.0 + np.hypot(1.0, _SILENT)))
-        own = heard * kept
-        return cls(own, inverse, mixing, powers, kept, own / (2.0 * rounded * power))
+        part = np.clip(powers / power, -1.0, 2.0)  # negative by noise; s may be 0
+        size = part**2 + _SILENT**2
+        root = ((1.0 + _SILENT**2) / size) ** 0.25
+        kept = part * root
+        by_part = root * (1.0 - 0.5 * part**2 / size) * (np.abs(part - 0.5) < 1.5)
+        return cls(heard * kept, inverse, mixing, powers, kept, heard * by_part / power)
 
     def by_electrode(self, by_own: FloatArray, muscles: slice) -> FloatArray:
         """Derivatives by what each electrode hears, shape (4, n), of those by some muscles' u."""

@@ -18,7 +18,6 @@ from surae.model.geometry_table import GeometryTable
 from surae.model.options import ModelOptions
 from surae.model.parameter import Parameter, adapted
 from surae.model.parameters import (
-    COMPLIANT_ALONE,
     MUSCLE_PARAMETERS,
     OPTIONAL,
     OPTIONAL_PARAMETERS,
@@ -115,11 +114,11 @@ def with_optional(spec: ModelSpec, names: Iterable[str]) -> ModelSpec:
         `spec` itself where nothing is to be added.
     """
     mentioned = {*names, *spec.optional}
-    compliant = spec.parent is not None  # the rigid kernels have what the thesis prints
+    curves = spec.parent is not None  # the rigid kernels have (16) and (17) as they are printed
     wanted = {
         p
         for name, group in OPTIONAL.items()
-        if mentioned.intersection(group) and (compliant or name not in COMPLIANT_ALONE)
+        if mentioned.intersection(group) and (curves or name != "curves")
         for p in group
     }
     added = tuple(p for p in OPTIONAL_PARAMETERS if p.name in wanted)

@@ -125,7 +125,8 @@ def fit_settings(result: FitResult) -> list[tuple[str, str]]:
     facts.append(("Starts", text if count > 1 else one))
     for stage in found.stages:
         name = _STAGES.get(stage.name, stage.name)
-        facts.append((f"Search {name}", f"{stage.evaluations} evaluations"))
+        capped = f"; {stage.capped} of its descents ended at a cap" if stage.capped else ""
+        facts.append((f"Search {name}", f"{stage.evaluations} evaluations{capped}"))
     for request in (problem.settings, problem.options):
         for each, record in settings_of(type(request)):
             value = getattr(request, each.name)
