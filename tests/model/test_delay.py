@@ -10,7 +10,7 @@ from surae.base.errors import InputError
 from surae.model import MODELS, ModelOptions, check_value, get_model, with_optional
 from surae.model.activation import ActivationFilter, Drive
 from surae.model.compliant import GAMMA
-from surae.model.parameters import OPTIONAL, OPTIONAL_PARAMETERS
+from surae.model.parameters import COMPLIANT_ALONE, OPTIONAL, OPTIONAL_PARAMETERS
 
 OPTIONS = ModelOptions()
 DT = 1 / 128
@@ -185,7 +185,8 @@ def test_drives_are_data_of_the_model(name) -> None:
     assert both.linear == (*spec.linear, *added)
     assert with_optional(spec, ("emd",)).names == (*spec.names, "emd")
     everything = with_optional(spec, [group[0] for group in OPTIONAL.values()])
-    own = [p for p in OPTIONAL_PARAMETERS if spec.parent or p.name not in OPTIONAL["curves"]]
+    alone = {n for group in COMPLIANT_ALONE for n in OPTIONAL[group]}
+    own = [p for p in OPTIONAL_PARAMETERS if spec.parent or p.name not in alone]
     assert everything.parameters == (*spec.parameters, *own)
     linear = (
         (*added, "torque_zero", *OPTIONAL["plate"], *OPTIONAL["joint_spring"], "joint_damping")

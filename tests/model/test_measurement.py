@@ -9,7 +9,7 @@ from surae.base.errors import InputError
 from surae.model import MODELS, ModelOptions, adapted, with_optional
 from surae.model.geometry import JointAxis
 from surae.model.joint import ANKLE
-from surae.model.parameters import CROSSTALK, OPTIONAL, OPTIONAL_PARAMETERS
+from surae.model.parameters import COMPLIANT_ALONE, CROSSTALK, OPTIONAL, OPTIONAL_PARAMETERS
 from surae.recording import MUSCLES
 from surae.signals import emg_levels, smooth_effort
 
@@ -58,7 +58,12 @@ VALUES = {
 CURVES = {
     "fl_short_tri": 0.3, "fl_short_tib": -0.2, "fl_long_tri": 0.4, "fl_long_tib": 0.1,
     "fv_speed": 0.2, "fv_curve": -0.3, "fv_stretch": 0.25,
+    "bridge_stiffness": 20.0, "bridge_reach": 0.01,
+    "reflex_length_tri": 2e4, "reflex_length_tib": 1e4,
+    "reflex_force_tri": 0.05, "reflex_force_tib": 0.02,
 }  # fmt: skip
+STARTS = {p.name: p.start for p in OPTIONAL_PARAMETERS}  # all are off there
+ALONE = {name for group in COMPLIANT_ALONE for name in OPTIONAL[group]}
 #: One of each class; those of compliant tendons differ in what is free (test_compliant.py).
 KINDS = ("muscle", *WITH_CURVES, "muscle-2010")
 every_model = pytest.mark.parametrize("name", KINDS)
@@ -88,9 +93,9 @@ def test_off_is_the_model_as_it_is(name, inputs) -> None:
     torque, rows = plain.torque_jacobian(p, range(size))
     scale = np.abs(rows).max(axis=1, keepdims=True) + 1e-300
     for group in GROUPS:
-        if group == "curves" and name not in WITH_CURVES:
+        if group in COMPLIANT_ALONE and name not in WITH_CURVES:
             continue  # its kernels have the curves as they are printed
-        off, q, _ = tied(name, inputs, **dict.fromkeys(OPTIONAL[group], 0.0))
+        off, q, _ = tied(name, inputs, **{n: STARTS[n] for n in OPTIONAL[group]})
         other, more = off.torque_jacobian(q, range(size))
         np.testing.assert_allclose(other, torque, rtol=0, atol=1e-12, err_msg=group)
         np.testing.assert_allclose(off.torque(q), torque, rtol=0, atol=1e-12, err_msg=group)
@@ -113,11 +118,9 @@ def test_sensitivities(name, geometry, values, raw, inputs) -> None:
     options = replace(OPTIONS, geometry=geometry)
     own = CURVES if name in WITH_CURVES else {}
     if not any(values[n] for n in ("emg_shape", "plate_give")):
-        own = dict.fromkeys(own, 0.0)
+        own = dict.fromkeys(own, 0.0) | ({"bridge_reach": 0.01} if own else {})
     simulator, p, spec = tied(name, inputs, options, **values, **own)
-    assert spec.optional == tuple(
-        p.name for p in OPTIONAL_PARAMETERS if own or p.name not in OPTIONAL["curves"]
-    )
+    assert spec.optional == tuple(p.name for p in OPTIONAL_PARAMETERS if own or p.name not in ALONE)
     columns = [
         j
         for j, parameter in enumerate(spec.names)

@@ -28,18 +28,25 @@ def test_only_one_direction_is_answered_beyond_the_threshold() -> None:
     assert cascade.stretched(v, -1, 0.2) == pytest.approx([-0.8, 0.0, 0.0, 0.0])
 
 
-@pytest.mark.parametrize("direction", [1, -1])
-def test_derivatives_are_those_of_finite_differences(ankle, direction) -> None:
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_filter_of_the_channel_lets_slow_torque_through_and_halves_its_power(order) -> None:
+    passed, _ = cascade.channel(2j * np.pi * np.array([0.0, 30.0, 3e5]), 30.0, order)
+    assert np.abs(passed) == pytest.approx([1.0, 0.5**0.5, 0.0], abs=2e-4)
+
+
+@pytest.mark.parametrize(("direction", "order"), [(1, 1), (-1, 2)])
+def test_derivatives_are_those_of_finite_differences(ankle, direction, order) -> None:
     moved = ankle(seconds=12.0).moved()
     piece = Piece(
         moved["time"], moved["angle"], moved["torque"], 500.0, 40.0, anchor=0.1, span=(0.0, 12.0)
     )
     problem = Problem([piece], noise_of([piece], [piece.bins(piece.torque)]))
     structure = Structure(
-        "", 2, True, direction, threshold=True, trend=True, length=3.0, lead=0.01, third=True
-    )
-    q = dict(zip(structure.names, [1e-3, 0.02, 0.2, 0.045, 18.0, 0.8, 70.0, 0.05, 60.0, 0.8, 0.015,
-                                   20.0, 5.0, 1.0, 0.3, 6.0], strict=True))  # fmt: skip
+        "", 2, True, direction, threshold=True, trend=True, length=3.0, lead=0.01, third=True,
+        order=order,
+    )  # fmt: skip
+    q = dict(zip(structure.names, [1e-3, 30.0, 0.02, 0.2, 0.045, 18.0, 0.8, 70.0, 0.05, 60.0, 0.8,
+                                   0.015, 20.0, 5.0, 1.0, 0.3, 6.0], strict=True))  # fmt: skip
     _, j = problem.jacobian(structure, q)
     for k, name in enumerate(structure.names):
         h = 1e-5 * max(abs(q[name]), 1e-3)

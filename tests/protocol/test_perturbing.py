@@ -8,9 +8,9 @@ from surae.base.errors import InputError
 from surae.base.names import TELLING
 from surae.protocol import named_device
 from surae.protocol.device import Device
-from surae.protocol.perturbing import PERTURBATIONS, REPEATS, telling
 from surae.quality.position import perturbing
 from surae_nerve.expected import USUAL, expected
+from surae_nerve.movements import PERTURBATIONS, REPEATS, telling
 
 
 @pytest.mark.parametrize("name", TELLING)

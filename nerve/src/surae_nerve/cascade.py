@@ -39,6 +39,21 @@ def muscle_slopes(s: ComplexArray, omega: float, zeta: float) -> tuple[ComplexAr
     ) / below**2, -2.0 * omega**3 * s / below**2
 
 
+def channel(s: ComplexArray, cutoff: float, order: int) -> tuple[ComplexArray, ComplexArray]:
+    """Low-pass of the torque's channel, 1 at rest, and its derivative by `cutoff` [Hz].
+
+    1/(1 + s/ω) of the first order, Butterworth's ω²/(s² + √2ωs + ω²) of the second, ω = 2π·cutoff.
+    """
+    if order == 0:
+        return np.ones_like(s), np.zeros_like(s)
+    omega = 2.0 * np.pi * cutoff
+    if order == 1:
+        below = omega + s
+        return omega / below, 2.0 * np.pi * s / below**2
+    damped = np.sqrt(0.5)
+    return muscle(s, omega, damped), 2.0 * np.pi * muscle_slopes(s, omega, damped)[0]
+
+
 def stretched(velocity: FloatArray, direction: int, threshold: float) -> FloatArray:
     """Velocity in one direction beyond a threshold [rad/s], signed: d·max(d·v − v₀, 0)."""
     beyond: FloatArray = direction * np.maximum(direction * velocity - threshold, 0.0)
@@ -67,6 +82,7 @@ class Structure:
     lead: float = 0.0
     beyond: float = 0.0  #: That velocity where it is no parameter [rad/s].
     third: bool = False  #: Whether the reflex's dynamics has a pole more (Mirbagheri 2000).
+    order: int = 0  #: Of a filter of the torque's channel, whose cut-off is estimated; 0: none.
 
     @property
     def answered(self) -> tuple[float, float]:
@@ -80,7 +96,8 @@ class Structure:
         times = tuple(f"time_{i + 1}" for i in range(self.branches))
         beyond = ("threshold",) if self.direction and self.threshold else ()
         pole = ("pole",) if self.direction and self.third else ()
-        return (*(("late",) if self.late else ()), *times, *reflex, *pole, *beyond)
+        cutoff = ("cutoff",) if self.order else ()
+        return (*(("late",) if self.late else ()), *cutoff, *times, *reflex, *pole, *beyond)
 
     @property
     def linear(self) -> tuple[str, ...]:
@@ -100,6 +117,7 @@ class Structure:
 #: bound a fit finds a negative gain at 6 ms, which is tissue (Kearney 1997: 40 ms, soleus).
 BOUNDS = {
     "late": (-0.008, 0.008),
+    "cutoff": (6.0, 300.0),
     "time_1": (0.003, 0.6),
     "time_2": (0.05, 0.6),
     "delay": (0.020, 0.100),

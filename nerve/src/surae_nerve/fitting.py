@@ -7,7 +7,15 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from surae.base.units import ComplexArray, FloatArray
-from surae_nerve.cascade import BOUNDS, Structure, muscle, muscle_slopes, relaxing, relaxing_slope
+from surae_nerve.cascade import (
+    BOUNDS,
+    Structure,
+    channel,
+    muscle,
+    muscle_slopes,
+    relaxing,
+    relaxing_slope,
+)
 from surae_nerve.piece import Piece
 
 #: Scale of the curvature's regressor [rad].
@@ -57,7 +65,7 @@ def stacked(bins: Sequence[ComplexArray]) -> FloatArray:
 
 def regressors(piece: Piece, structure: Structure, q: Mapping[str, float]) -> ComplexArray:
     """Spectra of the torque per unit of each linear parameter, (k, half)."""
-    s, late = piece.s, np.exp(-piece.s * q.get("late", 0.0))
+    s, late = piece.s, _channel(piece.s, structure, q)
     angle = piece.angle * late
     rows = [angle, s * angle, s**2 * angle]
     rows += [relaxing(s, q[f"time_{i + 1}"]) * angle for i in range(structure.branches)]
@@ -69,6 +77,12 @@ def regressors(piece: Piece, structure: Structure, q: Mapping[str, float]) -> Co
         delayed = _dynamics(structure, s, q) * late * np.exp(-s * q["delay"])
         rows.append(piece.stretched(*own)[0] * delayed)
     return np.stack(rows)
+
+
+def _channel(s: ComplexArray, structure: Structure, q: Mapping[str, float]) -> ComplexArray:
+    """What the torque's channel does: it is late, and may filter."""
+    passed, _ = channel(s, q.get("cutoff", 1.0), structure.order)
+    return passed * np.exp(-s * q.get("late", 0.0))
 
 
 def _dynamics(structure: Structure, s: ComplexArray, q: Mapping[str, float]) -> ComplexArray:
@@ -86,6 +100,9 @@ def slopes(
     for name in structure.nonlinear:
         if name == "late":
             rows.append(-s * whole)
+        elif name == "cutoff":
+            passed, slope = channel(s, q[name], structure.order)
+            rows.append(whole * slope / passed)
         elif name.startswith("time"):
             i = name[-1]
             rows.append(q[f"branch_{i}"] * relaxing_slope(s, q[name]) * x[0])
@@ -96,7 +113,8 @@ def slopes(
         elif name == "threshold":
             own = structure.direction, q["threshold"], structure.answered
             _, slope = piece.stretched(*own)
-            filtered = _dynamics(structure, s, q) * np.exp(-s * (q["delay"] + q.get("late", 0.0)))
+            filtered = _dynamics(structure, s, q) * np.exp(-s * q["delay"])
+            filtered = filtered * _channel(s, structure, q)
             rows.append(q["gain"] * slope * filtered)
         else:
             h, (by_omega, by_zeta) = (
@@ -244,8 +262,8 @@ class Problem:
 
 
 #: Where the search of the nonlinear parameters begins, where nothing better is known.
-START = {"late": 0.0, "time_1": 0.03, "time_2": 0.3, "delay": 0.045, "omega": 20.0, "zeta": 0.8,
-         "pole": 60.0, "threshold": 0.03}  # fmt: skip
+START = {"late": 0.0, "cutoff": 60.0, "time_1": 0.03, "time_2": 0.3, "delay": 0.045,
+         "omega": 20.0, "zeta": 0.8, "pole": 60.0, "threshold": 0.03}  # fmt: skip
 
 
 def solved(x: FloatArray, y: FloatArray, ridge: float = 1e-10) -> FloatArray:

@@ -226,7 +226,7 @@ def identify(
     chosen = full if present else starts[0]
     noise = noise_of(pieces, [chosen.residual(p) for p in pieces])
     problem = Problem(pieces, noise)
-    chosen = problem.fit(chosen.structure, chosen.values)
+    chosen = _filtered(problem, problem.fit(chosen.structure, chosen.values))
     judged = Judged(problem, chosen, floor)
     numbers = {
         name: judged.number(name, of).allowing(CHANNELS[name]) for name, of in INTRINSIC.items()
@@ -313,12 +313,17 @@ def _spread(
         if b != branches and b - branches < 2
     ]
     others.append((replace(own, late=False), "torque that is not late"))
+    others += [
+        (replace(own, order=order), f"a torque channel {filtered}")
+        for order, filtered in enumerate(("without a filter", "with one pole", "with two poles"))
+        if order != own.order
+    ]
     if own.direction:
         others.append((replace(own, third=True), "a reflex of third order"))
     for structure, label in others:
         fitted = problem.fit(structure, chosen.values)
         gain, more = chosen.loss - fitted.loss, len(structure.names) - len(own.names)
-        if more < 0 and gain > -POSSIBLE:
+        if more <= 0 and gain > -POSSIBLE:
             admit(fitted, problem, label, "whole")
         elif more > 0 and gain > CHANCE * more / 2:
             admit(fitted, problem, label, "shifted")
@@ -350,6 +355,14 @@ def _spread(
         beyond = float(np.sqrt(max(apart**2 - chance**2, 0.0)))
         widened[name] = widened[name].allowing(beyond / max(abs(number.value), 1e-12))
     return widened, said
+
+
+def _filtered(problem: Problem, plain: Fitted) -> Fitted:
+    """The fit, or, where it is clearly better, that with a filter of the torque's channel."""
+    tried = [problem.fit(replace(plain.structure, order=k), plain.values) for k in (1, 2)]
+    best = min(tried, key=lambda fitted: fitted.loss)
+    clear = plain.loss - best.loss > BETTER and "cutoff" not in best.at_bound
+    return best if clear else plain
 
 
 def _other_laws(problem: Problem, chosen: Fitted) -> list[tuple[Fitted, str]]:

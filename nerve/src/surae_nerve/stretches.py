@@ -104,7 +104,9 @@ class Stretches(Tabular, Saved):
             for muscle, h in self.threshold.items()
         ]
         changes = [
-            f"{n} {v:.2g}" for n, v in self.smallest_detectable_change.items() if v is not None
+            f"{n.removesuffix('_Nm').replace('_', ' ')} {v:.2g} Nm"
+            for n, v in self.smallest_detectable_change.items()
+            if v is not None
         ]
         below.append(
             "Smallest detectable change: "

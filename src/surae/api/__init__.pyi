@@ -13,6 +13,7 @@ from surae.api.designing import expect as expect
 from surae.api.designing import measure_next as measure_next
 from surae.api.designing import plan_session as plan_session
 from surae.api.designing import ready_trajectory as ready_trajectory
+from surae.api.designing import telling as telling
 from surae.api.designing import telling_words as telling_words
 from surae.api.examples import example_leg as example_leg
 from surae.api.fitted import Fit as Fit
@@ -86,8 +87,6 @@ from surae.protocol import write_protocol_csv as write_protocol_csv
 from surae.protocol import write_protocol_mat as write_protocol_mat
 from surae.protocol import write_protocol_target as write_protocol_target
 from surae.protocol.adaptation import peaks as peaks
-from surae.protocol.perturbing import GOOD_FOR as GOOD_FOR
-from surae.protocol.perturbing import telling as telling
 from surae.protocol.planning.expectation import Expectation as Expectation
 from surae.protocol.planning.plan import Plan as Plan
 from surae.protocol.planning.ready import ready_protocols as ready_protocols

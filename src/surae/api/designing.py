@@ -1,7 +1,6 @@
 """Protocols: what one will tell, designed for a device, and what to measure after a fit."""
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import FunctionType
 from typing import Any, TypeVar
 
@@ -27,7 +26,6 @@ from surae.protocol import (
     read_device,
     read_protocol,
 )
-from surae.protocol.perturbing import PERTURBATIONS, telling
 from surae.protocol.planning.design import Design, make_design
 from surae.protocol.planning.expectation import NOISE, Expectation, expected
 from surae.protocol.planning.information import filmed
@@ -364,31 +362,25 @@ def ready_trajectory(
     return ready.trajectory(device, range_of_motion, rate_hz, legs)
 
 
-def perturbation_tells(trajectory: Trajectory) -> dict[str, Any]:
-    """Values of a usual ankle and the 95 % intervals that `surae.impedance` would give them.
-
-    The distribution that has it offers them; without it there are none.
-    """
-    tell = plugins("expectations", FunctionType).get("perturbation")
-    return {} if tell is None else dict(tell(trajectory.time, trajectory.angle))
+def telling(
+    name: str, device: Device | None, range_of_motion: tuple[float, float], rate_hz: float
+) -> Trajectory:
+    """A movement that tells tissue from nerve, by the distribution that estimates from it."""
+    made: Trajectory = _of_nerve("telling")(name, device, range_of_motion, rate_hz)
+    return made
 
 
 def telling_words(trajectory: Trajectory) -> list[str]:
-    """What a perturbation, or a series of stretches, is for and will tell, in lines."""
-    name, seconds = trajectory.settings.profile, trajectory.time[-1]
-    if name not in PERTURBATIONS:
-        speeds = f"up to {math.degrees(abs(trajectory.velocity).max()):.0f} °/s"
-        return [f"{name}: {seconds:.0f} s, {speeds}, of the relaxed leg; then surae stretches."]
-    usual = [
-        f"  {measure} {own.value:g}: {own.low:.3g} to {own.high:.3g}"
-        for measure, own in perturbation_tells(trajectory).items()
-    ]
-    of_whom = "Of a usual ankle with a reflex it tells, by noise alone:"
-    of_whom = of_whom if usual else "The package surae-nerve says what it will tell."
-    return [
-        f"{name}: {seconds:.0f} s about the middle of the range; then surae impedance. {of_whom}",
-        *usual,
-    ]
+    """What such a movement is for and will tell, in lines."""
+    return list(_of_nerve("words")(trajectory))
+
+
+def _of_nerve(what: str) -> Callable[..., Any]:
+    found = plugins("movements", FunctionType).get(what)
+    if found is None:
+        raise InputError(f"{', '.join(TELLING)} are of surae-nerve; run pip install surae-nerve")
+    made: Callable[..., Any] = found
+    return made
 
 
 def requested_legs(

@@ -3,6 +3,8 @@
 `tests/test_names.py` holds them to what they name.
 """
 
+from surae.base.words import N_
+
 
 class Names(tuple[str, ...]):
     """Names that help shows; what plugins of a group are called is among them too."""
@@ -73,8 +75,14 @@ PROFILES = (
     "isometric",
 )
 DESIGNED = ("compliant-35", "everything-35", "passive-20", "relaxed-35", "tendon-60")
-#: Movements that tell tissue from nerve.
-TELLING = ("prbs", "pralds", "multisine", "stretches")
+#: Movements that tell tissue from nerve, and what they are good for.
+TELLING = {
+    **dict.fromkeys(
+        ("prbs", "pralds", "multisine"),
+        N_("Small random movements: how much is tissue, and reflex."),
+    ),
+    "stretches": N_("Slow and fast stretches at rest: how much is tissue, and reflex."),
+}
 #: What a subject can do, where a protocol is designed.
 EFFORTS = ("levels", "none")
 #: Rise of a chirp's frequency where none is given: that of the thesis's factor 0.5, rounded [Hz/s].

@@ -40,7 +40,7 @@ def device_options(function: Command) -> Command:
     NAME is {listed(PROFILES, "or")};
     or one that was designed: {listed(DESIGNED, "or")};
     or small random perturbations or stretches, which tell tissue from nerve:
-    {listed(TELLING, "or")}.
+    {listed((*TELLING,), "or")}.
     The file holds time_s, angle_rad and the target effort 0…1 of the four muscles,
     emg_ta … emg_gm.
     """,

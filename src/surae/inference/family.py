@@ -46,7 +46,16 @@ from surae.inference.problem import MASSES, FitProblem
 from surae.inference.result import TENDONS, FitResult, PosteriorMode, Stage, Start
 from surae.inference.summed import summed
 from surae.model import get_model, with_optional
-from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
+from surae.model.laboratory import (
+    COMPLIANT,
+    DEPARTURES,
+    LAWS,
+    NONE,
+    RARE,
+    RIGID,
+    group_of,
+    laboratory,
+)
 from surae.model.sources import Gaussian
 from surae.signals import ModelInputs, emg_levels, quiet_levels, steady_emg
 from surae.signals.prepare import sharpened
@@ -93,6 +102,12 @@ _ODDS = 0.3
 #: Probability from which the joint's spring, of which the ankle's stiffness is made, is in, and a
 #: plate beside it, whose weight goes with the angle as the spring does.
 _LIKELY = 0.1
+#: What a rare departure has to gain in −2 ln Z from one point, very strong evidence (Kass and
+#: Raftery, JASA 90 (1995) 773), and the standard deviations by which it has to be there.
+_ASKED, _MOVED = 10.0, 3.0
+#: Departures beside it, but for these two, from which a rare one is left out: of virtual legs that
+#: depart in all ways at once half of what was then called known was false.
+_SEVERAL, _PLAIN = 2, ("reflex", "spring")
 #: How far EMG at rest may be from what is expected, in standard deviations.
 _REST = 6.0
 #: Bounds that are wider than those of a named model's search.
@@ -392,7 +407,8 @@ class _Search:
         possible = tuple(
             group
             for group in DEPARTURES
-            if group not in self._known and any(group_of(n) == group for n in self._beliefs)
+            if group not in (*self._known, *RARE)
+            and any(group_of(n) == group for n in self._beliefs)
         )
         sizes = _NEARLY_NONE if self._still else _BEGIN
         post = self._posterior(possible, _RATES[0], noise, sizes, rest=_ROUNDED[0])
@@ -404,20 +420,20 @@ class _Search:
             full = full.having(fast=0.0, sizes=_BEGIN)
             point = full.descend(point.z, evaluations=25, tolerance=0.3)
         full, point = self._learnt(full, point, _ROUNDS)
+        if rare := self._rare(full, point, possible):
+            more = self._posterior((*possible, *rare), _RATES[1], full.noise, full.sizes, full)
+            more, z = more.having(fast=full.fast), more.like(full, point.z)
+            there = more.descend(z, point.c, point.w, evaluations=25, tolerance=0.3)
+            more, there = self._learnt(more, there, _ROUNDS)
+            beside = {*self._scored(more, there, (*possible, *rare))[0].groups} - {*rare, *_PLAIN}
+            if len(beside) < _SEVERAL:
+                full, point, possible = more, there, (*possible, *rare)
         # which departures there are would hide behind it; what muscles do that no electrode hears
         # is loud under effort as well, and no error of another's EMG
         louder = not self._original.has_unheard and effort_ratio(full, point) > _LOUDER
         if louder and not self._still and self._followed((full, point)) > _FOLLOWED:
             full, point = self._with_drive_errors(full, point, _ERRORS)
-        positions: dict[str, list[int]] = {}
-        off: dict[int, float] = {}
-        for j, name in enumerate(full.names):
-            group = group_of(name)
-            if group in possible and name in self._beliefs:
-                positions.setdefault(group, []).append(j)
-                off[j] = self._beliefs[name].off
-        odds = dict.fromkeys(possible, _ODDS)
-        scored = subsets(full.laplace(point), positions, off, odds=odds)
+        scored = self._scored(full, point, possible)
         scored = with_likely(scored, "spring", "plate", _LIKELY)
         own = self._posterior(scored[0].groups, _RATES[1], full.noise, full.sizes, full)
         own = own.having(fast=full.fast)
@@ -430,6 +446,36 @@ class _Search:
             own, best = self._with_drive_errors(own, best, ())
         own, best = self._rested(own, best)
         return own, best, scored, full.names
+
+    def _scored(
+        self, post: LogPosterior, point: Point, groups: Sequence[str]
+    ) -> tuple[Subset, ...]:
+        """All sets of these groups, of one quadratic."""
+        positions: dict[str, list[int]] = {group: [] for group in groups}
+        off: dict[int, float] = {}
+        for j, name in enumerate(post.names):
+            if name in self._beliefs and (group := group_of(name)) in positions:
+                positions[group].append(j)
+                off[j] = self._beliefs[name].off
+        return subsets(post.laplace(point), positions, off, odds=dict.fromkeys(groups, _ODDS))
+
+    def _rare(self, full: LogPosterior, point: Point, groups: tuple[str, ...]) -> tuple[str, ...]:
+        """Rare departures that the data ask for, each alone beside these, from one point."""
+        there = tuple(g for g in RARE if any(group_of(n) == g for n in self._beliefs))
+        more = self._posterior((*groups, *there), _RATES[1], full.noise, full.sizes, full)
+        more, z = more.having(fast=full.fast), more.like(full, point.z)
+        of = [group_of(name) for name in more.names]
+        for j, name in enumerate(more.names):
+            z[j] = self._beliefs[name].off if of[j] in there else z[j]
+        sets = {s.groups: s for s in self._scored(more, more.again(replace(point, z=z)), there)}
+        gained = {}
+        for group in there:
+            own, at = sets[group,], [j for j, each in enumerate(of) if each == group]
+            if np.any(own.mode[at] - z[at] > _MOVED * np.sqrt(own.variance[at])):
+                gained[group] = sets[()].evidence - own.evidence
+        asked = sorted((g for g in gained if gained[g] > _ASKED), key=lambda g: -gained[g])
+        laws = [group for group in asked if group in LAWS]
+        return tuple(group for group in asked if group not in laws[1:])
 
     def _rested(self, own: LogPosterior, best: Point) -> _Stage:
         """The fixed point of noise, sizes and mode."""

@@ -20,19 +20,20 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.model.activation import IntArray
-from surae.model.contraction import FECC, MVSH, force_length, force_velocity
+from surae.model.contraction import FECC, MVSH, bridge_strain, force_length, force_velocity
 from surae.model.equilibrium import solve
 from surae.model.jit import jit
 from surae.model.rigid import K_REL, L0, TAU, X0, K
 from surae.model.tendon import tendon_curve, tendon_partials, tendon_shape
 
 #: A group's own parameters: those of `surae.model.rigid`, its tendon's, and what shapes its curves:
-#: logarithms over (16) and (17), 0 where they are as printed.
+#: logarithms over (16) and (17), 0 where they are as printed; then bridges that hold.
 EPS0, TOE, K_TOE, F_MAX = 5, 6, 7, 8
 SHORT, LONG, FASTEST, BEND, GAIN = 9, 10, 11, 12, 13
-OWN = 14
+BRIDGE, REACH = 14, 15
 #: Rows of what `drive_columns` needs of every stage.
-BY_START, BY_HELD, BY_ACTIVE, TAKEN, STIFFNESS = 0, 1, 2, 3, 4
+BY_START, BY_HELD, BY_ACTIVE, TAKEN, STIFFNESS, BY_STRAIN, STRAINED, KEPT = range(8)
+LINEAR = 8
 
 #: Rows of a group's states.
 LENGTH, SPEED, ELONGATION, FORCE, TISSUE = 0, 1, 2, 3, 4
@@ -79,10 +80,11 @@ def compliant_states(
 
     Parameters
     ----------
-    p : ndarray, shape (14,)
+    p : ndarray, shape (16,)
         The group's parameters: k, x0, l0, tau_rel, k_rel, then ε0, F̄toe, ktoe and Fmax, then the
-        logarithms of the widths below and above l0, of vmax, mvsh and fecc − 1 over (16) and (17).
-    slots : ndarray of int, shape (14,)
+        logarithms of the widths below and above l0, of vmax, mvsh and fecc − 1 over (16) and (17),
+        then the stiffness K of bridges that hold, times l0, and the part of l0 at which they yield.
+    slots : ndarray of int, shape (16,)
         Row of the jacobian that belongs to each; its last row is of those that are not wanted.
     strain_length : float
         What ε0 is multiplied by to be an elongation in metres: 1, or the slack length.
@@ -109,7 +111,7 @@ def compliant_states(
         force F_elas [N].
     jacobian : ndarray, shape (rows, n)
         Is added to: derivatives of arm times tendon force, the arm held.
-    linear : ndarray, shape (2, 5, n), or (0, 5, 0)
+    linear : ndarray, shape (2, 8, n), or (0, 8, 0)
         Is filled, if there is room: what `drive_columns` needs of every stage.
     seen : ndarray, shape (rows, n), or (0, 0)
         Is added to, if there is room: derivatives of the length x.
@@ -126,7 +128,9 @@ def compliant_states(
     own = (k, x0, l0, vmax, short, long, bend, gain)
     linearised = len(linear) > 0
     shapes = False
-    for j in range(SHORT, OWN):
+    holding, reach = p[BRIDGE] / l0, p[REACH] * l0
+    bridged = reach > 0.0 and (holding != 0.0 or slots[BRIDGE] != len(jacobian) - 1)
+    for j in range(SHORT, BRIDGE):
         shapes = shapes or slots[j] != len(jacobian) - 1
     eps0, toe = p[EPS0] * strain_length, p[TOE]
     curve = tendon_curve(eps0, toe, p[K_TOE], p[F_MAX])
@@ -152,15 +156,16 @@ def compliant_states(
         if slots[j] == unwanted:
             place[j] = size  # which nobody reads
     # sensitivities of length and relaxation: at the sample, before the stage, at the stage
-    sens = np.zeros((6, size + 1))
+    sens = np.zeros((7, size + 1))
     x_n, z_n, x_b, z_b, x_s, z_s = sens[0], sens[1], sens[2], sens[3], sens[4], sens[5]
+    strained = sens[6]  # of the bridges' strain, where the last stage has left it
     # what parameters do directly: to the balance, to the tendon force, to the relaxation, to α
     terms = np.zeros((4, size + 1))
     direct, pulled, relaxed, driven = terms[0], terms[1], terms[2], terms[3]
     i_k, i_x0, i_tau, i_rel, i_l0 = place[K], place[X0], place[TAU], place[K_REL], place[L0]
     i_eps, i_toe, i_bend, i_max = place[EPS0], place[TOE], place[K_TOE], place[F_MAX]
     i_short, i_long, i_fast = place[SHORT], place[LONG], place[FASTEST]
-    i_curve, i_gain = place[BEND], place[GAIN]
+    i_curve, i_gain, i_bridge, i_reach = place[BEND], place[GAIN], place[BRIDGE], place[REACH]
 
     # The start is one stage too: relaxation in its steady state, no active force.
     dc = 1.0 / (1.0 + k_rel)
@@ -170,6 +175,7 @@ def compliant_states(
     rigid = x_before = lengths[1, 0]
     z_before = x_now = z_now = x_1 = z_1 = 0.0
     e_0 = e_1 = e_2 = 0.0  # elongations at the three stages before
+    x_last = strain = 0.0  # where the last stage has left muscle and bridges
     for i in range(lengths.shape[1]):
         if i == 1:  # from here on z = keep·ẑ + take·F0 is an implicit stage of (10)
             h = GAMMA * dt
@@ -202,14 +208,24 @@ def compliant_states(
                     x_b[last + j] += length_slopes[j, 2 + stage, i]
             held = keep * z_before
             solved, e, here = solve(
-                guess, own, curve, (rigid, x_before, per_h, 1.0 - take, held, alpha, slack)
+                guess,
+                own,
+                curve,
+                (rigid, x_before, per_h, 1.0 - take, held, alpha, slack),
+                (holding if i > 0 else 0.0, reach, x_last, strain),
             )
             if not solved:
                 return i
-            _, G_e, force, slope, elastic, taut, fl, fl_x, fv, fv_v = here
+            _, G_e, force, slope, elastic, taut, fl, fl_x, fv, fv_v, hold = here
+            pull = fv + hold
             x, z = rigid - e, held + take * elastic
             speed = (x - x_before) * per_h
             e_0, e_1, e_2 = e_1, e_2, e
+            by_strain = strain_x = kept = strain_reach = 0.0
+            if bridged and i > 0:
+                strain, strain_x, kept, strain_reach = bridge_strain(x - x_last, strain, reach)
+                by_strain = alpha * fl * holding / G_e
+            x_last = x
             if stage == 0:
                 x_1, z_1 = x, z
             else:
@@ -220,9 +236,11 @@ def compliant_states(
             if linearised:
                 linear[stage, BY_START, i] = alpha * fl * fv_v * per_h / G_e
                 linear[stage, BY_HELD, i] = taut * keep / G_e
-                linear[stage, BY_ACTIVE, i] = pulling * fl * fv / G_e
+                linear[stage, BY_ACTIVE, i] = pulling * fl * pull / G_e
                 linear[stage, TAKEN, i] = take * k * elastic
                 linear[stage, STIFFNESS, i] = slope
+                linear[stage, BY_STRAIN, i] = by_strain
+                linear[stage, STRAINED, i], linear[stage, KEPT, i] = strain_x, kept
             if size == 0:
                 continue
 
@@ -233,9 +251,9 @@ def compliant_states(
             direct[i_k] = taut * (relaxed[i_k] - stretched)
             direct[i_x0] = taut * (relaxed[i_x0] + stiff)
             direct[i_tau], direct[i_rel] = taut * relaxed[i_tau], taut * relaxed[i_rel]
-            direct[i_l0] = alpha * (fl_x * fv * x + fl * fv_v * speed) / l0
+            direct[i_l0] = alpha * (fl_x * pull * x + fl * fv_v * speed) / l0
             if shapes:
-                by_width = alpha * fv * force_length(x, l0, short, long)[3]
+                by_width = alpha * pull * force_length(x, l0, short, long)[3]
                 _, _, by_bend, by_gain = force_velocity(speed, vmax, bend, gain)
                 direct[i_short], direct[i_long] = 0.0, 0.0
                 direct[i_short if x < l0 else i_long] = -by_width
@@ -251,13 +269,21 @@ def compliant_states(
 
             share = 1.0 / G_e
             by_start, by_held = alpha * fl * fv_v * per_h * share, taut * keep * share
-            by_active, taken = pulling * fl * fv * share, take * stiff
+            by_active, taken = pulling * fl * pull * share, take * stiff
+            if bridged:  # what their strain changes by while the muscle stays
+                for j in range(size):
+                    strained[j] = kept * strained[j] - strain_x * x_s[j]
+                strained[i_l0] += strain_reach * p[REACH]
+                strained[i_reach] += strain_reach * l0
+                direct[i_bridge] = -alpha * fl * strain / l0
+                direct[i_l0] += alpha * fl * hold / l0
             for j in range(size):
                 x_s[j] = (
                     by_start * x_b[j] + by_held * z_b[j] - by_active * driven[j]
-                    + share * (direct[j] + pulled[j])
+                    + share * (direct[j] + pulled[j]) - by_strain * strained[j]
                 )  # fmt: skip
                 z_s[j] = keep * z_b[j] + taken * x_s[j] + relaxed[j]
+                strained[j] += strain_x * x_s[j]
             if stage == 1:
                 for j in range(size):
                     x_n[j], z_n[j] = x_s[j], z_s[j]
@@ -285,7 +311,7 @@ def drive_columns(
         Their first samples.
     steps : ndarray, shape (2, 2, 3, 2, 4)
         Of `surae.model.activation` at both stages, and `back` their whole samples, shape (2,).
-    linear : ndarray, shape (2, 5, n)
+    linear : ndarray, shape (2, 8, n)
         From `compliant_states`.
     arm : ndarray, shape (n,)
         Signed moment arm [m].
@@ -299,7 +325,7 @@ def drive_columns(
     for c in range(len(first)):
         begin, width = first[c], inputs.shape[1]
         v[:] = w[:] = 0.0
-        x_n = z_n = 0.0
+        x_n = z_n = strained = 0.0
         for t in range(out.shape[1]):
             i = begin + t
             out[c, t] = 0.0
@@ -319,17 +345,21 @@ def drive_columns(
                     )
             if i == 0:
                 continue
+            strained = linear[0, KEPT, i] * strained - linear[0, STRAINED, i] * x_n
             x_s = (
                 linear[0, BY_START, i] * x_n + linear[0, BY_HELD, i] * z_n
-                - linear[0, BY_ACTIVE, i] * a[0]
+                - linear[0, BY_ACTIVE, i] * a[0] - linear[0, BY_STRAIN, i] * strained
             )  # fmt: skip
             z_s = keep * z_n + linear[0, TAKEN, i] * x_s
             x_b, z_b = x_n + _RHO * (x_s - x_n), z_n + _RHO * (z_s - z_n)
+            strained += linear[0, STRAINED, i] * x_s
+            strained = linear[1, KEPT, i] * strained - linear[1, STRAINED, i] * x_s
             x_n = (
                 linear[1, BY_START, i] * x_b + linear[1, BY_HELD, i] * z_b
-                - linear[1, BY_ACTIVE, i] * a[1]
+                - linear[1, BY_ACTIVE, i] * a[1] - linear[1, BY_STRAIN, i] * strained
             )  # fmt: skip
             z_n = keep * z_b + linear[1, TAKEN, i] * x_n
+            strained += linear[1, STRAINED, i] * x_n
             out[c, t] = -arm[i] * linear[1, STIFFNESS, i] * x_n
 
 

@@ -1,7 +1,7 @@
-"""Contraction: force-length (16) and force-velocity (17), with their partial derivatives.
+"""Contraction: force-length (16), force-velocity (17), bridges that hold; partial derivatives.
 
-Both may be shaped otherwise than they are printed: what shapes them is a logarithm, 0 as printed,
-or a constant of (17).
+(16) and (17) may be shaped otherwise than they are printed: what shapes them is a logarithm, 0 as
+printed, or a constant of (17).
 """
 
 import math
@@ -79,3 +79,32 @@ def force_velocity(
     above = slope * speed / below
     by_a = gain * speed * (speed - vmax) / (below * below)
     return 1.0 + above, slope * a * vmax / (below * below), by_a * a, above
+
+
+@jit
+def bridge_strain(moved: float, before: float, reach: float) -> tuple[float, float, float, float]:
+    """How far bridges are strained that hold a muscle and yield, short-range stiffness.
+
+    ds/dx = 1 − sgn(dx)·s/ρ (P. R. Dahl, 1968, TOR-158(3107-18)), exact where x goes one way:
+    s = ±ρ + (ŝ ∓ ρ)·exp(−|x − x̂|/ρ). The contractile element pulls by α·f_l·K·s/l0 more than by
+    (17) alone (De Groote et al. 2018, J. Biomech. 68:19-23).
+
+    Parameters
+    ----------
+    moved : float
+        By how much the muscle lengthened, x − x̂ [m].
+    before : float
+        ŝ, the strain where it was [m].
+    reach : float
+        ρ, the strain at which they yield [m].
+
+    Returns
+    -------
+    tuple of float
+        s in [−ρ, ρ] [m]; ∂s/∂x, ∂s/∂ŝ and ∂s/∂ρ [-].
+    """
+    end = reach if moved > 0.0 else -reach
+    kept = math.exp(-abs(moved) / reach)
+    left = (before - end) * kept
+    way = end / reach
+    return end + left, -left / end, kept, way - way * kept + left * abs(moved) / reach**2

@@ -19,7 +19,7 @@ ends the muscle yields in a jump, which is what the equations say.
 
 import math
 
-from surae.model.contraction import MVSHL, force_length, force_velocity
+from surae.model.contraction import MVSHL, bridge_strain, force_length, force_velocity
 from surae.model.jit import jit
 from surae.model.passive import elastic_force
 from surae.model.tendon import TendonCurve, tendon_force
@@ -33,11 +33,16 @@ SEARCH_STEPS = 400
 
 Muscle = tuple[float, float, float, float, float, float, float, float]
 Step = tuple[float, float, float, float, float, float, float]
-Balance = tuple[float, float, float, float, float, float, float, float, float, float]
+Bridges = tuple[float, float, float, float]
+Balance = tuple[float, float, float, float, float, float, float, float, float, float, float]
+#: None that hold.
+FREE = (0.0, 1.0, 0.0, 0.0)
 
 
 @jit
-def balance(e: float, muscle: Muscle, curve: TendonCurve, step: Step) -> Balance:
+def balance(
+    e: float, muscle: Muscle, curve: TendonCurve, step: Step, bridges: Bridges = FREE
+) -> Balance:
     """Residual of the force balance and what its derivatives are made of.
 
     Parameters
@@ -52,13 +57,15 @@ def balance(e: float, muscle: Muscle, curve: TendonCurve, step: Step) -> Balance
     step : tuple
         x_rigid [m], x̂ [m], 1/h [1/s], w [-], held [N], α [N]; the force over which tissue goes
         slack [N], ½·(f + √(f² + that²)) being left of f, 0 for a kink.
+    bridges : tuple
+        Of bridges that hold, see `bridge_strain`: K/l0 [1/m], ρ [m], x̂ [m] and ŝ [m].
 
     Returns
     -------
     tuple of float
         G [N]; ∂G/∂e [N/m]; F_t [N]; ∂F_t/∂e [N/m]; F0 [N]; 1 where the tissue pulls, else 0,
         and between where it goes slack; f_l;
-        ∂f_l/∂x [1/m]; f_v; ∂f_v/∂x' [s/m].
+        ∂f_l/∂x [1/m]; f_v; ∂f_v/∂x' [s/m]; what bridges add to f_v.
     """
     k, x0, l0, vmax, short, long, bend, gain = muscle
     rigid, start, per_h, w, held, alpha, rounded = step
@@ -69,6 +76,12 @@ def balance(e: float, muscle: Muscle, curve: TendonCurve, step: Step) -> Balance
     fv, fv_v, _, _ = force_velocity((x - start) * per_h, vmax, bend, gain)
     G = force - alpha * fl * fv
     G_e = slope + alpha * (fl_x * fv + fl * fv_v * per_h)
+    hold = 0.0
+    if bridges[0] != 0.0:
+        strain, strain_x, _, _ = bridge_strain(x - bridges[2], bridges[3], bridges[1])
+        hold = bridges[0] * strain
+        G -= alpha * fl * hold
+        G_e += alpha * (fl_x * hold + fl * bridges[0] * strain_x)
     pulls = 0.0
     tissue = w * elastic - held
     if rounded > 0.0:
@@ -80,12 +93,12 @@ def balance(e: float, muscle: Muscle, curve: TendonCurve, step: Step) -> Balance
         pulls = 1.0
         G -= tissue
         G_e += w * k * elastic
-    return G, G_e, force, slope, elastic, pulls, fl, fl_x, fv, fv_v
+    return G, G_e, force, slope, elastic, pulls, fl, fl_x, fv, fv_v, hold
 
 
 @jit
 def solve(
-    guess: float, muscle: Muscle, curve: TendonCurve, step: Step
+    guess: float, muscle: Muscle, curve: TendonCurve, step: Step, bridges: Bridges = FREE
 ) -> tuple[bool, float, Balance]:
     """Elongation at which the forces balance.
 
@@ -96,7 +109,7 @@ def solve(
     ----------
     guess : float
         Where to begin [m].
-    muscle, curve, step
+    muscle, curve, step, bridges
         As in `balance`.
 
     Returns
@@ -112,7 +125,7 @@ def solve(
     tolerance = TOLERANCE * scale
     e = guess
     for _ in range(NEWTON_STEPS):
-        here = balance(e, muscle, curve, step)
+        here = balance(e, muscle, curve, step, bridges)
         if not here[1] > 0.0:
             break
         # Halley's step, which saves about every fourth evaluation; Newton's where it would not be
@@ -124,7 +137,7 @@ def solve(
         e += change
         if abs(change) <= tolerance:
             return True, e, _corrected(here, change, muscle[0])
-    return _search(tolerance, muscle, curve, step)
+    return _search(tolerance, muscle, curve, step, bridges)
 
 
 @jit
@@ -144,29 +157,29 @@ def _corrected(here: Balance, change: float, k: float) -> Balance:
     elastic = here[4] * (1.0 - k * change)
     return (
         here[0] + here[1] * change, here[1], force, here[3], elastic, here[5], here[6],
-        here[7], here[8], here[9],
+        here[7], here[8], here[9], here[10],
     )  # fmt: skip
 
 
 @jit
 def _search(
-    tolerance: float, muscle: Muscle, curve: TendonCurve, step: Step
+    tolerance: float, muscle: Muscle, curve: TendonCurve, step: Step, bridges: Bridges
 ) -> tuple[bool, float, Balance]:
     """Newton inside a bracket that halves whenever Newton would leave it or slow down."""
-    here = balance(0.0, muscle, curve, step)
+    here = balance(0.0, muscle, curve, step, bridges)
     if here[0] == 0.0:
         return True, 0.0, here
     if here[0] > 0.0:  # both slack: the muscle takes up the slack at most at vmax
         low, high = step[0] - step[1] + muscle[3] / step[2], 0.0
     else:
         low, high = 0.0, curve[0]
-        while balance(high, muscle, curve, step)[0] < 0.0:
+        while balance(high, muscle, curve, step, bridges)[0] < 0.0:
             low = high
             high *= 2.0
     e = 0.5 * (low + high)
     last = high - low
     for _ in range(SEARCH_STEPS):
-        here = balance(e, muscle, curve, step)
+        here = balance(e, muscle, curve, step, bridges)
         if math.isnan(here[0]):
             break
         if here[0] < 0.0:

@@ -1,8 +1,8 @@
 """What excites the muscles of a recording: its EMG, as far as that can be believed, and a reflex.
 
-    E_tri(t) = g2·ê2(t − emd) + g3·ê3(t − emd) + g4·ê4(t − emd) + reflex_tri·v_tri(t − reflex_delay)
-    E_tib(t) = g1·ê1(t − emd) + reflex_tib·v_tib(t − reflex_delay)             (12)(13)
-    v        = max(d lmt/dt, 0)                                                [m/s]
+    E_tri(t) = g2·ê2(t − emd) + g3·ê3(t − emd) + g4·ê4(t − emd) + R_tri(t − reflex_delay)
+    E_tib(t) = g1·ê1(t − emd) + R_tib(t − reflex_delay)                        (12)(13)
+    R        = reflex·max(d lmt/dt, 0) + reflex_length·max(x − x0, 0) + reflex_force·F0(x)      [N]
 
 Every muscle's own envelope ê is that of its electrode but for what the laboratory cannot rule out:
 a level at rest r (`emg_rest_…`), what electrodes hear of other muscles (`xt_ta_gl`: that of the
@@ -23,20 +23,25 @@ rest has a small negative ê. The weights keep their unit, for ê = u at s = 0 a
 level e_ref (`ModelOptions.emg_ref`; 1 for a normalised EMG). A muscle without EMG hears nothing and
 is not heard.
 
-lmt is the muscle-tendon unit's length: with it lengthens the muscle on a rigid tendon, and what a
-compliant tendon leaves to the muscle is not known before the force is. `reflex_delay` is all of the
+lmt is the muscle-tendon unit's length: with it lengthens the muscle on a rigid tendon, x, and what
+a compliant tendon leaves to the muscle is not known before the force is; F0 is the force (8) of
+tissue of that length (force feedback: Falisse et al. 2018). `reflex_delay` is all of the
 time from stretch to the filter's input, the loop's and the muscle's own; `emd` is not added to it.
 
 References
 ----------
 F. E. Zajac (1989). Muscle and tendon: properties, models, scaling, and application to biomechanics
 and motor control. Critical Reviews in Biomedical Engineering 17(4):359-411.
+A. Falisse, L. Bar-On, K. Desloovere, I. Jonkers, F. De Groote (2018). A spasticity model based on
+feedback from muscle force explains muscle activity during passive stretches and gait in children
+with cerebral palsy. PLoS ONE 13(12):e0208811.
 D. G. Lloyd, T. F. Besier (2003). An EMG-driven musculoskeletal model to estimate muscle forces and
 knee joint moments in vivo. Journal of Biomechanics 36(6):765-776.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -44,15 +49,20 @@ from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.model.activation import Drive, shaped
 from surae.model.crosstalk import OfEnvelopes, OfPowers
-from surae.model.movement import LegMovement
+from surae.model.movement import LegMovement, MusclePath
 from surae.model.options import ModelOptions
-from surae.model.parameters import CROSSTALK, OPTIONAL
+from surae.model.parameters import CROSSTALK, OPTIONAL, OPTIONAL_PARAMETERS
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, smooth_effort
 
 #: EMG channels of triceps and tibialis.
 GROUPS = (slice(1, 4), slice(0, 1))
-_GAINS = OPTIONAL["reflex"][:2]
+_DELAY = OPTIONAL["reflex"][2]
+_OFF = next(p.start for p in OPTIONAL_PARAMETERS if p.name == _DELAY)
+#: Of each group: tissue's stiffness and slack length; a reflex's gains, to velocity, length, force.
+_TISSUE = tuple((f"k_{group}", f"x0_{group}") for group in ("tri", "tib"))
+_LAWS = ("reflex", "reflex_length", "reflex_force")
+_GAINS = tuple(tuple(f"{law}_{group}" for law in _LAWS) for group in ("tri", "tib"))
 _RESTS = OPTIONAL["emg_rest"]
 
 
@@ -107,7 +117,8 @@ class Excitation:
             self._smooth = np.tile(smooth, emg.shape[1] // inputs.n)
         self._present = np.array([m not in inputs.missing_emg for m in MUSCLES], dtype=float)
         self._reference = _reference(inputs, options, self._present) if curved else None
-        self.has_reflex = "reflex_delay" in at
+        #: Whether there is a reflex of any law.
+        self.has_reflex = any(name in at for name in chain(*_GAINS))
         #: Logarithmic gain of each muscle's drive over time, shape (4, n); None where it has none.
         self.log_gain: FloatArray | None = None
 
@@ -211,15 +222,42 @@ class Excitation:
     def _of_stretch(
         self, group: int, values: FloatArray, leg: LegMovement, wanted: frozenset[int]
     ) -> Drive:
-        own, delay = self._at[_GAINS[group]], self._at["reflex_delay"]
-        muscle, gain = leg.muscles[group], float(values[own])
-        stretch = np.maximum(muscle.speed, 0.0)
-        slopes = [(own, stretch)] if own in wanted else []
-        slopes += [
-            (column, gain * (muscle.speed > 0.0) * by)
-            for column, by in zip(leg.columns, muscle.speed_slopes, strict=True)
-        ]
-        return Drive(gain * stretch, slopes, float(values[delay]), delay if delay in wanted else -1)
+        at, muscle = self._at, leg.muscles[group]
+        signal: FloatArray = np.zeros_like(muscle.speed)
+        slopes: list[tuple[int, FloatArray]] = []
+        for name, law in zip(_GAINS[group], (_of_speed, _of_length, _of_force), strict=True):
+            if name not in at:
+                continue
+            gain, tissue = float(values[at[name]]), [at[n] for n in _TISSUE[group] if n in at]
+            answered, by_speed, by_length, own = law(muscle, values[tissue])
+            signal += gain * answered
+            moving = zip(leg.columns, muscle.speed_slopes, muscle.length_slopes, strict=True)
+            slopes += [(c, gain * (by_speed * v + by_length * x)) for c, v, x in moving]
+            slopes += [(c, gain * by) for c, by in zip(tissue, own, strict=False) if c in wanted]
+            slopes += [(at[name], answered)] if at[name] in wanted else []
+        delay = at.get(_DELAY, -1)
+        late = _OFF if delay < 0 else float(values[delay])
+        return Drive(signal, slopes, late, delay if delay in wanted else -1)
+
+
+#: What a reflex answers; its derivatives by speed and by length, and those by k and x0.
+_Answer = tuple[FloatArray, FloatArray | float, FloatArray | float, tuple[FloatArray, ...]]
+
+
+def _of_speed(muscle: MusclePath, _: FloatArray) -> _Answer:
+    return np.maximum(muscle.speed, 0.0), (muscle.speed > 0.0).astype(float), 0.0, ()
+
+
+def _of_length(muscle: MusclePath, tissue: FloatArray) -> _Answer:
+    beyond = muscle.length - tissue[1]
+    on = (beyond > 0.0).astype(float)
+    return on * beyond, 0.0, on, (0.0 * on, -on)
+
+
+def _of_force(muscle: MusclePath, tissue: FloatArray) -> _Answer:
+    k, beyond = tissue[0], muscle.length - tissue[1]
+    force = np.exp(k * beyond)
+    return force, 0.0, k * force, (beyond * force, -k * force)
 
 
 def _reference(inputs: ModelInputs, options: ModelOptions, present: FloatArray) -> FloatArray:

@@ -20,6 +20,10 @@ EACH_TRIAL = tuple(group for group, n in _NUISANCES.items() if n.anew == "trial"
 OUTSIDE = tuple(group for group, n in _NUISANCES.items() if not n.of_leg)
 #: Groups that are in a model only where the data ask for them.
 DEPARTURES = tuple(group for group, n in _NUISANCES.items() if n.departs)
+#: Those of them that are looked for one by one before they are weighed with the others, and of
+#: which the best alone is: what reflexes answer beside velocity.
+RARE = tuple(group for group, n in _NUISANCES.items() if n.rare)
+LAWS = ("reflex_length", "reflex_force")
 
 
 def richest(model: str) -> str:

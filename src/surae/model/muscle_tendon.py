@@ -29,9 +29,17 @@ COLUMNS = tuple(
     np.concatenate([own, [_NAMES.index(f"{of}_{group}") for of in ("dlt", "pt", "kt", "fmax")]])
     for own, group in zip(GROUP_COLUMNS, ("tri", "tib"), strict=True)
 )
-#: What shapes the curves of each group, in the same order.
+#: What shapes the curves of each group and makes its bridges hold, in the same order.
 _CURVES = tuple(
-    (f"fl_short_{group}", f"fl_long_{group}", "fv_speed", "fv_curve", "fv_stretch")
+    (
+        f"fl_short_{group}",
+        f"fl_long_{group}",
+        "fv_speed",
+        "fv_curve",
+        "fv_stretch",
+        "bridge_stiffness",
+        "bridge_reach",
+    )
     for group in ("tri", "tib")
 )
 
@@ -42,7 +50,7 @@ class DriveResponse:
 
     drives: FloatArray  #: What each muscle adds to its group's excitation [N], shape (4, n).
     #: `steps`, `back`, `linear`, `arms`, `keep`: as `surae.model.compliant.drive_columns` takes
-    #: them; the last two but one of both groups, (2, 2, 5, n) and (2, n).
+    #: them; the last two but one of both groups, (2, 2, 8, n) and (2, n).
     steps: FloatArray
     back: IntArray
     linear: FloatArray
@@ -161,7 +169,7 @@ class MuscleTendonSimulator(Simulator):
         states = np.full((5, len(muscle.length)), np.nan)
         # the last value and the last row are of what the model does not have
         columns = np.concatenate([COLUMNS[group], self._curves[group]])
-        linear = np.empty((0, 5, 0)) if into.linear is None else into.linear[group]
+        linear = np.empty((0, compliant.LINEAR, 0)) if into.linear is None else into.linear[group]
         seen = np.empty((0, 0)) if into.seen is None else into.seen[group]
         compliant.compliant_states(
             np.append(p, 0.0)[columns], np.append(into.slots, len(into.jacobian) - 1)[columns],
@@ -177,7 +185,7 @@ class MuscleTendonSimulator(Simulator):
         """The model and its derivatives by columns and drives, of `lengths` too, in one pass."""
         p, n = np.array(values, dtype=np.float64), self._n
         leg = self._movement.at(p, columns)
-        linear = np.zeros((2, 2, 5, n))
+        linear = np.zeros((2, 2, compliant.LINEAR, n))
         seen = np.zeros((2, len(columns) + 1, n)) if lengths else None
         into = self._summed(p, columns, leg, linear, seen)
         length, _, _, force, tissue = np.swapaxes(np.stack(into.states), 0, 1)

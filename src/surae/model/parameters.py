@@ -189,6 +189,7 @@ _LEVELS = "weak and strong efforts of the same muscle"
 _AXIS = "measure where the ankle lies from the device's axis, and fix it"
 _PLATE = "move the plate without the foot, and take its torque away"
 _ANGLES = "efforts at more angles and velocities"
+_REVERSALS = "turn the movement about under steady effort, fast and slowly"
 _M = _measurement
 #: What a model takes beside its own parameters: other drives of the muscles, and what the
 #: laboratory cannot rule out, by the name under which all of a group are freed. All are off at
@@ -212,6 +213,16 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
            straight=True,
            wide=Prior(0.05, 0.4, "short latency 40 ms and the muscle's own delay; assumed"),
            advice="faster and shorter stretches at rest, held for half a second after each"),
+    ),
+    "reflex_length": tuple(
+        _M(f"reflex_length_{group}", "N/m", f"reflex to length beyond slack, {muscle}", 0.0, 1e6,
+           _HOLD)
+        for group, muscle in _GROUPS.items()
+    ),
+    "reflex_force": tuple(
+        _M(f"reflex_force_{group}", "-", f"reflex to the tissue's force, {muscle}", 0.0, 10.0,
+           _HOLD)
+        for group, muscle in _GROUPS.items()
     ),
     "crosstalk": tuple(
         _M(name, "-", f"crosstalk of {MUSCLES[of]} at {MUSCLES[hears]}", 0.0, 0.3,
@@ -281,6 +292,12 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
         _M("fv_curve", "-", "logarithm of the force–velocity curve's bend", -1.0, 1.0, _ANGLES),
         _M("fv_stretch", "-", "logarithm of the force gained in stretch", -1.0, 1.0, _ANGLES),
     ),
+    "bridges": (
+        _M("bridge_stiffness", "-", "short-range stiffness, in forces per optimal length", 0.0,
+           200.0, _REVERSALS),
+        _P("bridge_reach", "-", "stretch at which bridges yield, as a part of the optimal length",
+           "measurement", 0.01, 0.001, 0.05, straight=True, advice=_REVERSALS),
+    ),
     "emg_power": (_M("emg_power", "-", "power of force over EMG, less one", -0.7, 1.0, _LEVELS),),
     "release": (
         _M("release", "s", "time by which force falls later than it rises", -0.05, 0.15,
@@ -308,3 +325,5 @@ OPTIONAL_PARAMETERS: tuple[Parameter, ...] = tuple(chain(*_OPTIONAL.values()))
 OPTIONAL: dict[str, tuple[str, ...]] = {
     group: tuple(p.name for p in members) for group, members in _OPTIONAL.items()
 }
+#: Groups that models of rigid tendons have not.
+COMPLIANT_ALONE = ("curves", "bridges", "reflex_length", "reflex_force")

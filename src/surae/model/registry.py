@@ -18,6 +18,7 @@ from surae.model.geometry_table import GeometryTable
 from surae.model.options import ModelOptions
 from surae.model.parameter import Parameter, adapted
 from surae.model.parameters import (
+    COMPLIANT_ALONE,
     MUSCLE_PARAMETERS,
     OPTIONAL,
     OPTIONAL_PARAMETERS,
@@ -114,11 +115,11 @@ def with_optional(spec: ModelSpec, names: Iterable[str]) -> ModelSpec:
         `spec` itself where nothing is to be added.
     """
     mentioned = {*names, *spec.optional}
-    curves = spec.parent is not None  # the rigid kernels have (16) and (17) as they are printed
+    compliant = spec.parent is not None  # the rigid kernels have what the thesis prints
     wanted = {
         p
         for name, group in OPTIONAL.items()
-        if mentioned.intersection(group) and (curves or name != "curves")
+        if mentioned.intersection(group) and (compliant or name not in COMPLIANT_ALONE)
         for p in group
     }
     added = tuple(p for p in OPTIONAL_PARAMETERS if p.name in wanted)

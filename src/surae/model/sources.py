@@ -51,6 +51,7 @@ class Nuisance:
     #: Priors where the geometry is the person's own, see `geometry_of` of a fit.
     measured: Mapping[str, Gaussian] = field(default_factory=FrozenDict)
     departs: bool = False  #: Whether it is in the model only where the data ask for it.
+    rare: bool = False  #: Whether it is looked for by itself before it is weighed with all others.
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,6 +268,25 @@ _SOURCES = (
             "reflex", OPTIONAL["reflex"], Gaussian(0.0, 2000.0), "N·s/m",
             "some Nm at a stretch of 3 rad/s; assumed", of_leg=True, departs=True,
             own=FrozenDict({"reflex_delay": Gaussian(0.05, 0.015, off=0.05)}))),
+    UncertaintySource(
+        "reflex_length", "reflex to length", "force that answers a held stretch",
+        N_("record a slow and a quick stretch at rest"), Fill("series-1", "\\"), Nuisance(
+            "reflex_length", OPTIONAL["reflex_length"], Gaussian(0.0, 1e4), "N/m",
+            "some Nm at a stretch of a centimetre; assumed", of_leg=True, departs=True, rare=True)),
+    UncertaintySource(
+        "reflex_force", "reflex to force", "force that answers the force of stretched tissue",
+        N_("record a slow and a quick stretch at rest"), Fill("series-1", "+"), Nuisance(
+            "reflex_force", OPTIONAL["reflex_force"], Gaussian(0.0, 0.3), "",
+            "of spastic muscles (Falisse et al. 2018); size assumed", of_leg=True, departs=True,
+            rare=True)),
+    UncertaintySource(
+        "bridges", "short-range stiffness", "force of bridges that hold until they yield",
+        N_("turn the movement about under steady effort, fast and slowly"), Fill("series-3", "\\"),
+        Nuisance(
+            "bridges", OPTIONAL["bridges"], Gaussian(23.0, 12.0, off=0.0), "",
+            "23 forces per length (Cui et al. 2008), over half to one and a half percent (Rack and "
+            "Westbury 1974; De Groote et al. 2018)", of_leg=True, departs=True, rare=True,
+            own=FrozenDict({"bridge_reach": Gaussian(0.01, 0.004, off=0.01)}))),
     UncertaintySource(
         "angle_zero", "zero of the angle", "how far the angle’s zero is from the ankle’s own",
         N_("strap the foot tighter, or measure the angle at the ankle"), Fill("measured", "/"),

@@ -35,7 +35,7 @@ class Sums:
     #: Rows of the parameters that turn the path: those of `MusclePath.arm_slopes` and the like.
     turned: IntArray
     #: Are filled where there is room: what `surae.model.compliant.drive_columns` needs of both
-    #: groups, (2, 2, 5, n), and derivatives of their lengths, (2, rows, n).
+    #: groups, (2, 2, 8, n), and derivatives of their lengths, (2, rows, n).
     linear: FloatArray | None = None
     seen: FloatArray | None = None
     states: list[FloatArray] = field(default_factory=list)  #: Of each group, (5, n), compliant.

@@ -44,9 +44,9 @@ class ThesisSimulator(MuscleTendonSimulator):
     def __init__(
         self, inputs: ModelInputs, options: ModelOptions, optional: Sequence[str] = ()
     ) -> None:
-        if set(OPTIONAL["curves"]).intersection(optional):
+        if {*OPTIONAL["curves"], *OPTIONAL["bridges"]}.intersection(optional):
             raise InputError(
-                "integrator explicit-euler has no fl_ and fv_ parameters; use implicit"
+                "integrator explicit-euler has no fl_, fv_ and bridge_ parameters; use implicit"
             )
         super().__init__(inputs, options, optional)
 

@@ -16,7 +16,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from surae._version import __version__
-from surae.api import GOOD_FOR, PROFILES, TASKS, Trajectory, ready_protocols
+from surae.api import PROFILES, TASKS, Trajectory, ready_protocols
 from surae.base.errors import InputError
 from surae.base.files import PathLike, template
 from surae.base.names import TELLING
@@ -44,7 +44,7 @@ _MOVEMENTS = [
         {"name": each.name, "description": each.description, "designed": True}
         for each in ready_protocols().values()
     ),
-    *({"name": name, "description": GOOD_FOR[name], "designed": True} for name in TELLING),
+    *({"name": name, "description": TELLING[name], "designed": True} for name in TELLING),
     *({"name": each.name, "description": each.description} for each in PROFILES.values()),
     {"name": MAXIMUM, "description": "Largest efforts, held still: what all others are a part of."},
 ]

@@ -12,11 +12,11 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
-from surae.base.words import N_
 from surae.protocol.adaptation import Adaptation, fit_device, peaks
 from surae.protocol.device import Device
 from surae.protocol.profiles import smooth_step
 from surae.protocol.protocol import Given, Trajectory
+from surae_nerve.expected import expected
 
 #: Length of a perturbation [s], and its size from end to end [rad].
 SECONDS, SIZE = 60.0, 0.03
@@ -34,14 +34,6 @@ OF_FASTEST = 0.9
 ENDS = (0.1, 0.8)
 #: Hold after a stretch, wait before the next [s], and speed of the way back [rad/s].
 HOLDS, RESTS, BACK = (2.0, 3.5), (2.5, 6.0), 0.3
-#: What a movement is good for, in words.
-GOOD_FOR = {
-    **dict.fromkeys(
-        ("prbs", "pralds", "multisine"),
-        N_("Small random movements: how much is tissue, and reflex."),
-    ),
-    "stretches": N_("Slow and fast stretches at rest: how much is tissue, and reflex."),
-}
 #: Rate at which a movement is shaped [Hz].
 _FINE = 2000.0
 
@@ -157,3 +149,19 @@ def telling(
     )  # fmt: skip
     effort = np.zeros((len(time), 4))
     return Trajectory(given, time, angle, velocity, acceleration, effort, adaptation)
+
+
+def words(trajectory: Trajectory) -> list[str]:
+    """What a movement is for and will tell of a usual ankle, in lines."""
+    name, seconds = trajectory.settings.profile, trajectory.time[-1]
+    if name not in PERTURBATIONS:
+        speeds = f"up to {math.degrees(abs(trajectory.velocity).max()):.0f} °/s"
+        return [f"{name}: {seconds:.0f} s, {speeds}, of the relaxed leg; then surae stretches."]
+    return [
+        f"{name}: {seconds:.0f} s about the middle of the range; then surae impedance. "
+        "Of a usual ankle with a reflex it tells, by noise alone:",
+        *(
+            f"  {measure} {own.value:g}: {own.low:.3g} to {own.high:.3g}"
+            for measure, own in expected(trajectory.time, trajectory.angle).items()
+        ),
+    ]
