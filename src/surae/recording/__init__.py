@@ -1,7 +1,8 @@
 """Files to recordings: readers, units and signs, provenance."""
 
 from surae.recording.hdf5 import write_hdf5
-from surae.recording.inspection import InspectedChannel, Inspection, inspect
+from surae.recording.inspected_channels import InspectedChannel, Inspection
+from surae.recording.inspection import inspect
 from surae.recording.mapping_text import mapping_text
 from surae.recording.reading import read
 from surae.recording.recording import (

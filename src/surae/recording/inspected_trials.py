@@ -10,7 +10,8 @@ from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.recording.described import toml_value
 from surae.recording.formats import trial_names
-from surae.recording.inspection import Inspection, inspect
+from surae.recording.inspected_channels import Inspection
+from surae.recording.inspection import inspect
 from surae.recording.mapping import TRIAL
 from surae.recording.mapping_text import mapping_text
 from surae.recording.table import some

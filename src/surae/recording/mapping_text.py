@@ -7,7 +7,7 @@ from pathlib import Path
 from surae.base.files import PathLike, shown
 from surae.base.units import FACTORS, kind, stated
 from surae.recording.described import toml_value
-from surae.recording.inspection import InspectedChannel, Inspection
+from surae.recording.inspected_channels import InspectedChannel, Inspection
 from surae.recording.recording import FILM_ROLES, MUSCLES, ROLES
 from surae.recording.roles import unit_is_volts
 
