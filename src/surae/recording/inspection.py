@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from surae.base.errors import InputError
-from surae.base.files import PathLike, paths_of
+from surae.base.files import PathLike, paths_of, shown
 from surae.base.frozen import FrozenDict
 from surae.base.units import FloatArray
 from surae.base.words import N_
