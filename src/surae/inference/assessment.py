@@ -207,14 +207,9 @@ def _believed(
 
 
 def _parameters(
-    result: FitResult,
-    estimated: Covariance,
-    robust: RobustCovariance | None,
-    known: Uncertainty,
-    interval: Interval,
-    adequacy: Adequacy,
-    against: Contradiction | None,
-) -> dict[str, ParameterEstimate]:
+    result: FitResult, estimated: Covariance, robust: RobustCovariance | None, known: Uncertainty,
+    interval: Interval, adequacy: Adequacy, against: Contradiction | None,
+) -> dict[str, ParameterEstimate]:  # fmt: skip
     problem, withheld = result.problem, adequacy.grade is Grade.INADEQUATE
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     ends = zip(problem.lower.tolist(), problem.upper.tolist(), strict=True)

@@ -78,17 +78,10 @@ def marginal(
         if name == "l0_tib" and not withheld:
             note = _filmed(note, known, problem, table)
         judged[name] = replace(
-            p,
-            sem=budget.sd,
-            sem_robust=None,
-            ci95=ci95,
-            interval=Interval.MARGINAL,
-            verdict=verdict,
-            note=note,
-            ci95_repeat=again,
-            repeatable=repeatable,
+            p, sem=budget.sd, sem_robust=None, ci95=ci95, interval=Interval.MARGINAL,
+            verdict=verdict, note=note, ci95_repeat=again, repeatable=repeatable,
             budget=budget.shares,
-        )
+        )  # fmt: skip
     return judged
 
 
@@ -121,14 +114,9 @@ def _filmed(
 
 
 def _judge(
-    p: ParameterEstimate,
-    half: float,
-    budget: Budget,
-    joint: Joint,
-    *,
-    repeatable: bool,
+    p: ParameterEstimate, half: float, budget: Budget, joint: Joint, *, repeatable: bool,
     withheld: Message | None,
-) -> tuple[Verdict, Message]:
+) -> tuple[Verdict, Message]:  # fmt: skip
     """Verdict, and what is missing and would help."""
     relative = half / abs(p.value) if p.value else np.inf
     within_bounds = half < 0.45 * (p.upper - p.lower)

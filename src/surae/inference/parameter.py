@@ -32,14 +32,9 @@ class Verdict(StrEnum):
 
 
 def judge_interval(
-    name: str,
-    value: float,
-    half: float,
-    estimated: Covariance,
-    unit: str = "-",
-    *,
+    name: str, value: float, half: float, estimated: Covariance, unit: str = "-", *,
     withheld: bool = False,
-) -> tuple[Verdict, Message]:
+) -> tuple[Verdict, Message]:  # fmt: skip
     """Verdict and sentence of a parameter that has an interval.
 
     `half` is the half-width of its 95 % interval; its strongest partner is looked up in
