@@ -124,6 +124,9 @@ def _check_other(words: list[str]) -> None:
         assert rest[0] in TARGETS
     elif program == "pip":
         assert rest[0] == "install"
+        if rest[1].startswith("./"):
+            assert (ROOT / rest[1] / "pyproject.toml").exists()
+            return
         own = "(surae(?:-cohort|-exchange|-formats|-nerve|-posterior|-thesis|-workbench)?)"
         match = re.fullmatch(rf"{own}(?:\[([a-z,]+)\])?", rest[1])
         assert match, rest
