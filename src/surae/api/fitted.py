@@ -144,7 +144,7 @@ class Fit(Tabular, AssessedFit):
         draw = plugins("draws", FunctionType).get("arviz")
         if draw is None:
             raise InputError("draws for ArviZ need a package: `pip install surae-posterior`")
-        return draw(self.result, self.assessment, draws, seed, log_likelihood=log_likelihood)
+        return draw(self, draws, seed, log_likelihood=log_likelihood)
 
     def to_xarray(self, recording: int = 0) -> Any:
         """Angle, torque and modelled torque of the fit's first, second, … recording over time.
