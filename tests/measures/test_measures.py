@@ -150,6 +150,7 @@ def test_no_interval_of_what_is_positive_by_nature_goes_below_zero(told, still) 
     several = [*told.values(), *still.measures([0.0]).values()]
     found = [m for m in several if m.ci95 and (m.name.startswith(positive) or m.unit == "%")]
     assert len(found) > 20
+    found += [p for p in still.parameters.values() if p.ci95 and p.lower >= 0.0]
     assert not [m.name for m in found if m.ci95[0] < 0.0]
 
 

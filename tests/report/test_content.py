@@ -77,7 +77,7 @@ def test_coloured_residuals_widen_the_intervals_and_say_so(coloured):
     assert "correlated over time" in parts.text(parts.section(content, "Residual"))
     for name, row in rows_of(content).items():
         p = coloured.assessment.parameters[name]
-        interval = estimate(p.value, p.sem_robust, p.possible_ci95).interval
+        interval = estimate(p.value, p.sem_robust, p.ci95).interval
         assert row["95 % interval"].text == interval
         assert row["SEM (34)"].text == standard_error(p.sem)
         assert row["Robust SEM"].text == standard_error(p.sem_robust)

@@ -234,12 +234,12 @@ def _parameters(
                 j = robust.names.index(name)
                 sem_robust = float(np.sqrt(robust.matrix[j, j]))
             whole, half = (known.half_width(known.along(name), biased=b) for b in (True, False))
-            again, budget = (value - half, value + half), {"noise": 1.0}
+            again, budget = _possible(value, half, lower), {"noise": 1.0}
             repeatable = half <= IDENTIFIED * abs(value) and not withheld
             if whole > half:
                 noise = (half / whole) ** 2  # of a variance that a bias shares, whatever their size
                 budget, half = {"noise": noise, "model": 1.0 - noise}, whole
-            ci95 = (value - half, value + half)
+            ci95 = _possible(value, half, lower)
             verdict, note = judge_interval(name, value, half, estimated, p.unit, withheld=withheld)
             if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
                 note = Message(
@@ -256,6 +256,12 @@ def _parameters(
             verdict, note, again, repeatable, budget,
         )  # fmt: skip
     return parameters
+
+
+def _possible(value: float, half: float, lower: float) -> tuple[float, float]:
+    """An interval of so much to either side; what cannot be below zero is not said to be."""
+    low = value - half
+    return low if lower < 0.0 or value < 0.0 else max(low, 0.0), value + half
 
 
 def outdated(assessment: Assessment) -> str:

@@ -137,15 +137,8 @@ class ParameterEstimate:
     budget: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        known = in_a_line(self.name, self.value, self.possible_ci95, self.unit)
+        known = in_a_line(self.name, self.value, self.ci95, self.unit)
         return f"{known}: {self.verdict}: {self.note}"
-
-    @property
-    def possible_ci95(self) -> tuple[float, float] | None:
-        """The interval as it is shown: what cannot be below zero is not said to be."""
-        if self.ci95 is None or self.lower < 0.0 or self.value < 0.0:
-            return self.ci95
-        return max(self.ci95[0], 0.0), self.ci95[1]
 
     @property
     def trusted_sem(self) -> float | None:

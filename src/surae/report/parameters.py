@@ -87,7 +87,7 @@ def repeatable(p: ParameterEstimate) -> str:
 
 
 def _row(p: ParameterEstimate, prior: Prior | None, next_anchor: str) -> tuple[block.AnyCell, ...]:
-    text = estimate(p.value, p.trusted_sem, p.possible_ci95) if p.free else None
+    text = estimate(p.value, p.trusted_sem, p.ci95) if p.free else None
     again = ""
     if p.ci95_repeat not in (None, p.ci95):
         again = estimate(p.value, p.trusted_sem, p.ci95_repeat).interval

@@ -50,7 +50,7 @@ def estimates_table(estimates: Iterable[ParameterEstimate]) -> TextTable:
     """Parameters, a row each, rounded to what is known of them."""
     rows = []
     for p in estimates:
-        text = estimate(p.value, p.trusted_sem, p.possible_ci95)
+        text = estimate(p.value, p.trusted_sem, p.ci95)
         rows.append((
             p.name, text.value, text.interval, p.unit, repeatable(p), str(p.verdict), p.meaning,
         ))  # fmt: skip
