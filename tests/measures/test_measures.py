@@ -131,7 +131,7 @@ def test_a_doubtful_fit_identifies_no_measure(fitted) -> None:
     fit, _ = fitted(1)
     reason = against("implausible", names="plate_cos")
     doubt = replace(fit.adequacy, grade=Grade.DOUBTFUL, against=(reason,))
-    told = measures(fit.result, replace(fit.assessment, adequacy=doubt))
+    told = measures(replace(fit, assessment=replace(fit.assessment, adequacy=doubt)))
     sure = {m.name for m in fit.measures().values() if m.verdict is Verdict.IDENTIFIED}
     assert "end_stiffness" in sure
     assert Verdict.IDENTIFIED not in {m.verdict for m in told.values()}

@@ -63,7 +63,7 @@ def test_turned_signs_are_named_with_what_fits_better(population, turned, codes)
     assert set(findings) == codes
     if turned:
         first = findings[f"{turned[0]}-sign"]
-        assert f"The {' and the '.join(turned)} " in first.message
+        assert f"the {' and the '.join(turned)} " in first.message
         assert "turned: with that" in first.message
         assert all(f"--sign {role}=-1" in first.advice for role in turned)
         assert "R² rises from" in first.message

@@ -39,10 +39,11 @@ from surae.inference.learning import (
 )
 from surae.inference.least_squares import Outcome
 from surae.inference.noise import NoiseModel
-from surae.inference.observed import REST, Observed
+from surae.inference.observed import REST, Observed, measured
 from surae.inference.population import WIDENED, wide_priors
 from surae.inference.posterior import LogPosterior, Point
 from surae.inference.problem import MASSES, FitProblem
+from surae.inference.residuals import simulators
 from surae.inference.result import TENDONS, FitResult, PosteriorMode, Stage, Start
 from surae.inference.summed import summed
 from surae.model import get_model, with_optional
@@ -205,13 +206,13 @@ class _Search:
         simplest, most = self._simplest()
         chosen = self._choose(values, noise)
         self._stage("departures", 2, chosen[1].cost)
-        share = self._followed(chosen[:2])
+        share = followed(*chosen[:2], self._inputs)
         if share < most - _LESS:
             # latents have taken what parameters can follow: without them, and from where these do
             self._hold()
             again = self._choose(simplest, noise)
             self._stage("again", 2, again[1].cost)
-            if (other := self._followed(again[:2])) > share:
+            if (other := followed(*again[:2], self._inputs)) > share:
                 chosen, share = again, other
         rests = self._moved < _RESTS
         outcome = str(Outcome.CONVERGED if rests else Outcome.ITERATIONS)
@@ -237,7 +238,12 @@ class _Search:
     def _simplest(self) -> tuple[Mapping[str, float], float]:
         """Values of the simplest member, and the part of the torque's variance they follow."""
         plain = self._rigid(self._given(_RATES[1]))
-        return plain.values, explained(plain.problem.inputs, plain.residuals)
+        whole = replace(plain.problem, inputs=self._inputs)
+        values = whole.spec.vector(plain.values, whole.options)
+        both = zip(simulators(whole), self._inputs, strict=True)
+        return plain.values, explained(
+            self._inputs, [s.torque(values) - measured(r) for s, r in both]
+        )
 
     def _rigid(self, inputs: Sequence[ModelInputs], **changes: Any) -> FitResult:
         """The fit of the simplest member, from its own start."""

@@ -90,9 +90,9 @@ class Measures(Tabular, Mapping[str, Measure]):
                 missing.setdefault(m.note, []).append(m.name)
             else:
                 text = of_interval(m.value, m.ci95)
-                rows.append((m.name, text.value, text.interval, m.unit, m.note, str(m.verdict)))
+                rows.append((m.name, text.value, text.interval, m.unit, str(m.verdict), m.note))
         return TextTable(
-            ("measure", "value", "95 % interval", "unit", "note", "verdict"),
+            ("measure", "value", "95 % interval", "unit", "verdict", "note"),
             tuple(rows),
             above=(f"{self.model}: {self.adequacy.grade}", *self.adequacy.reasons),
             below=tuple(f"{', '.join(names)}: {why}" for why, names in missing.items()),
