@@ -55,8 +55,17 @@ LONG = {
                  "how-to/run-a-study", "how-to/script-it", "how-to/before-and-after",
                  "how-to/design-a-protocol", "methods/measures")
 }  # fmt: skip
+#: Pages that take seconds, and functions whose examples do: CI runs them.
+SECONDS = {f"docs/how-to/{page}.md" for page in ("how-much-is-nerve", "measure-a-leg", "check")}
+SECONDS |= {"load_session", "plan_session", "session"}
 #: Targets of the Makefile, and extras of the package.
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
+
+
+def marked(page: str) -> object:
+    """A page or a function's example, with the mark of what it takes."""
+    slow, long = pytest.mark.slow, pytest.mark.long
+    return pytest.param(page, marks=slow if page in LONG else long if page in SECONDS else ())
 
 
 def extras_of(folder: str = "") -> dict[str, list[str]]:
@@ -296,9 +305,7 @@ def test_commands_have_the_options_that_long_pages_give_them(workplace):
 
 
 @pytest.mark.usefixtures("undrawn", "few", "small_example", "quick_fits")
-@pytest.mark.parametrize(
-    "page", [pytest.param(page, marks=pytest.mark.slow if page in LONG else ()) for page in PAGES]
-)
+@pytest.mark.parametrize("page", [marked(page) for page in PAGES])
 def test_a_page_works_as_it_is_printed(page, workplace, surae):
     namespace: dict[str, object] = {"__name__": "printed"}
     skip = SHOWN.get(page)
@@ -345,7 +352,7 @@ FUNCTIONS = {
 
 
 @pytest.mark.usefixtures("undrawn", "few", "small_example", "quick_fits", "workplace")
-@pytest.mark.parametrize("page", FUNCTIONS)
+@pytest.mark.parametrize("page", [marked(name) for name in FUNCTIONS])
 def test_a_function_has_an_example_that_runs(page):
     if page == "load_session":
         surae_package.session("leg", mapping="corrected.toml").run("OUT")
