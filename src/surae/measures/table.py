@@ -46,7 +46,8 @@ class Definition:
     points: tuple[float, ...] = (0.0,)
     of: str = ""  #: A muscle group, or a part of the torque; empty where it is of the whole leg.
     is_angle: bool = False  #: Whether its value is an angle, of which 10 % mean nothing.
-    of_recordings: bool = False  #: Whether it is made of the recordings and not of the leg alone.
+    #: Whether it is made of the recordings and not of the leg alone; such a measure is never negative.
+    of_recordings: bool = False
     #: Of one over the range that was moved, from where to where [deg]; its point is the end of that
     #: range, infinity for the recordings' own. No zero of the angle matters to it.
     span: Callable[[Leg, float], tuple[float, float]] | None = field(default=None, compare=False)
