@@ -46,7 +46,7 @@ class Definition:
     points: tuple[float, ...] = (0.0,)
     of: str = ""  #: A muscle group, or a part of the torque; empty where it is of the whole leg.
     is_angle: bool = False  #: Whether its value is an angle, of which 10 % mean nothing.
-    #: Whether it is made of the recordings and not of the leg alone; such a measure is never negative.
+    #: Whether it is made of the recordings and not of the leg alone; it is never negative then.
     of_recordings: bool = False
     #: Of one over the range that was moved, from where to where [deg]; its point is the end of that
     #: range, infinity for the recordings' own. No zero of the angle matters to it.
