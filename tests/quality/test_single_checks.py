@@ -293,6 +293,27 @@ def test_constant_signals_break_nothing(value) -> None:
     assert codes(check_recording(made)).count("emg-flat") == 4
 
 
+@pytest.mark.parametrize(("rate", "bursts", "said"), [
+    (128.0, 0.0, []), (1000.0, 0.0, []), (128.0, 1.0, ["error"]), (1000.0, 1.0, ["error"]),
+])  # fmt: skip
+def test_an_envelope_of_a_muscle_at_rest_is_not_raw(recording, rate, bursts, said) -> None:
+    """Noise of one strength on a constant may be an envelope's; EMG that comes and goes is not."""
+    time = np.arange(0.0, 30.0, 1 / rate)
+    noise = np.random.default_rng(7).standard_normal(time.size)
+    emg = 2.6e-6 * (1 + 0.03 * noise * (1 + bursts * 2 * (np.sin(time) > 0)))
+    channel = Channel("emg_ta", read_only(time), read_only(emg), "V", "")
+    made = replace(recording, channels={**recording.channels, "emg_ta": channel})
+    kind = [f for f in check_recording(made).findings if f.code == "emg-kind"]
+    assert [f.severity for f in kind] == said
+    assert all(f.message.endswith("raw on an offset).") for f in kind)
+
+
+def test_a_relaxed_trial_of_another_generator_is_not_called_raw(tmp_path) -> None:
+    laboratory = pytest.importorskip("ankle_legs.laboratory")
+    folder = laboratory.write(laboratory.measure("a", 981, ("slow",)), tmp_path)
+    assert "emg-kind" not in codes(surae.check(folder / "slow.csv"))
+
+
 def test_channels_that_share_no_time_are_not_compared() -> None:
     time = np.arange(400) / 100.0
     angle = Channel("angle", read_only(time), read_only(np.sin(time)), "rad", "")

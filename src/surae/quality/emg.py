@@ -56,14 +56,14 @@ def kind(trial: CheckedTrial) -> Iterator[Finding]:
     for role, sentence in emg_contradictions(trial.recording).items():
         if role.removeprefix("emg_") in trial.slow:
             channel = trial.recording.channels[role]
-            statement, _, advice = sentence.partition(": ")
+            statement, _, advice = sentence.partition("): ")
             if declared == "raw":
                 advice += "; a fit refuses it else, unless all signals are prepared (--prepared)"
             yield make_finding(
                 "emg-kind", role, trial.span, float(channel.values.min()), advice="emg-kind/looks",
                 # An envelope is right where all signals are prepared, as --prepared says.
                 severity="error" if declared == "envelope" else "warning", unit=channel.unit,
-                statement=statement, advised=f"{advice[:1].upper()}{advice[1:]}",
+                statement=f"{statement})", advised=f"{advice[:1].upper()}{advice[1:]}",
             )  # fmt: skip
             return
 
