@@ -15,9 +15,9 @@ _SLOW = 40.0
 _LIFTED = 0.5
 #: Averaged over this time [s], raw EMG leaves its drift; an envelope stays nearly as it is.
 _DRIFT_S = 0.1
-#: What is fast changes less than by this factor, between the strongest and the weakest tenths of its
-#: pieces of so long [s], where it is noise of one strength: 1.4 in white noise at 128 Hz, 2 and
-#: more in EMG of a muscle that comes and goes.
+#: What is fast is noise of one strength where the strongest and the weakest tenths of its pieces
+#: of so long [s] differ by less than this factor: 1.4 in white noise at 128 Hz, 2 and more in EMG
+#: of a muscle that comes and goes.
 _STEADY, _PIECE_S = 1.6, 0.5
 #: Negative samples by this part of the highest are more than a filter's ringing.
 _NEGATIVE = 0.1
