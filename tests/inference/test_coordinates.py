@@ -5,8 +5,10 @@ import pytest
 
 from richer_legs import richer_leg
 from surae.inference import make_problem
+from surae.inference.alternation import NEARLY_NONE
 from surae.inference.coordinates import Coordinates, is_straight
-from surae.inference.family import _NEARLY_NONE, _Search, _white
+from surae.inference.family import Family
+from surae.inference.valleys import white_noise
 from surae.model.laboratory import Gaussian
 from surae.model.parameters import OPTIONAL
 from surae.protocol import Protocol, generate
@@ -54,8 +56,8 @@ def test_each_of_several_recordings_has_its_level_at_rest() -> None:
     """It differs between trials, and shared by force it makes claims of joint fits false."""
     legs = [richer_leg(0, trial=trial, rate_hz=64.0, duration=12.0).inputs for trial in (0, 1)]
     problem = make_problem(legs, "auto")
-    search = _Search(problem, None)
-    post = search._posterior((), 64.0, _white(problem, 0.1), _NEARLY_NONE)
+    white = white_noise(problem, 0.1)
+    post = Family(problem).posterior((), 64.0, white, NEARLY_NONE)
     point = post.descend(post.start({}), evaluations=0, tolerance=1.0)
     assert {*post.own} == {"torque_zero", *OPTIONAL["emg_rest"]}
     at = [post.own_of(number) for number in (0, 1)]

@@ -16,11 +16,11 @@ from surae.inference import AssessedFit, LeastSquares, Verdict, assess, make_pro
 from surae.inference.adequacy import _laboratory, judge_adequacy
 from surae.inference.coordinates import is_straight
 from surae.inference.each import trial_spread
-from surae.inference.family import resumed
 from surae.inference.latent import emg_noise
 from surae.inference.learning import learnt_noise
 from surae.inference.marginal import _by_path
 from surae.inference.saved.fit_json import load_saved, save_fit
+from surae.inference.search import resumed
 from surae.model import with_optional
 from surae.model.laboratory import ALL, laboratory
 from surae.model.parameters import OPTIONAL

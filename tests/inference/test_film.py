@@ -9,11 +9,13 @@ from scipy.signal import lfilter
 import surae
 from surae.base.frozen import read_only
 from surae.inference import make_problem
-from surae.inference.family import _BEGIN, _Search, _white
+from surae.inference.alternation import BEGIN
+from surae.inference.family import Family
 from surae.inference.fascicles import followed
 from surae.inference.film import noise_of_film
 from surae.inference.noise import NoiseModel
 from surae.inference.posterior import LogPosterior
+from surae.inference.valleys import white_noise
 from surae.model import ModelOptions, get_model, with_optional
 from surae.protocol import Protocol, generate
 from surae.signals import Film
@@ -50,8 +52,8 @@ def filmed():
 
 @pytest.fixture(scope="module")
 def posterior(filmed) -> LogPosterior:
-    search = _Search(make_problem([filmed[0]], "auto"), None)
-    return search._posterior(("arm", "curves"), 64.0, _white(search._original, 0.05), _BEGIN)
+    family = Family(make_problem([filmed[0]], "auto"))
+    return family.posterior(("arm", "curves"), 64.0, white_noise(family.original, 0.05), BEGIN)
 
 
 @pytest.fixture(scope="module")
@@ -117,8 +119,8 @@ def test_fast_gains_reach_the_frames(point) -> None:
 
 def test_a_film_tells_the_length_of_its_muscle(filmed, posterior) -> None:
     recording, _ = filmed
-    search = _Search(make_problem([replace(recording, films=())], "auto"), None)
-    blind = search._posterior(("arm", "curves"), 64.0, posterior.noise, _BEGIN)
+    family = Family(make_problem([replace(recording, films=())], "auto"))
+    blind = family.posterior(("arm", "curves"), 64.0, posterior.noise, BEGIN)
     known = NoiseModel(np.zeros(0), 2e-4**2, np.array([2e-4**2]), 300.0)
     latents = tuple(
         replace(each, films=tuple(replace(film, noise=known) for film in each.films))
@@ -168,8 +170,8 @@ def test_the_trackers_drift_is_followed_faster_than_it_forgets(posterior) -> Non
 
 def test_a_joint_fit_has_one_zero_of_each_film(filmed) -> None:
     recording, _ = filmed
-    search = _Search(make_problem([recording, replace(recording, name="again")], "auto"), None)
-    joint = search._posterior((), 64.0, _white(search._original, 0.05), _BEGIN)
+    family = Family(make_problem([recording, replace(recording, name="again")], "auto"))
+    joint = family.posterior((), 64.0, white_noise(family.original, 0.05), BEGIN)
     at = joint.names.index("film_zero_tib")
     assert joint.names.count("film_zero_tib") == 1
     z, c, w = joint.start({}), joint.still(), joint.expected()

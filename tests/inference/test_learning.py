@@ -8,14 +8,16 @@ from scipy.linalg import block_diag
 
 from surae.base.frozen import read_only
 from surae.inference import make_problem
+from surae.inference.alternation import BEGIN
 from surae.inference.banded import solve_band
-from surae.inference.family import _BEGIN, _Search, _white
+from surae.inference.family import Family
 from surae.inference.laplace import shifts_by_source
 from surae.inference.latent import SOURCES
 from surae.inference.learning import learnt_sizes
 from surae.inference.noise import NoiseModel
 from surae.inference.observed import measured
 from surae.inference.posterior import LogPosterior
+from surae.inference.valleys import white_noise
 from surae.protocol import Protocol, generate
 from surae.signals import Film
 from surae.studies import virtual_subject, virtual_trial
@@ -33,8 +35,8 @@ def a_posterior(seconds: float = 12.0, *, films: bool = False, number: int = 1) 
         length = 0.06 + 0.01 * np.sin(time)
         trial = replace(trial, films=(Film("fascicle_tib", read_only(time), read_only(length)),))
     trials = [replace(trial, name=f"trial {i}") for i in range(number)]
-    search = _Search(make_problem(trials, "auto"), None)
-    return search._posterior((), 64.0, _white(search._original, 0.05), _BEGIN)
+    family = Family(make_problem(trials, "auto"))
+    return family.posterior((), 64.0, white_noise(family.original, 0.05), BEGIN)
 
 
 def dense(posterior: LogPosterior, point) -> dict[str, float]:
@@ -65,7 +67,7 @@ def dense(posterior: LogPosterior, point) -> dict[str, float]:
         H[np.ix_(own, own)] += J @ J.T
     V = np.linalg.inv(H)
     sizes = {}
-    for source, before in _BEGIN.items():
+    for source, before in BEGIN.items():
         square = told = 0.0
         for c, latents, begin in zip(point.c, posterior.latents, spans, strict=True):
             at, K = latents.slices[source], latents.inverses[source]
@@ -84,7 +86,7 @@ def test_sizes_are_those_of_whole_matrices(number) -> None:
     c = [0.05 * rng.standard_normal(len(own)) for own in posterior.still()]
     w = [0.05 * rng.standard_normal(len(own)) for own in posterior.expected()]
     point = posterior.descend(posterior.start({}), c, w, evaluations=0, tolerance=1.0)
-    learnt, whole = learnt_sizes(posterior, point, _BEGIN), dense(posterior, point)
+    learnt, whole = learnt_sizes(posterior, point, BEGIN), dense(posterior, point)
     assert set(learnt) == set(SOURCES)
     for source in SOURCES:
         assert learnt[source] == pytest.approx(whole[source], rel=1e-5), source
@@ -102,7 +104,7 @@ def simulated(posterior: LogPosterior, sizes: dict[str, float], seed: int):
     noise = NoiseModel(np.zeros(0), NOISE**2, np.array([NOISE**2]), float(len(torque)))
     problem = replace(posterior.problem, inputs=(replace(recording, torque=torque),))
     beliefs = posterior.beliefs
-    one = LogPosterior(problem, posterior.priors, [noise], [latents], _BEGIN, beliefs=beliefs)
+    one = LogPosterior(problem, posterior.priors, [noise], [latents], BEGIN, beliefs=beliefs)
     return one, z, c
 
 
@@ -121,9 +123,9 @@ def test_known_sizes_are_learnt(true) -> None:
         one = one.having(mean=z, weight=1e6 * one.weight)  # else it follows some of what was drawn
         point = one.descend(z, evaluations=15, tolerance=0.1)
         for _ in range(5):
-            one = one.having(sizes=learnt_sizes(one, point, _BEGIN))
+            one = one.having(sizes=learnt_sizes(one, point, BEGIN))
             point = one.descend(point.z, point.c, evaluations=10, tolerance=0.1)
-        for source, before in _BEGIN.items():
+        for source, before in BEGIN.items():
             if true[source] < before:
                 assert one.sizes[source] < before
                 continue
@@ -142,7 +144,7 @@ def test_what_the_data_do_not_tell_stays_as_it_was() -> None:
     huge = NoiseModel(np.zeros(0), 1e12, np.array([1e12]), 100.0)
     posterior = posterior.having(noise=(huge,))
     point = posterior.descend(posterior.start({}), evaluations=0, tolerance=1.0)
-    assert learnt_sizes(posterior, point, _BEGIN) == pytest.approx(_BEGIN, rel=1e-3)
+    assert learnt_sizes(posterior, point, BEGIN) == pytest.approx(BEGIN, rel=1e-3)
 
 
 def test_what_makes_estimates_unsure_adds_up_to_their_covariance() -> None:

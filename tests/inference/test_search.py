@@ -13,9 +13,8 @@ from ankle_legs.make import make
 from marks import slow
 from richer_legs import richer_leg
 from surae.base.frozen import read_only
-from surae.inference import Verdict, assess, make_problem, solve
-from surae.inference.family import _Search
-from surae.inference.learning import explained
+from surae.inference import Verdict, assess, make_problem, search, solve
+from surae.inference.look_back import explained
 
 #: By how much less of the torque's changes `auto` may follow than model 1.0 [% of R²].
 LESS = 0.5
@@ -39,15 +38,15 @@ def test_slow_raw_emg_is_followed_as_by_the_simplest_model(tmp_path) -> None:
 
 
 def test_a_search_that_lost_its_way_says_so_and_claims_nothing(monkeypatch) -> None:
-    choose = _Search._choose
+    choose = search.choose
 
-    def lost(self, values, noise):
-        post, point, *others = choose(self, values, noise)
-        z = point.z.copy()
-        z[post.names.index("k_tri")] += np.log(2.0)
-        return post, replace(point, z=z), *others
+    def lost(family, values, noise):
+        chosen = choose(family, values, noise)
+        z = chosen.mode.z.copy()
+        z[chosen.posterior.names.index("k_tri")] += np.log(2.0)
+        return replace(chosen, mode=replace(chosen.mode, z=z))
 
-    monkeypatch.setattr(_Search, "_choose", lost)
+    monkeypatch.setattr(search, "choose", lost)
     result = solve(make_problem([richer_leg(0, rate_hz=64.0, duration=12.0).inputs], "auto"))
     assert result.status == "failed"
     assert "lost its way" in result.message

@@ -1,6 +1,6 @@
 """What residuals at a mode tell of the noise, of the sizes of the latents, and of the drives."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -50,27 +50,6 @@ def effort_ratio(posterior: LogPosterior, point: Point) -> float:
     if min(len(under), len(at_rest)) < _FEWEST:
         return 0.0
     return float(np.sqrt(np.mean(under**2) / max(np.mean(at_rest**2), 1e-300)))
-
-
-def followed(posterior: LogPosterior, point: Point, inputs: Sequence[ModelInputs]) -> float:
-    """Part of the variance of the torque that parameters alone follow, latents left out."""
-    return explained(
-        inputs, [posterior.observed.plain_residual(point.z, r, i) for i, r in enumerate(inputs)]
-    )
-
-
-def explained(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) -> float:
-    """Part of the variance of the torque of recordings that is not in their residuals.
-
-    Samples count as their weights say; −∞ of residuals that are not finite.
-    """
-    left = whole = 0.0
-    for recording, e in zip(inputs, residuals, strict=True):
-        w = np.ones(recording.n) if recording.weight is None else recording.weight
-        torque = measured(recording)
-        left += float(w @ e**2)
-        whole += float(w @ (torque - np.average(torque, weights=w)) ** 2)
-    return 1.0 - left / max(whole, 1e-300) if np.isfinite(left) else -np.inf
 
 
 def learnt_sizes(

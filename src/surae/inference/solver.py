@@ -4,11 +4,11 @@ from functools import partial
 
 from surae.base.errors import InputError
 from surae.base.progress import SearchProgress
-from surae.inference.family import fit_family
 from surae.inference.fit import fit_problem
 from surae.inference.outliers import fit_robust
 from surae.inference.problem import FitProblem
 from surae.inference.result import FitResult
+from surae.inference.search import fit_family
 from surae.inference.starts import Follow
 from surae.model.laboratory import AUTO
 

@@ -10,7 +10,9 @@ from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.base.words import Message
 from surae.inference.conflict import conflicts
+from surae.inference.departures import Chosen
 from surae.inference.evidence import Subset
+from surae.inference.family import Family
 from surae.inference.laplace import (
     UNSUPPORTED,
     between_subsets,
@@ -20,7 +22,6 @@ from surae.inference.laplace import (
 )
 from surae.inference.least_squares import Outcome
 from surae.inference.posterior import LogPosterior, Point
-from surae.inference.problem import FitProblem
 from surae.inference.residuals import jacobian_root
 from surae.inference.result import (
     LARGEST,
@@ -35,24 +36,21 @@ from surae.inference.result import (
 )
 from surae.model.laboratory import COMPLIANT, group_of, laboratory
 from surae.model.sources import NUISANCES
-from surae.signals import ModelInputs
 
 #: Ends of starts agree whose −2 ln p differ by less.
 _ALIKE = 2.0
 
 
 def summed(
-    post: LogPosterior, point: Point, scored: tuple[Subset, ...], names: tuple[str, ...],
-    inputs: tuple[ModelInputs, ...], original: FitProblem,
-    met: Sequence[tuple[float, Start]], stages: Sequence[Stage], outcome: str,
+    chosen: Chosen, family: Family, met: Sequence[tuple[float, Start]], stages: Sequence[Stage],
+    outcome: str,
 ) -> FitResult:  # fmt: skip
-    """The fit at a mode, and what makes it unsure.
-
-    `scored` are all sets of departures, the chosen one first; `names` are what their modes are of.
-    """
+    """The fit at a mode, and what makes it unsure."""
+    post, point, sets = chosen.posterior, chosen.mode, chosen.sets
+    original, inputs = family.original, family.inputs
     blocks, V = point.blocks, post.covariance(point)
     shifts = shifts_by_source(post, blocks, V)
-    departures = between_subsets(scored, names, post, V)
+    departures = between_subsets(sets, chosen.names, post, V)
     beta = post.by_name(point.z).get("beta", 1.0)
     shifts["model"] = np.concatenate([departures, dynamics(post, V, beta, unheard=False)])
     if original.has_unheard:
@@ -81,12 +79,12 @@ def summed(
     bound = [n for n in at_bounds(problem, values, TENDONS) if group_of(n) is None]
     status = "failed" if not finite else "at-bounds" if bound else "converged"
     best = min(cost for cost, _ in met)
-    kept = [scored[0], *(s for s in scored[1:6] if s.weight > UNSUPPORTED)]
-    chosen, *others = (Candidate(COMPLIANT, s.groups, s.evidence, s.weight, {}) for s in kept)
+    kept = [sets[0], *(s for s in sets[1:6] if s.weight > UNSUPPORTED)]
+    first, *others = (Candidate(COMPLIANT, s.groups, s.evidence, s.weight, {}) for s in kept)
     return FitResult(
         problem=problem,
         status=status,
-        message=_message(scored[0], bound, finite),
+        message=_message(sets[0], bound, finite),
         values=values,
         residuals=residuals,
         sse=sse,
@@ -99,7 +97,7 @@ def summed(
             agreeing=sum(cost - best < _ALIKE for cost, _ in met),
             stages=tuple(stages),
             outcome=outcome if finite else str(Outcome.NOT_FINITE),
-            candidates=(replace(chosen, values=FrozenDict(values)), *others),
+            candidates=(replace(first, values=FrozenDict(values)), *others),
             beliefs=FrozenDict(post.beliefs),
             noise=post.noise,
             films=tuple(film.noise for each in post.latents for film in each.films),

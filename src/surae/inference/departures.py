@@ -1,0 +1,163 @@
+"""Which departures the data ask for: the evidence of every set of them, and the best solved anew.
+
+All that are common are in first, the sizes of the latents learnt from the data. Rare ones are
+looked for one by one. Where the residual under effort is much greater than at rest, the size of the
+drives' error is sought by evidence before the choice, if every muscle has an electrode.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surae.inference.alternation import BEGIN, NEARLY_NONE, ROUNDS, Reached, learnt, rested
+from surae.inference.evidence import Subset, subsets, with_likely
+from surae.inference.family import FIRST_HZ, RATE_HZ, Family
+from surae.inference.learning import effort_ratio, learnt_noise
+from surae.inference.look_back import followed, kept
+from surae.inference.noise import NoiseModel
+from surae.inference.posterior import LogPosterior, Point
+from surae.inference.valleys import ROUNDED
+from surae.model.laboratory import DEPARTURES, LAWS, RARE, group_of
+
+#: Active state over which it reaches zero at the greater rate until departures are chosen [N].
+_ROUNDED = 3.0
+#: Slow residual under effort over that at rest from which errors of the drive are sought, and their
+#: standard deviations that are tried.
+_LOUDER, _ERRORS = 1.6, (0.06, 0.11, 0.15, 0.21)
+#: Part of the torque's changes that parameters alone have to follow before: of a model that follows
+#: less, what is left is not the EMG's.
+_FOLLOWED = 0.8
+#: Odds beforehand that a leg or laboratory has a departure.
+_ODDS = 0.3
+#: Probability from which the joint's spring, of which the ankle's stiffness is made, is in, and a
+#: plate beside it, whose weight goes with the angle as the spring does.
+_LIKELY = 0.1
+#: What a rare departure has to gain in −2 ln Z from one point, very strong evidence (Kass and
+#: Raftery, JASA 90 (1995) 773), and the standard deviations by which it has to be there.
+_ASKED, _MOVED = 10.0, 3.0
+#: Departures beside it, but for these two, from which a rare one is left out: of virtual legs that
+#: depart in all ways at once half of what was then called known was false.
+_SEVERAL, _PLAIN = 2, ("reflex", "spring")
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """The posterior with what the data ask for, and its mode."""
+
+    posterior: LogPosterior
+    mode: Point
+    sets: tuple[Subset, ...]  #: All sets of departures, the chosen one first.
+    names: tuple[str, ...]  #: What their modes are of.
+    moved: float  #: How far the last round of the search went, in standard deviations.
+
+
+def choose(family: Family, values: Mapping[str, float], noise: Sequence[NoiseModel]) -> Chosen:
+    """Choose from values without departures, and the noise that they leave."""
+    full, point, possible = _with_all(family, values, noise)
+    sets = with_likely(_scored(full, point, possible), "spring", "plate", _LIKELY)
+    own, mode = family.like(full, sets[0].groups), sets[0].mode
+    best = own.descend(own.like(full, mode), *point.latents_at(mode), evaluations=15, tolerance=0.1)
+    own, best = learnt(own, best, 2 if own.fast else ROUNDS)
+    if own.fast is None and not family.is_perfect:
+        found = learnt(*_with_noise_of_drives(own, best), 1, evaluations=8)
+        own, best = kept(found, (own, best), family.given(RATE_HZ))
+    own, best, moved = rested(own, best)
+    return Chosen(own, best, sets, full.names, moved)
+
+
+def _with_all(
+    family: Family, values: Mapping[str, float], noise: Sequence[NoiseModel]
+) -> tuple[LogPosterior, Point, tuple[str, ...]]:
+    """The posterior with all departures that are to be weighed, its mode, and which they are."""
+    possible = family.possible([g for g in DEPARTURES if g not in (*family.known, *RARE)])
+    sizes = NEARLY_NONE if family.is_still else BEGIN
+    post = family.posterior(possible, FIRST_HZ, noise, sizes, rest=ROUNDED)
+    point = post.descend(post.start(values), evaluations=20, tolerance=1.0)
+    post, point = learnt(post, point, 2, white=True, evaluations=12, tolerance=0.3)
+    full = family.posterior(possible, RATE_HZ, post.noise, post.sizes, rest=_ROUNDED)
+    point = full.descend(full.like(post, point.z), point.c, evaluations=10, tolerance=0.3)
+    if full.rectified and not family.is_still:  # what that noise does is no error of the model
+        full = full.having(fast=0.0, sizes=BEGIN)
+        point = full.descend(point.z, evaluations=25, tolerance=0.3)
+    full, point = learnt(full, point)
+    if rare := _rare(family, full, point, possible):
+        every = (*possible, *rare)
+        more = family.like(full, every)
+        z = more.like(full, point.z)
+        there = more.descend(z, point.c, point.w, evaluations=25, tolerance=0.3)
+        more, there = learnt(more, there)
+        beside = {*_scored(more, there, every)[0].groups} - {*rare, *_PLAIN}
+        if len(beside) < _SEVERAL:
+            full, point, possible = more, there, every
+    # which departures there are would hide behind it; what muscles do that no electrode hears
+    # is loud under effort as well, and no error of another's EMG
+    louder = not family.original.has_unheard and effort_ratio(full, point) > _LOUDER
+    if louder and not family.is_still:
+        inputs = family.given(RATE_HZ)
+        if followed((full, point), inputs) > _FOLLOWED:
+            full, point = kept(_with_errors_of_drives(full, point), (full, point), inputs)
+    return full, point, possible
+
+
+def _scored(post: LogPosterior, point: Point, groups: Sequence[str]) -> tuple[Subset, ...]:
+    """All sets of these groups, of one quadratic."""
+    positions: dict[str, list[int]] = {group: [] for group in groups}
+    off: dict[int, float] = {}
+    for j, name in enumerate(post.names):
+        if name in post.beliefs and (group := group_of(name)) in positions:
+            positions[group].append(j)
+            off[j] = post.beliefs[name].off
+    return subsets(post.laplace(point), positions, off, odds=dict.fromkeys(groups, _ODDS))
+
+
+def _rare(
+    family: Family, full: LogPosterior, point: Point, groups: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Rare departures that the data ask for, each alone beside these, from one point."""
+    there = family.possible(RARE)
+    more = family.like(full, (*groups, *there))
+    z, of = more.like(full, point.z), [group_of(name) for name in more.names]
+    for j, name in enumerate(more.names):
+        z[j] = more.beliefs[name].off if of[j] in there else z[j]
+    sets = {s.groups: s for s in _scored(more, more.again(replace(point, z=z)), there)}
+    gained = {}
+    for group in there:
+        own, at = sets[group,], [j for j, each in enumerate(of) if each == group]
+        if np.any(own.mode[at] - z[at] > _MOVED * np.sqrt(own.variance[at])):
+            gained[group] = sets[()].evidence - own.evidence
+    asked = sorted((g for g in gained if gained[g] > _ASKED), key=lambda g: -gained[g])
+    laws = [group for group in asked if group in LAWS]
+    return tuple(group for group in asked if group not in laws[1:])
+
+
+def _with_noise_of_drives(post: LogPosterior, point: Point) -> Reached:
+    """The posterior in which drives have the noise of their envelopes, and its mode."""
+    if post.fast is not None:
+        return post, point
+    post = post.having(fast=0.0)
+    return post, post.descend(point.z, point.c, evaluations=12, tolerance=0.1)
+
+
+def _with_errors_of_drives(own: LogPosterior, point: Point) -> Reached:
+    """The errors of the drives, at the muscles' frequencies as great as the data ask for."""
+    post, there = _with_noise_of_drives(own, point)
+    # the evidence of each is with white noise that it leaves itself
+    quiet = post.having(noise=learnt_noise(post, there, white=True, anew=True))
+    at = quiet.descend(there.z, there.c, there.w, evaluations=8, tolerance=0.1)
+    quiet = quiet.having(noise=learnt_noise(quiet, at, white=True, anew=True))
+    tried = {0.0: (quiet.evidence(quiet.again(at)), post, there)}
+
+    def better(size: float) -> bool:
+        """Whether this size is the best so far."""
+        # slow latents begin anew, for they have followed what is fast
+        post = own.having(fast=size, sizes=BEGIN)
+        there = post.descend(point.z, evaluations=25, tolerance=0.1)
+        post, there = learnt(post, there, 2, evaluations=8)
+        tried[size] = (post.evidence(there), post, there)
+        return min(tried, key=lambda s: tried[s][0]) == size
+
+    low, middle, high, highest = _ERRORS
+    if better(middle):
+        better(highest if better(high) else low)
+    return min(tried.values(), key=lambda each: each[0])[1:]

@@ -1,0 +1,57 @@
+"""The look back: what parameters alone follow, which no later stage of a search may lose.
+
+Latents can take of the torque what parameters explained before, and a search that lets them ends
+in another valley, with a good fit and false values.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from surae.base.units import FloatArray
+from surae.inference.alternation import Reached
+from surae.inference.family import RATE_HZ, Family
+from surae.inference.observed import measured
+from surae.inference.residuals import simulators
+from surae.signals import ModelInputs
+
+#: By how much less of the torque's variance parameters may follow than before a stage of the
+#: search, or than those of the simplest member do.
+LESS = 0.005
+
+
+def simplest(family: Family) -> tuple[Mapping[str, float], float]:
+    """Values of the simplest member, and the part of the torque's variance they follow."""
+    plain = family.rigid(family.given(RATE_HZ))
+    whole = replace(plain.problem, inputs=family.inputs)
+    values = whole.spec.vector(plain.values, whole.options)
+    both = zip(simulators(whole), family.inputs, strict=True)
+    left = [s.torque(values) - measured(r) for s, r in both]
+    return plain.values, explained(family.inputs, left)
+
+
+def followed(reached: Reached, inputs: Sequence[ModelInputs]) -> float:
+    """Part of the variance of the torque that parameters alone follow, latents left out."""
+    post, point = reached
+    left = [post.observed.plain_residual(point.z, r, i) for i, r in enumerate(inputs)]
+    return explained(inputs, left)
+
+
+def kept(found: Reached, before: Reached, inputs: Sequence[ModelInputs]) -> Reached:
+    """What was found, unless parameters alone follow less of these recordings than before."""
+    return before if followed(found, inputs) < followed(before, inputs) - LESS else found
+
+
+def explained(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) -> float:
+    """Part of the variance of the torque of recordings that is not in their residuals.
+
+    Samples count as their weights say; −∞ of residuals that are not finite.
+    """
+    left = whole = 0.0
+    for recording, e in zip(inputs, residuals, strict=True):
+        w = np.ones(recording.n) if recording.weight is None else recording.weight
+        torque = measured(recording)
+        left += float(w @ e**2)
+        whole += float(w @ (torque - np.average(torque, weights=w)) ** 2)
+    return 1.0 - left / max(whole, 1e-300) if np.isfinite(left) else -np.inf

@@ -1,0 +1,119 @@
+"""`model="auto"`: the mode of one posterior, and which departures the data ask for.
+
+1. Values without departures, from thinned data (`surae.inference.valleys`).
+2. The choice of departures, their sizes and that of the latents learnt (`departures`).
+3. Where latents took what parameters can follow, the choice again without them (`look_back`).
+4. What makes the mode unsure, source by source (`laplace`, `summed`).
+"""
+
+import time
+from dataclasses import replace
+
+from surae.base.errors import InputError
+from surae.base.frozen import FrozenDict
+from surae.base.progress import SearchProgress
+from surae.base.threads import one_blas_thread
+from surae.base.words import Message
+from surae.inference.alternation import NEARLY_NONE, RESTS, Reached
+from surae.inference.departures import Chosen, choose
+from surae.inference.family import RATE_HZ, Family
+from surae.inference.interrupt import postponed_interrupt
+from surae.inference.least_squares import Outcome
+from surae.inference.look_back import LESS, followed, simplest
+from surae.inference.problem import FitProblem
+from surae.inference.result import FitResult, PosteriorMode, Stage
+from surae.inference.summed import summed
+from surae.inference.valleys import first
+from surae.model.laboratory import RIGID
+
+
+def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -> FitResult:
+    """Find the mode of a leg's posterior and all that makes it unsure.
+
+    The problem is of the family's compliant model; which nuisances may be in, its settings say.
+    `progress` is called with stages that are done, how many there are, and −2 ln p. Ctrl-C keeps
+    the rigid model by least squares.
+    """
+    begin = time.perf_counter()
+    family = Family(problem)
+    with one_blas_thread(), postponed_interrupt():
+        try:
+            result = _result(family, progress)
+        except KeyboardInterrupt:
+            result = _stopped(family)
+    return replace(result, seconds=time.perf_counter() - begin)
+
+
+def resumed(result: FitResult) -> Reached:
+    """The posterior that a fit of `fit_family` chose, and its mode."""
+    found = result.found
+    assert isinstance(found, PosteriorMode)
+    with one_blas_thread():
+        family = Family(result.problem)
+        if found.sizes["gain"] == NEARLY_NONE["gain"]:
+            family.hold_still()
+        post = family.posterior(found.candidates[0].groups, RATE_HZ, found.noise, found.sizes)
+        if len(found.films) != sum(len(own.films) for own in post.latents):
+            raise InputError("this fit kept no noise of its films: fit again")
+        noise = iter(found.films)
+        latents = tuple(
+            replace(own, films=tuple([replace(film, noise=next(noise)) for film in own.films]))
+            for own in post.latents
+        )
+        fast = None if family.is_perfect else found.sizes.get("drive")
+        post = post.having(latents=latents, fast=fast)
+        z = post.start(result.values)
+        for j, name in enumerate(post.own):
+            if name in found.each:  # older fits share the EMG at rest
+                post.each(z)[:, j] = found.each[name]
+        return post, post.descend(z, evaluations=20, tolerance=1e-3)
+
+
+def _result(family: Family, progress: SearchProgress | None) -> FitResult:
+    """Search, choose, look back, and sum up."""
+    stages: list[Stage] = []
+
+    def done(name: str, number: int, cost: float) -> None:
+        """Add a stage."""
+        spent = family.evaluations - sum(stage.evaluations for stage in stages)
+        capped = family.capped - sum(stage.capped for stage in stages)
+        stages.append(Stage(name, spent, float(cost), capped))
+        if progress is not None:
+            progress(number, 2, lowest)
+
+    def chosen_from(name: str) -> tuple[Chosen, float]:
+        """What the data ask for, and the part of the torque that parameters alone follow."""
+        chosen = choose(family, values, noise)
+        done(name, 2, chosen.mode.cost)
+        return chosen, followed((chosen.posterior, chosen.mode), family.inputs)
+
+    values, noise, met = first(family)
+    lowest = min(cost for cost, _ in met)
+    done("starts", 1, lowest)
+    plain, most = simplest(family)
+    chosen, share = chosen_from("departures")
+    if share < most - LESS:
+        # latents have taken what parameters can follow: without them, and from where these do
+        family.hold_still()
+        values = plain
+        again, other = chosen_from("again")
+        if other > share:
+            chosen, share = again, other
+    rests = chosen.moved < RESTS
+    outcome = str(Outcome.CONVERGED if rests else Outcome.ITERATIONS)
+    result = summed(chosen, family, met, stages, outcome)
+    if not rests:
+        more = Message("ended/moving", message=result.message, moved=chosen.moved)
+        result = replace(result, message=more)
+    if share >= most - LESS or result.status == "failed":
+        return result
+    message = Message("ended/lost", share=100 * share, most=100 * most, model=RIGID)
+    return replace(result, status="failed", message=message)
+
+
+def _stopped(family: Family) -> FitResult:
+    """What is kept where the user stopped: the rigid model, nothing weighed."""
+    plain = family.rigid(family.inputs, priors=FrozenDict())
+    code = "ended/rigid-without" if family.original.priors else "ended/rigid"
+    found = replace(plain.found, outcome=str(Outcome.INTERRUPTED))
+    return replace(plain, message=Message(code), found=found)
