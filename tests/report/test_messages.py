@@ -56,7 +56,8 @@ def test_every_code_in_the_source_has_a_sentence() -> None:
     said = set()
     for path in files("surae").rglob("*.py"):
         text = path.read_text(encoding="utf-8")
-        said |= set(re.findall(r'Message\(\s*"([a-z]+/[a-zA-Z/-]+)"', text))
+        codes = r'(?:Message|NotDefinedError)\(\s*"([a-z]+/[a-zA-Z/-]+)"'
+        said |= set(re.findall(codes, text))
         said |= {f"found/{code}" for code in re.findall(r'make_finding\(\s*"([a-z/-]+)"', text)}
         said |= {f"against/{code}" for code in re.findall(r'[ =]against\(\s*"([a-z-]+)"', text)}
     assert len(said) > 100

@@ -5,6 +5,8 @@ residual says (continuation). The search begins at a fast and at a slow relaxati
 two valleys.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from surae.base.units import FloatArray
@@ -31,7 +33,7 @@ _BEHIND, _AFAR = 10.0, 0.1
 
 def first(
     family: Family,
-) -> tuple[dict[str, float], tuple[NoiseModel, ...], list[tuple[float, Start]]]:
+) -> tuple[Mapping[str, float], tuple[NoiseModel, ...], list[tuple[float, Start]]]:
     """Values, the noise that they leave, and −2 ln p at each start's end with the start."""
     white = white_noise(family.original, _TEMPER)
     post = family.posterior((), FIRST_HZ, white, NEARLY_NONE, rest=ROUNDED)

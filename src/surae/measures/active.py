@@ -106,7 +106,7 @@ def delay(leg: Leg, _: float) -> float:
     emd of equations (12) and (13).
     """
     if "emd" not in leg.values:
-        raise NotDefinedError("this fit has no delay")
+        raise NotDefinedError("none/delay")
     return 1e3 * leg.values["emd"]
 
 
@@ -116,7 +116,7 @@ def reflex_gain(leg: Leg, at: float) -> float:
     r·f_l(x)·reflex_tri·dx/dθ, once the reflex's delay is over.
     """
     if "reflex_tri" not in leg.values:
-        raise NotDefinedError("this fit has no reflex")
+        raise NotDefinedError("none/reflex")
     hold = leg.hold("tri", at)
     return float(np.radians(hold.arm * hold.lift * leg.values["reflex_tri"] * hold.slope))
 
@@ -143,7 +143,7 @@ def reflex_share(leg: Leg, _: float) -> float:
     Mean |torque by reflex| over mean |torque of active contraction|.
     """
     if any(parts.reflex is None for parts in leg.parts):
-        raise NotDefinedError("this fit has no reflex")
+        raise NotDefinedError("none/reflex")
     reflex = np.concatenate([parts.reflex for parts in leg.parts if parts.reflex is not None])
     neural = np.concatenate([parts.neural for parts in leg.parts])
     return 100.0 * float(np.abs(reflex).mean() / np.abs(neural).mean())
@@ -152,7 +152,7 @@ def reflex_share(leg: Leg, _: float) -> float:
 def _share(sizes: Mapping[str, float], part: str) -> float:
     total = sum(sizes.values())
     if not total > 0.0:
-        raise NotDefinedError("there is no torque, or no movement, to share")
+        raise NotDefinedError("none/share")
     return 100.0 * sizes[part] / total
 
 
@@ -161,7 +161,7 @@ def _alpha(leg: Leg, torque: float) -> float:
     from scipy.optimize import brentq
 
     if leg.active_torque("tri", 0.0, _STRONGEST) < torque:
-        raise NotDefinedError(f"no activity makes {torque:g} Nm at 0°")
+        raise NotDefinedError("none/torque", torque=torque)
     # Where the muscle's force bends back, several states may make it: then the equation is solved.
     alpha = leg.active_state("tri", 0.0, torque)
     if abs(leg.active_torque("tri", 0.0, alpha) - torque) <= 1e-9 * torque:

@@ -34,6 +34,7 @@ from surae.base.frozen import FrozenDict
 from surae.base.normal import Student
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
+from surae.base.words import Message
 from surae.inference.adequacy import Grade
 from surae.inference.parameter import percent
 from surae.measures.quantity import Quantities, Quantity
@@ -87,7 +88,7 @@ class Difference:
     #: Smallest change that these recordings would show in four of five cases.
     smallest: float | None
     verdict: ChangeVerdict  #: ``changed``, ``no change shown`` or ``not comparable``.
-    note: str  #: The verdict in a plain sentence.
+    note: str  #: The verdict in a plain sentence: a `Message`, unless it was read from a file.
     #: `from_deg`, `to_deg`: as of `Measure`.
     from_deg: float | None = None
     to_deg: float | None = None
@@ -182,16 +183,12 @@ def compare_sessions(
     }  # fmt: skip
     weights = _weights([name for name, (draft, _) in drafts.items() if draft.p is not None])
     judged = {name: draft for name, (draft, _) in drafts.items()}
-    multiplicity = (
-        f"{len(weights)} differences were looked at; p-values are Holm’s, four fifths of the "
-        "5 % for three that were fixed beforehand (torque and stiffness of the relaxed ankle, "
-        "k_tri), so that at most 5 % of comparisons without any change claim one. Intervals aren’t "
-        "corrected for multiple comparisons."
-    )
+    multiplicity = Message("change/holm", n=len(weights))
     if withheld := _doubt(before, after, legs=legs):
-        multiplicity = f"No verdict: {withheld}. Differences are shown and not judged."
+        multiplicity = Message("change/none-judged", why=withheld)
         for name in weights:
-            judged[name] = replace(judged[name], p=None, note=f"no verdict: {withheld}")
+            note = Message("change/no-verdict", why=withheld)
+            judged[name] = replace(judged[name], p=None, note=note)
     else:
         adjusted = holm({name: drafts[name][0].p or 0.0 for name in weights}, weights)
         for name, p in adjusted.items():
@@ -204,15 +201,17 @@ def compare_sessions(
     return Change(before, after, measures, parameters, multiplicity, repeated, legs, bool(withheld))
 
 
-def _doubt(before: Quantities, after: Quantities, *, legs: bool) -> str:
+def _doubt(before: Quantities, after: Quantities, *, legs: bool) -> Message | None:
     """Which fits are doubtful: of unchanged pairs of a leg, such called one in four changed."""
-    places = ("of the first leg", "of the second leg") if legs else ("before", "after")
+    places = ("first", "second") if legs else ("before", "after")
     doubtful = [
-        f"the fit {place} is doubtful ({side.adequacy.reasons[0]})"
+        Message(f"change/doubtful/{place}", reason=side.adequacy.reasons[0])
         for place, side in zip(places, (before, after), strict=True)
         if side.adequacy.grade is Grade.DOUBTFUL
     ]
-    return ", and ".join(doubtful)
+    if len(doubtful) < 2:
+        return doubtful[0] if doubtful else None
+    return Message("change/both", one=doubtful[0], other=doubtful[1])
 
 
 def holm(p: Mapping[_Key, float], weights: Mapping[_Key, float]) -> dict[_Key, float]:
@@ -248,13 +247,14 @@ def _difference(
     )  # fmt: skip
     why = _obstacle(before, after, a, b)
     if why or a is None or b is None or a.value is None or b.value is None:
-        return replace(bare, note=f"not comparable: {why}"), math.inf
+        return replace(bare, note=Message("change/not-comparable", why=why)), math.inf
     drawn = sum(s.total**2 if legs else s.session**2 + s.model**2 for s in (a, b))
     between, more = _between(a, baselines)
     scatter = _OF_TENDON if name.partition("@")[0] in _TENDON else SCATTER
     variance = scatter**2 * drawn + 2.0 * between
     if not variance > 0.0:
-        return replace(bare, note="not comparable: it rests on nothing that was estimated"), 1.0
+        note = Message("change/not-comparable", why=Message("measure/nothing"))
+        return replace(bare, note=note), 1.0
     freedom = more * (variance / (2.0 * between)) ** 2 if between > 0.0 else _MANY
     change = Student(b.value - a.value, math.sqrt(variance), freedom)
     draft = replace(bare, difference=change.value, ci95=change.ci95, p=change.p)
@@ -265,24 +265,23 @@ def _obstacle(before: Quantities, after: Quantities, a: Quantity | None, b: Quan
     """Why two values cannot be compared; empty where they can."""
     for side, when in ((a, "before"), (b, "after")):
         if side is None:
-            return f"it was not estimated {when}"
+            return Message(f"change/not-estimated/{when}")
         if side.missing:
-            return side.missing if a and b and a.missing == b.missing else f"{when}, {side.missing}"
+            both = a and b and a.missing == b.missing
+            return side.missing if both else Message(f"change/only/{when}", why=side.missing)
     assert a is not None
     assert b is not None
-    if before.options != after.options:
-        differing = sorted(
-            {n for n in {*before.options, *after.options}
-             if before.options.get(n) != after.options.get(n)}
-        )  # fmt: skip
-        return f"the models were read otherwise ({', '.join(differing)})"
     why = ""
-    if a.from_deg is not None and abs(a.from_deg - (b.from_deg or 0.0)) > _RANGES:
-        why = "the ranges that were moved overlap too little"
+    if before.options != after.options:
+        every = sorted({*before.options, *after.options})
+        differing = [n for n in every if before.options.get(n) != after.options.get(n)]
+        why = Message("change/options", names=", ".join(differing))
+    elif a.from_deg is not None and abs(a.from_deg - (b.from_deg or 0.0)) > _RANGES:
+        why = Message("change/ranges")
     elif a.unit != b.unit:
-        why = f"before in {a.unit}, after in {b.unit}"
+        why = Message("change/units", before=a.unit, after=b.unit)
     elif a.kind == "parameter" and before.model != after.model:
-        why = f"another model: before {before.model}, after {after.model}"
+        why = Message("change/models", before=before.model, after=after.model)
     return why
 
 
@@ -308,20 +307,19 @@ def _judged(draft: Difference, freedom: float, p: float, level: float, *, legs: 
     smallest = float(stdtrit(freedom, POWER) - stdtrit(freedom, level / 2.0)) * sd
     if p < LEVEL:
         more = "more" if draft.difference > 0.0 else "less"
-        than = "in the first leg" if legs else "before"
-        return replace(
-            draft, p=p, smallest=smallest, verdict=ChangeVerdict.CHANGED,
-            note=f"{more} than {than}{_part(draft.difference, draft)}",
-        )  # fmt: skip
-    return replace(
-        draft, p=p, smallest=smallest, verdict=ChangeVerdict.NONE_SHOWN,
-        note=f"no {'difference' if legs else 'change'} shown; one of "
-        f"{smallest:.2g} {draft.unit.strip('-')}{_part(smallest, draft)} would have been",
-    )  # fmt: skip
+        note = Message(f"change/{more}-than-{'first' if legs else 'before'}")
+        note = _with_part(note, draft.difference, draft)
+        return replace(draft, p=p, smallest=smallest, verdict=ChangeVerdict.CHANGED, note=note)
+    least = Message("{size:.2g} {unit}", size=smallest, unit=draft.unit.strip("-"))
+    note = Message(
+        f"change/no-{'difference' if legs else 'change'}",
+        smallest=_with_part(least, smallest, draft),
+    )
+    return replace(draft, p=p, smallest=smallest, verdict=ChangeVerdict.NONE_SHOWN, note=note)
 
 
-def _part(change: float, of: Difference) -> str:
-    """A change in percent of the value before, where that means something."""
+def _with_part(said: Message, change: float, of: Difference) -> Message:
+    """What is said of a change, in percent of the value before too, where that means something."""
     if of.unit == "deg" or not of.before or abs(change) > 10.0 * abs(of.before):
-        return ""
-    return f" ({percent(abs(change / of.before))})"
+        return said
+    return Message("{said} ({percent})", said=said, percent=percent(abs(change / of.before)))

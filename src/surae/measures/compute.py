@@ -11,6 +11,7 @@ from surae.base.errors import ComputationError, InputError
 from surae.base.frozen import FrozenDict
 from surae.base.plugins import plugins
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult, Grade, Verdict
 from surae.inference.parameter import IDENTIFIED, percent
 from surae.inference.uncertainty.combined import Uncertainty
@@ -34,8 +35,6 @@ _STEP = 1e-3
 _ANGLE, _ANY_ANGLE = 2.0, 20.0
 #: Degrees beyond the measured range that still count as measured.
 _BEYOND = 0.5
-#: Why there is no value where equations overflow.
-_NO_NUMBER = "no finite number with these parameters"
 #: Part of the variance that comes through a parameter at its bound, from which that is reported.
 _BOUND = 0.25
 
@@ -52,15 +51,15 @@ class MeasurePoint:
         """Name of the measure, with the point."""
         return self.definition.named(self.at)
 
-    def value(self, leg: Leg) -> tuple[float, str]:
+    def value(self, leg: Leg) -> tuple[float, Message | None]:
         """The measure of a leg; where it has none, NaN and why."""
         try:
             value = self.definition.value(leg, self.at)
         except NotDefinedError as error:
-            return math.nan, str(error)
+            return math.nan, Message(error.code, leg.options.anatomy.worded, **error.values)
         except (ComputationError, OverflowError, ZeroDivisionError):
             value = math.nan
-        return (value, "") if math.isfinite(value) else (math.nan, _NO_NUMBER)
+        return (value, None) if math.isfinite(value) else (math.nan, Message("none/number"))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,7 +69,7 @@ class Evaluated:
     point: MeasurePoint  #: Which.
     value: float | None  #: None where there is none, for the reason `missing`.
     gradient: FloatArray  #: By the free parameters, shape (p,).
-    missing: str = ""  #: Why it has no value or no interval; empty where it has both.
+    missing: Message | None = None  #: Why it has no value or no interval.
 
 
 def points(angles: Sequence[float] = ANGLES, end: float = math.inf) -> tuple[MeasurePoint, ...]:
@@ -170,9 +169,9 @@ def evaluate(
             gradients[i, j] = (high - low) / (2.0 * step * known.scale[j])
             if why := below or above:
                 gradients[i, j] = 0.0
-                edge = "at the edge of what "
-                edge += f"can be computed, by {name}" if why == _NO_NUMBER else f"is defined: {why}"
-                missing[i] = edge
+                computed = why.code == "none/number"
+                edge = "none/edge-computed" if computed else "none/edge-defined"
+                missing[i] = Message(edge, name=name, why=why)
     return tuple(
         Evaluated(point, None if math.isnan(value) else value, gradient, why)
         for point, value, gradient, why in zip(wanted, values, gradients, missing, strict=True)
@@ -200,11 +199,9 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
     unit, value = definition.unit, evaluated.value
     if unit == "Nm/mV" and fit.result.problem.inputs[0].emg_unit == "1":
         unit = "Nm"
-    meaning, missing = (
-        fit.result.problem.options.anatomy.worded(text)
-        for text in (definition.meaning, evaluated.missing)
-    )
-    bare = Measure(name, unit, meaning, value, None, None, Verdict.UNDETERMINED, missing)
+    meaning = fit.result.problem.options.anatomy.worded(definition.meaning)
+    why = evaluated.missing or ""
+    bare = Measure(name, unit, meaning, value, None, None, Verdict.UNDETERMINED, why)
     if value is None or evaluated.missing:
         return bare
     if definition.span:
@@ -212,21 +209,21 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
         bare = replace(bare, from_deg=low, to_deg=high)
     touched = [n for n, g in zip(known.names, evaluated.gradient, strict=True) if g != 0.0]
     if not touched:
-        return replace(bare, verdict=Verdict.FIXED, note="it rests on nothing that was estimated")
+        return replace(bare, verdict=Verdict.FIXED, note=Message("measure/nothing"))
     if lost := [n for n in touched if n in known.lost]:
-        return replace(bare, note=f"no interval: the recordings do not determine {', '.join(lost)}")
+        return replace(bare, note=Message("measure/lost", names=", ".join(lost)))
     g = evaluated.gradient
     half, method = known.half_width(g), "linear"
     ci95 = (value - half, value + half)
     if drawn is not None:
         if np.isnan(drawn).mean() > _LACKING:
-            return replace(bare, note="no interval: some legs that the data allow do not have it")
+            return replace(bare, note=Message("measure/lacking"))
         ends = np.nanpercentile(drawn, [2.5, 97.5])
         if float(np.abs(ends - np.array(ci95)).max()) > _BENT * half:
             low, high = min(float(ends[0]), value), max(float(ends[1]), value)
             ci95, method = (low, high), "draws"
     elif half >= abs(value) and unit != "%":  # so far off no slope tells how the measure bends
-        return replace(bare, note="not determined: its interval is as wide as its value")
+        return replace(bare, note=Message("note/as-wide"))
     elif value >= 0.0:  # what the recordings make is positive by nature
         ci95 = (max(ci95[0], 0.0), ci95[1])
     share = known.repeat_half_width(g) / half if half > 0.0 else 0.0
@@ -240,35 +237,33 @@ def _measure(evaluated: Evaluated, drawn: FloatArray | None, fit: AssessedFit) -
 
 def _judge(
     evaluated: Evaluated, ci95: tuple[float, float], fit: AssessedFit
-) -> tuple[Verdict, str]:
+) -> tuple[Verdict, Message]:
     """Verdict and sentence of a measure that has an interval."""
     assert evaluated.value is not None
     half = max(ci95[1] - evaluated.value, evaluated.value - ci95[0])
     if evaluated.point.definition.is_angle:
         relative, wide = IDENTIFIED * half / _ANGLE, half > _ANY_ANGLE
-        known = f"±{half:.2g}°"
+        known = Message("{half:.2g}°", half=half)
     else:
         relative = half / abs(evaluated.value) if evaluated.value else math.inf
-        wide, known = relative > 1.0, f"±{percent(relative)}"
+        wide, known = relative > 1.0, percent(relative)
     if wide:
-        return Verdict.UNDETERMINED, "not determined: its interval is as wide as its value"
+        return Verdict.UNDETERMINED, Message("note/as-wide")
     adequacy = fit.assessment.adequacy
     if adequacy.grade is not Grade.ADEQUATE:
-        note = "the fit is inadequate: what it says means nothing"
-        if adequacy.grade is Grade.DOUBTFUL:
-            note = f"{known}, but the fit is doubtful: {adequacy.reasons[0]}"
-        return Verdict.WEAK, note
+        doubt = f"measure/{adequacy.grade}"
+        return Verdict.WEAK, Message(doubt, known=known, reason=adequacy.reasons[0])
     if beyond := extrapolated(evaluated, fit.result):
-        return Verdict.WEAK, f"{beyond}; {known} if the model holds there"
+        return Verdict.WEAK, Message("measure/beyond", beyond=beyond, known=known)
     if bound := _through_bound(evaluated, fit.assessment.uncertainty):
-        return Verdict.WEAK, f"it rests on {bound}, which lies at its bound"
+        return Verdict.WEAK, Message("measure/bound", names=bound)
     if relative <= IDENTIFIED:
-        return Verdict.IDENTIFIED, f"known to {known}"
-    return Verdict.WEAK, f"known only to {known}"
+        return Verdict.IDENTIFIED, Message("note/known", percent=known)
+    return Verdict.WEAK, Message("note/known-only", percent=known)
 
 
-def extrapolated(evaluated: Evaluated, result: FitResult) -> str:
-    """What of a measure was not measured, as a sentence; empty where all was."""
+def extrapolated(evaluated: Evaluated, result: FitResult) -> Message | None:
+    """What of a measure was not measured; None where all was."""
     definition, at = evaluated.point.definition, evaluated.point.at
     if definition.at == "deg" or definition.is_angle or definition.span:
         degrees = evaluated.value if definition.is_angle else at
@@ -276,21 +271,21 @@ def extrapolated(evaluated: Evaluated, result: FitResult) -> str:
         if definition.span and definition.is_angle:  # how far before the range's end
             low, high = 0.0, high - low
         if degrees is None or degrees == math.inf or low - _BEYOND <= degrees <= high + _BEYOND:
-            return ""
-        return f"{degrees:.3g}° was not measured ({low:.3g}° to {high:.3g}°)".replace("-", "−")
+            return None
+        return Message("beyond/angle", degrees=degrees, low=low, high=high)
     if definition.at == "s":
         longest = max(float(i.time[-1] - i.time[0]) for i in result.problem.inputs)
-        return "" if at <= longest else f"the recordings last {longest:.2g} s only"
+        return None if at <= longest else Message("beyond/time", seconds=longest)
     if definition.at not in ("N", "Nm"):
-        return ""
+        return None
     leg, group = leg_of(result), "tib" if definition.name.endswith("_tib") else "tri"
     alpha = max(leg.largest_activity[group], 0.0)
     if definition.at == "N":
         ends = (leg.hold(group, angle, alpha).force for angle in measured_range(result))
         most = max(*ends, leg.hold(group, 0.0, alpha).force)
-        return "" if at <= most else f"the tendon was pulled by {most:.0f} N at most"
+        return None if at <= most else Message("beyond/force", force=most)
     most = leg.active_torque(group, 0.0, alpha)
-    return "" if at <= most else f"the muscles added {most:.3g} Nm at most at 0°"
+    return None if at <= most else Message("beyond/torque", torque=most)
 
 
 def _through_bound(evaluated: Evaluated, known: Uncertainty) -> str:

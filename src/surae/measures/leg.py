@@ -13,6 +13,7 @@ import numpy as np
 
 from surae.base.errors import ComputationError
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.inference import FitResult
 from surae.inference.result import LARGEST
 from surae.inference.uncertainty.combined import ZERO
@@ -42,7 +43,11 @@ _ENDS = (-150.0, 150.0)
 
 
 class NotDefinedError(Exception):
-    """A measure that a leg does not have, with the reason as a sentence."""
+    """A measure that a leg does not have: the code of the reason, or a sentence, and its values."""
+
+    def __init__(self, code: str, **values: object) -> None:
+        super().__init__(Message(code, **values))
+        self.code, self.values = code, values
 
 
 @dataclass(frozen=True)
@@ -137,10 +142,10 @@ class Leg:
     def range_to(self, end: float) -> tuple[float, float]:
         """The range that was moved [deg], to a stated end or, of infinity, to its own."""
         if self.moved is None:
-            raise NotDefinedError("no recording says how far the ankle was moved")
+            raise NotDefinedError("none/range")
         low, high = (each - self.values.get(ZERO, 0.0) / _DEGREE for each in self.moved)
         if min(high, end) - low < _LITTLE:
-            raise NotDefinedError("the ankle was hardly moved")
+            raise NotDefinedError("none/moved")
         return low, high if end == math.inf else end
 
     def turned(self, degrees: float) -> float:
@@ -182,14 +187,14 @@ class Leg:
             return self.rigid_length(group, degrees) - length
 
         if not missing(_ENDS[0]) * missing(_ENDS[1]) < 0.0:
-            raise NotDefinedError("no angle of the ankle makes the muscle so long")
+            raise NotDefinedError("none/long")
         return float(brentq(missing, *_ENDS, xtol=1e-12))
 
     def tendon(self, group: str) -> TendonCurve:
         """The tendon's curve, as `surae.model.tendon.tendon_force` takes it."""
         curve = self._muscle(group).curve
         if curve is None:
-            raise NotDefinedError("the tendons of this model are rigid")
+            raise NotDefinedError("none/rigid")
         return curve
 
     def _muscle(self, group: str) -> Muscle:
@@ -269,7 +274,7 @@ class Leg:
         Where an electrode's gain drifts, it is the state that the torque tells.
         """
         if not self.inputs:
-            raise NotDefinedError("no recording says how active the muscles were")
+            raise NotDefinedError("none/activity")
         largest = _largest([tie.active_states(self._vector) for tie in self._simulators])
         return {g: by * largest[g] for g, by in zip(GROUPS, self.gained, strict=True)}
 
@@ -277,7 +282,7 @@ class Leg:
     def largest_force(self) -> Mapping[str, float]:
         """Largest force on each tendon in the recordings [N]: its 99th percentile."""
         if not self.inputs:
-            raise NotDefinedError("no recording says how hard the tendons were pulled")
+            raise NotDefinedError("none/pull")
         return _largest([force for _, force in self._split])
 
     @cached_property

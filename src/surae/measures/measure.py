@@ -31,7 +31,7 @@ class Measure:
     ci95_repeat: tuple[float, float] | None
     #: ``identified``: within 10 % (of an angle within 2°), measured and of an adequate fit.
     verdict: Verdict
-    note: str  #: The verdict in a plain sentence.
+    note: str  #: The verdict in a plain sentence: a `Message`, unless it was read from a file.
     #: ``"linear"``: the interval is that of the covariance; ``"draws"``: of possible legs, as the
     #: measure bends too much for it; empty without an interval.
     method: str = ""

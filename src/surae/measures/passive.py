@@ -126,7 +126,7 @@ def joint_stiffness(leg: Leg, _: float) -> float:
     joint_stiffness of the model: capsule, ligaments and skin beside the muscles.
     """
     if "joint_stiffness" not in leg.values:
-        raise NotDefinedError("the recordings ask for no tissue beside the muscles")
+        raise NotDefinedError("none/beside")
     return leg.joint_stiffness
 
 
@@ -165,10 +165,10 @@ def neutral_angle(leg: Leg, _: float) -> float:
     from scipy.optimize import brentq
 
     if "k_tib" not in leg.values:
-        raise NotDefinedError("the tibialis of this model has no tissue that would balance")
+        raise NotDefinedError("none/balancing")
     ends = [passive_torque(leg, angle) for angle in (_LOWEST, _HIGHEST)]
     if not (np.isfinite(ends).all() and ends[0] * ends[1] < 0.0):
-        raise NotDefinedError(f"the torques balance nowhere from {_LOWEST:g}° to {_HIGHEST:g}°")
+        raise NotDefinedError("none/balance", low=_LOWEST, high=_HIGHEST)
     return float(brentq(lambda angle: passive_torque(leg, angle), _LOWEST, _HIGHEST, xtol=1e-8))
 
 
@@ -179,7 +179,7 @@ def slack_angle(leg: Leg, _: float, group: str) -> float:
     """
     name = f"x0_{group}"
     if name not in leg.values:
-        raise NotDefinedError("the tibialis of this model has no tissue")
+        raise NotDefinedError("none/tissue")
     return leg.angle_of(group, leg.values[name])
 
 
@@ -189,7 +189,7 @@ def relaxed_share(leg: Leg, at: float) -> float:
     k_rel/(1 + k_rel)·(1 − exp(−(1 + k_rel)·t/τ_rel)), the step response of equation (10).
     """
     if "k_rel" not in leg.values:
-        raise NotDefinedError("nothing relaxes in this model")
+        raise NotDefinedError("none/relaxes")
     k, tau = leg.values["k_rel"], leg.values["tau_rel"]
     return 100.0 * k / (1.0 + k) * -float(np.expm1(-(1.0 + k) * at / tau))
 
@@ -230,7 +230,7 @@ def tendon_secant(leg: Leg, _: float, group: str) -> float:
     low, high = (part * leg.largest_force[group] for part in (0.2, 0.8))
     stretched = elongation(curve, high) - elongation(curve, low)
     if not stretched > 0.0:
-        raise NotDefinedError("nothing pulls this tendon in the recordings")
+        raise NotDefinedError("none/unpulled")
     return 1e-3 * (high - low) / stretched
 
 
@@ -249,9 +249,9 @@ def optimal_fascicle_tib(leg: Leg, _: float) -> float:
     (1 + film_scale_tib)·l0_tib + film_zero_tib. It rests on the film, not on the assumed path.
     """
     if "film_scale_tib" not in leg.values:
-        raise NotDefinedError("the tibialis was not filmed")
+        raise NotDefinedError("none/filmed")
     if leg.inputs and steady_emg(leg.inputs)[0]:
-        raise NotDefinedError("the tibialis's EMG hardly changes: no force shows its optimum")
+        raise NotDefinedError("none/optimum")
     scale, zero = (leg.values[f"film_{of}_tib"] for of in ("scale", "zero"))
     return 1e3 * ((1.0 + scale) * leg.optimal_length("tib") + zero)
 
@@ -264,5 +264,5 @@ def _slow(leg: Leg, group: str, at: float) -> float:
 def _stretch(leg: Leg, at: float) -> tuple[FloatArray, FloatArray]:
     angles, torque = leg.slow_stretch
     if not angles[0] + 10.0 <= at <= angles[-1] - 1.0:
-        raise NotDefinedError(f"the stretch goes from {angles[0]:g}° to {angles[-1]:.0f}°")
+        raise NotDefinedError("none/stretch", low=angles[0], high=angles[-1])
     return angles, torque

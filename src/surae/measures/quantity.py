@@ -10,6 +10,7 @@ import numpy as np
 from surae.base.frozen import FrozenDict
 from surae.base.normal import standard_error_of
 from surae.base.records import OrNaN
+from surae.base.words import Message
 from surae.inference import Adequacy, AssessedFit, FitResult, Grade
 from surae.measures.compute import ANGLES, extrapolated, judged_measures, points
 from surae.measures.leg import leg_of
@@ -21,10 +22,7 @@ _NONE = (np.nan, np.nan, np.nan)
 #: Parameters that time the force after the EMG.
 _TIMING = ("f0", "beta", "emd")
 #: Of one unchanged leg with one electrode, f0 was 1.6 Hz in one trial and 2.8 Hz in another.
-_UNHEARD = (
-    "a muscle had no electrode: it acts earlier or later than the others, and not by the same "
-    "time in another movement"
-)
+_UNHEARD = Message("alone/unheard")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +39,8 @@ class Quantity:
     #: Standard deviation of what another session would draw anew; NaN where there is none.
     session: OrNaN
     model: OrNaN  #: Standard deviation that models add which the data do not reject.
-    missing: str = ""  #: Why it can be compared with nothing; empty where it can.
+    #: Why it can be compared with nothing, as a `Message`; empty where it can.
+    missing: str = ""
     at_bound: bool = False  #: Whether it is a parameter at its bound.
     bounds: tuple[float, float] | None = None  #: Of a parameter's search.
     #: `from_deg`, `to_deg`: as of `Measure`.
@@ -83,9 +82,9 @@ def quantities(
         recording.emg_reference is not None and recording.emg_reference.kind == "mvc"
         for recording in problem.inputs
     )
-    adequacy, inadequate = assessment.adequacy, ""
+    adequacy, inadequate, worded = assessment.adequacy, "", problem.options.anatomy.worded
     if adequacy.grade is Grade.INADEQUATE:
-        inadequate = f"the fit is inadequate: {adequacy.reasons[0]}"
+        inadequate = Message("alone/inadequate", reason=adequacy.reasons[0])
     timing = np.isin(known.names, _TIMING) & problem.has_unheard
     by_name: dict[str, Quantity] = {}
     wanted = tuple(p for p in points(angles, end) if not only or p.definition.name in only)
@@ -95,16 +94,17 @@ def quantities(
         if common or (alone == ELECTRODES and has_reference):
             alone = ""
         if m.value is None or m.ci95 is None:
-            deviations, why = _NONE, inadequate or m.note
+            deviations, why, between = _NONE, inadequate or m.note, False
         else:
             deviations = known.deviations(evaluated.gradient)
             # where the measure bends too much for the covariance, draws are wider or narrower
             total, session, model = deviations
             bent = max(standard_error_of(m.ci95) / total if total > 0.0 else 1.0, 1.0)
             deviations = bent * total, bent * session, bent * model
+            own = Message(alone, worded) if alone else ""
             unheard = _UNHEARD if np.any(evaluated.gradient[timing]) else ""
-            why = inadequate or alone or unheard or extrapolated(evaluated, result)
-        between = bool(alone) and alone != ELECTRODES and why == alone
+            why = inadequate or own or unheard or extrapolated(evaluated, result) or ""
+            between = alone not in ("", ELECTRODES) and why is own
         by_name[m.name] = Quantity(
             m.name, m.unit, m.meaning, "measure", m.value, *deviations, why,
             from_deg=m.from_deg, to_deg=m.to_deg, is_comparable_between_legs=between,
@@ -114,11 +114,11 @@ def quantities(
             continue
         p, why = assessment.parameters[name], ""
         if p.at_bound:
-            why = "it lies at its bound"
+            why = Message("alone/bound")
         elif p.ci95 is None:
             why = p.note
         elif name in problem.spec.weights and not has_reference:
-            why = ELECTRODES
+            why = Message(ELECTRODES)
         elif name in _TIMING and problem.has_unheard:
             why = _UNHEARD
         deviations = _NONE if p.ci95 is None else known.deviations(known.along(name))

@@ -51,7 +51,8 @@ class Definition:
     #: Of one over the range that was moved, from where to where [deg]; its point is the end of that
     #: range, infinity for the recordings' own. No zero of the angle matters to it.
     span: Callable[[Leg, float], tuple[float, float]] | None = field(default=None, compare=False)
-    alone: str = ""  #: Why two sessions cannot be compared by it; empty where they can.
+    #: Code of why two sessions cannot be compared by it, or a sentence; empty where they can.
+    alone: str = ""
 
     def value(self, leg: Leg, at: float) -> float:
         """The measure of a leg at a point."""
@@ -78,17 +79,11 @@ class Definition:
         return [" ".join(part.split()) for part in text.split("\n\n")]
 
 
-_RANGE = "it goes with the range that each session moved through"
-_EFFORT = "it goes with the effort of each session"
-_FILM = "another session films another fascicle"
-_MOVEMENT = "it goes with the movement and effort of each session"
+_RANGE, _EFFORT, _MOVEMENT, _FILM = "alone/range", "alone/effort", "alone/movement", "alone/film"
 #: What stands first everywhere, for it needs no zero of the angle.
 LEADING = ("end_stiffness", "end_torque")
 #: Why a measure in units of EMG cannot be compared between sessions.
-ELECTRODES = (
-    "the electrodes have no common reference; normalise the EMG of both sessions by maximum "
-    "voluntary contractions"
-)
+ELECTRODES = "alone/electrodes"
 
 _D = Definition
 

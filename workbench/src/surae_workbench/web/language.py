@@ -28,7 +28,10 @@ def spoken(request: Request) -> dict[str, Any]:
 
 
 #: Codes of sentences on fits, which no script says.
-_NOT_ON_PAGES = ("against/", "ended/", "interval/", "kind/", "note/", "plainly/")
+_NOT_ON_PAGES = (
+    "against/", "alone/", "beyond/", "change/", "ended/", "interval/", "kind/", "measure/", "none/",
+    "note/", "plainly/",
+)  # fmt: skip
 
 
 @cache
