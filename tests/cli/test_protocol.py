@@ -91,7 +91,7 @@ def test_what_strong_legs_ask_of_the_device_is_given_up_and_said(run, tmp_path) 
         assert "rad/s, within the 1.5 rad/s of achilles" in done.out
         assert "Nm, within the 80 Nm of achilles" in done.out
         assert "beyond" not in done.out
-        assert "The range ends at -0.90 and 0.54 rad instead of -0.90 and 0.60" in done.out
+        assert "The range ends at −0.90 and 0.54 rad instead of −0.90 and 0.60" in done.out
         assert "Efforts are lowered by 2." in done.out
         made = read_protocol(tmp_path / "p.csv")
         whole = generate(Protocol(profile="sine", device=device))

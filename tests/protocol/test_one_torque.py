@@ -16,7 +16,7 @@ def test_torque_is_one_number_through_every_door(name, tmp_path) -> None:
     trajectory = api.ready_trajectory(name, device, api.allowed_range(device), 64.0)
     load = load_of(trajectory)
     most = max(map(abs, load.torque))
-    asked = {limit.text.split()[0]: limit.value for limit in api.requested_limits(trajectory)}
+    asked = {limit.message.split()[0]: limit.value for limit in api.requested_limits(trajectory)}
     assert asked["torque"] == most
     (plan,) = (each["text"] for each in limits(trajectory) if "torque" in each["text"])
     assert plan.startswith(f"torque of virtual legs {most:.3g} Nm")

@@ -99,7 +99,7 @@ def command(
         table = _table(settings, trajectory, given_up)
     with compilation_notice():
         limits_checked = api.requested_limits(trajectory)
-    beyond = "; ".join(limit.text for limit in limits_checked if limit.exceeded)
+    beyond = "; ".join(limit.message for limit in limits_checked if limit.exceeded)
     if beyond:
         raise InputError(
             f"{name}: {beyond}; leave --no-adapt out, which gives up effort and range as far as "
@@ -108,7 +108,7 @@ def command(
     api.write_protocol(trajectory, output, without_limits=without_limits)
     if figure is not None:
         api.write_figure(figure, api.protocol_figure(trajectory))
-    for line in (*table, *(limit.text for limit in limits_checked)):
+    for line in (*table, *(limit.message for limit in limits_checked)):
         show_line(line)
     show_files({"protocol": output, "figure": figure})
 

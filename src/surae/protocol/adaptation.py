@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.protocol.device import Device
 
 #: Angle, velocity and acceleration [rad, rad/s, rad/s²].
@@ -36,25 +37,20 @@ class Adaptation:
     span: float  #: Share of the range of motion that is still reached, 0…1.
 
     @property
-    def steps(self) -> tuple[str, ...]:
+    def steps(self) -> tuple[Message, ...]:
         """One plain sentence per change; empty when nothing had to change."""
         steps = []
         wanted, used = self.chirp_amplitude
         if used < wanted:
-            steps.append(f"Chirp lowered from {wanted:.3g} to {used:.3g} rad for {self.device}.")
+            steps.append(Message("plan/chirp", wanted=wanted, used=used, device=self.device))
         if self.cutoff_hz is not None:
             before, after = self.peak_velocity
-            steps.append(
-                f"Low-pass filtered at {self.cutoff_hz:.3g} Hz for {self.device}: the peak "
-                f"velocity falls from {before:.3g} to {after:.3g} rad/s."
-            )
+            steps.append(Message("plan/filtered", hz=self.cutoff_hz, device=self.device,
+                                 before=before, after=after))  # fmt: skip
             if used > 0.0:
-                steps.append(
-                    f"Of the chirp, {self.chirp_end_amplitude:.2g} rad is left at its highest "
-                    "frequency."
-                )
+                steps.append(Message("plan/chirp-left", left=self.chirp_end_amplitude))
         if self.span < 0.999:
-            steps.append(f"Only {100 * self.span:.3g} % of the range of motion is reached.")
+            steps.append(Message("plan/reached", percent=100 * self.span))
         return tuple(steps)
 
 

@@ -16,6 +16,7 @@ from surae.base.progress import SearchProgress
 from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.protocol import Device, Trajectory, write_protocol
 from surae.protocol.planning.expectation import Expectation, expected
 from surae.protocol.planning.genes import Genes
@@ -105,10 +106,9 @@ def make_design(
     plan, limits, notes = within_torque(genes.plan(result.genes), limits, unseen, device)
     trajectory = plan.trajectory(limits, rate_hz, device=device, legs=unseen.spec.name)
     span = float(np.ptp(trajectory.angle)) / (limits.high - limits.low)
-    reached = () if span > 0.98 else (f"Only {100 * span:.0f} % of the range is used.",)
+    reached = () if span > 0.98 else (Message("plan/used", percent=100 * span),)
     if result.stopped:
-        many = f"{result.evaluations:,} plans"
-        notes = (*notes, f"Stopped by the user after {many}: the best is kept.")
+        notes = (*notes, Message("plan/stopped", n=result.evaluations))
     return Design(
         plan, limits, trajectory, device,
         expectation=expected(trajectory, unseen, noise, **told),

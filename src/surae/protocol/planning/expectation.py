@@ -15,6 +15,7 @@ from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.inference.parameter import IDENTIFIED, Verdict, judge_interval, judge_singular
 from surae.inference.uncertainty.covariance import Covariance, half_width
 from surae.model import adapted
@@ -88,18 +89,13 @@ class Expectation(Tabular, Comparable):
     def asks(self) -> str:
         """What the protocol asks of a device, and of a fitted leg, in words."""
         low, high = self.torque
-        of_leg = f"torque {low:.3g} to {high:.3g} Nm of {self.legs}"
+        of_leg = Message("plan/torque", low=low, high=high, legs=self.legs)
         return of_leg if self.load is None else self.load.text + f"; {of_leg}" * self.of_fit
 
     @property
     def caution(self) -> str:
         """What this leaves out, a sentence; empty where real legs' departures are counted."""
-        if self.nuisances:
-            return ""
-        return (
-            "with caution: a model by name knows of no departures, such as a wrong zero, crosstalk "
-            "or the muscles' shape; auto counts them, and then fewer are identified"
-        )
+        return "" if self.nuisances else Message("plan/caution")
 
     @property
     def worst(self) -> float | None:

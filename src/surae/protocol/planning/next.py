@@ -14,6 +14,7 @@ from surae.base.packed import finite
 from surae.base.records import to_plain
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.inference import AssessedFit, Assessment
 from surae.inference.adequacy import Grade
 from surae.inference.parameter import IDENTIFIED, Verdict, percent
@@ -112,14 +113,12 @@ def measure_next_of(
             f"{unknown[0]} is not estimated by this fit; it has: {', '.join(legs.own)}"
         )
     if assessment.adequacy.grade is Grade.INADEQUATE:
-        return _nothing(
-            "The fit is inadequate, which no further trial mends: " + assessment.adequacy.reasons[0]
-        )
+        return _nothing("inadequate", reason=assessment.adequacy.reasons[0])
     weak = tuple(wanted) if wanted else tuple(
         n for n in legs.own if assessment.parameters[n].verdict is not Verdict.IDENTIFIED
     )  # fmt: skip
     if not weak:
-        return _nothing("Every parameter is identified: nothing more needs to be measured.")
+        return _nothing("identified")
     known = known_from(fit, legs)
     best: tuple[float, Ready, Trajectory, FloatArray] | None = None
     names = tuple(n for n in legs.free if n not in legs.each_trial)
@@ -144,10 +143,7 @@ def measure_next_of(
             if best is None or gain > best[0]:
                 best = gain, ready, trajectory, adds
         if best is None:
-            return _nothing(
-                f"No ready trial of up to {longest:g} s fits this device and range: design one "
-                "(surae design --after)."
-            )
+            return _nothing("fits-none", seconds=longest)
         _, ready, trajectory, adds = best
         halves = [after(k * adds) for k in range(1, MOST + 1)]
     many: dict[str, int | None] = {
@@ -157,19 +153,22 @@ def measure_next_of(
     gained = {n: _capped(halves[0][n]) / _capped(before[n]) for n in weak}
     better = sorted((n for n in weak if gained[n] < 1.0 - _ADDS), key=lambda n: gained[n])
     if not better:
-        return _nothing("No ready trial adds to what is weak: " + ", ".join(weak) + ".")
-    changes = ", ".join(f"{n} from {_text(before[n])} to {_text(halves[0][n])}" for n in better[:3])
-    description = ready.description.rstrip(".")
-    sentences = [f"Measure {ready.name} next ({ready.seconds:g} s: {description}): {changes}."]
+        return _nothing("adds-none", names=", ".join(weak))
+    changes = None
+    for n in better[2::-1]:
+        change = Message("next/change", name=n, now=_text(before[n]), then=_text(halves[0][n]))
+        changes = change if changes is None else Message("{one}, {more}", one=change, more=changes)
+    sentences = [
+        Message("next/trial", name=ready.name, seconds=ready.seconds, changes=changes,
+                description=Message(ready.description))
+    ]  # fmt: skip
     reached = {n: k for n, k in many.items() if k is not None}
     for times in sorted(set(reached.values())):
         which = ", ".join(n for n, k in reached.items() if k == times)
-        sentences.append(
-            f"Measured {'once' if times == 1 else f'{times} times'}, it is expected to identify "
-            f"{which} (95 % within {percent(IDENTIFIED)})."
-        )
+        code = "next/once" if times == 1 else "next/times"
+        sentences.append(Message(code, n=times, names=which, percent=percent(IDENTIFIED)))
     if weak_still := [n for n in weak if n not in reached]:
-        sentences.append(f"{', '.join(weak_still)} would stay weak after {MOST} such trials.")
+        sentences.append(Message("next/weak", names=", ".join(weak_still), n=MOST))
     gains = FrozenDict({n: (finite(before[n]), finite(halves[0][n])) for n in weak})
     return NextTrial(ready.name, tuple(sentences), gains, FrozenDict(many), trajectory)
 
@@ -219,9 +218,11 @@ def _capped(part: float) -> float:
     return min(part, _UNKNOWN)
 
 
-def _text(part: float) -> str:
-    return f"±{percent(part)}" if np.isfinite(part) else "unknown"
+def _text(part: float) -> Message:
+    known = np.isfinite(part)
+    return Message("±{percent}", percent=percent(part)) if known else Message("unknown")
 
 
-def _nothing(sentence: str) -> NextTrial:
+def _nothing(code: str, **values: Any) -> NextTrial:
+    sentence = Message(f"next/{code}", **values)
     return NextTrial(None, (sentence,), FrozenDict(), FrozenDict(), None)

@@ -14,7 +14,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
-from surae.base.words import N_
+from surae.base.words import Message
 from surae.model.laboratory import richest
 from surae.protocol import Device, Protocol, Trajectory, generate
 from surae.protocol.effort import GAP, Burst, burst_effort, task_bursts
@@ -75,30 +75,23 @@ def _felt(trajectory: Trajectory, legs: Legs, rate_hz: float = _RATE) -> FloatAr
 
 def within_torque(
     plan: _Plan, limits: Limits, legs: Legs, device: Device | None
-) -> tuple[_Plan, Limits, tuple[str, ...]]:
+) -> tuple[_Plan, Limits, tuple[Message, ...]]:
     """Plan and range with which no leg exceeds the torque, and their cost; or what to give up."""
     if device is None or math.isinf(device.max_torque):
         return plan, limits, ()
-    limit, notes = device.max_torque * EXACT, []
+    limit, notes = device.max_torque * EXACT, list[Message]()
+    of = {"device": device.name, "limit": device.max_torque}
     narrowed = _narrowed(plan, limits, legs, device, limit)
     if narrowed != limits:
-        notes.append(
-            f"The range ends at {narrowed.low:.2f} and {narrowed.high:.2f} rad instead of "
-            f"{limits.low:.2f} and {limits.high:.2f}: stiff legs would ask more than the "
-            f"{device.max_torque:g} Nm of {device.name}, even relaxed."
-        )
+        (low, high), (of_low, of_high) = narrowed[:2], limits[:2]
+        ends = {"low": low, "high": high, "of_low": of_low, "of_high": of_high}
+        notes.append(Message("plan/narrowed", **of, **ends))
     held = _eased(plan, narrowed, legs, limit)
     if held != plan:
         before, after = (sum(b.level * b.length for b in p.bursts) for p in (plan, held))
-        notes.append(
-            f"Efforts are lowered by {100 * (1 - after / before):.2g} % in all, to keep within the "
-            f"{device.max_torque:g} Nm of {device.name}."
-        )
+        notes.append(Message("plan/lowered", **of, percent=100 * (1 - after / before)))
     most = float(np.nanmax(np.abs(torques(held, narrowed, legs))))
-    notes.append(
-        f"None of {len(legs.values)} virtual legs asks more than {most:.3g} of {device.name}'s "
-        f"{device.max_torque:g} Nm."
-    )
+    notes.append(Message("plan/most", **of, n=len(legs.values), most=most))
     return held, narrowed, tuple(notes)
 
 
@@ -163,25 +156,15 @@ def _eased(plan: _Plan, limits: Limits, legs: Legs, limit: float) -> _Plan:
 _LEGS = 20
 
 
-_WITHIN = N_("{what} {value}, within the {limit} of {device}")
-_BEYOND = N_("{what} {value} at {when} s, beyond the {limit} of {device}")
-
-
 @dataclass(frozen=True, slots=True)
 class AskedLimit:
     """One limit of a device, and what a trial asks."""
 
-    message: str  #: Both in words, of the catalogue, and when the first is asked for if too much.
-    given: dict[str, str]  #: What fills it in.
+    message: Message  #: Both in words, and when the first is asked for if it is too much.
     #: `value`, `limit`: what is asked at most, and what the device can do.
     value: float
     limit: float
     exceeded: bool  #: Whether the first is more than the second.
-
-    @property
-    def text(self) -> str:
-        """The message in English."""
-        return self.message.format(**self.given)
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,9 +184,7 @@ class Load:
     def text(self) -> str:
         """It in words."""
         low, high = self.torque
-        return (
-            f"torque of virtual legs {low:.3g} to {high:.3g} Nm, speed up to {self.speed:.3g} rad/s"
-        )
+        return Message("plan/load", low=low, high=high, speed=self.speed)
 
 
 def load_of(trajectory: Trajectory) -> Load:
@@ -230,15 +211,15 @@ def requested_limits(trajectory: Trajectory) -> tuple[AskedLimit, ...]:
     if math.isfinite(device.max_torque):
         torque = np.abs(_of_population(trajectory)).max(axis=0)
     demands = [
-        (N_("velocity"), np.abs(trajectory.velocity), device.max_velocity, "rad/s"),
-        (N_("acceleration"), np.abs(trajectory.acceleration), device.max_acceleration, "rad/s²"),
-        (N_("torque of virtual legs"), torque, device.max_torque, "Nm"),
-    ]  # fmt: skip
+        ("velocity", np.abs(trajectory.velocity), device.max_velocity, "rad/s"),
+        ("acceleration", np.abs(trajectory.acceleration), device.max_acceleration, "rad/s²"),
+        ("torque", torque, device.max_torque, "Nm"),
+    ]
     if device.range_of_motion is not None:
         for end, sign in zip(device.range_of_motion, (-1.0, 1.0), strict=True):
             reached = sign * trajectory.angle
-            way = N_("plantarflexion") if sign < 0 else N_("dorsiflexion")
-            demands.append((way, reached, sign * end, "rad"))  # fmt: skip
+            way = "plantarflexion" if sign < 0 else "dorsiflexion"
+            demands.append((way, reached, sign * end, "rad"))
     limits = []
     for name, values, limit, unit in demands:
         if math.isinf(limit):
@@ -246,15 +227,15 @@ def requested_limits(trajectory: Trajectory) -> tuple[AskedLimit, ...]:
         value = float(values.max())
         exceeded = value > limit * (1.0 + 1e-9)
         when = trajectory.time[-1] * int(values.argmax()) / max(len(values) - 1, 1)
-        given = {
-            "what": name, "value": f"{value:.3g} {unit}", "limit": f"{limit:.3g} {unit}",
-            "device": device.name, "when": f"{when:.1f}",
-        }  # fmt: skip
-        limits.append(AskedLimit(_BEYOND if exceeded else _WITHIN, given, value, limit, exceeded))
+        message = Message(
+            "plan/beyond" if exceeded else "plan/within", what=Message(f"plan/asked/{name}"),
+            value=value, limit=limit, unit=unit, device=device.name, when=when,
+        )  # fmt: skip
+        limits.append(AskedLimit(message, value, limit, exceeded))
     return tuple(limits)
 
 
-def held_to_torque(settings: Protocol) -> tuple[Trajectory, tuple[str, ...]]:
+def held_to_torque(settings: Protocol) -> tuple[Trajectory, tuple[Message, ...]]:
     """A protocol of the thesis with which no virtual leg exceeds its device's torque.
 
     Parameters

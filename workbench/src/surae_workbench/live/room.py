@@ -168,7 +168,7 @@ class Room:
                 trajectory, name = read_protocol(path), name or Path(path).stem
             on_device = replace(trajectory.settings, device=self.device)
             limits = requested_limits(replace(trajectory, settings=on_device))
-            too_much = [limit.text for limit in limits if limit.exceeded]
+            too_much = [limit.message for limit in limits if limit.exceeded]
             if too_much and path is not None and not beyond:
                 raise InputError(f"{cleaned(name)} is not loaded: {'; '.join(too_much)}")
             write_protocol_csv(trajectory, self._file)
@@ -180,10 +180,7 @@ class Room:
                 "effort": effort if trajectory.effort.any() else "passive",
             }  # fmt: skip
             self.limits = [
-                *(
-                    {"text": e.text, "message": e.message, "given": e.given, "exceeded": e.exceeded}
-                    for e in limits
-                ),
+                *({"text": e.message, **e.message.parts(), "exceeded": e.exceeded} for e in limits),
                 *({"text": text} for text in given_up),
             ]
             self.target.load(trajectory)

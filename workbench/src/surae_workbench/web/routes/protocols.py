@@ -99,7 +99,7 @@ def post_preview(body: ProtocolPreview) -> dict[str, Any]:
         "effort": [plain(trajectory.effort[shown, i]) for i in range(4)],
         "seconds": float(trajectory.time[-1]),
         "limits": limits(trajectory),
-        "adaptation": None if adaptation is None else list(adaptation.steps),
+        "adaptation": [] if adaptation is None else [s.parts() for s in adaptation.steps],
         "prediction": expectation.to_json()
         | {"identified": expectation.identified, "caution": expectation.caution},
         "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
@@ -174,6 +174,6 @@ def limits(trajectory: api.Trajectory) -> list[dict[str, Any]]:
     if trajectory.settings.device is None:
         return [{"text": N_("No device: no limit is kept"), "exceeded": True}]
     return [
-        {"text": e.text, "message": e.message, "given": e.given, "exceeded": e.exceeded}
+        {"text": e.message, **e.message.parts(), "exceeded": e.exceeded}
         for e in api.requested_limits(trajectory)
     ]

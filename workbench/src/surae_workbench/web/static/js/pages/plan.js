@@ -87,7 +87,7 @@ function show(seen) {
   const { prediction, adaptation } = seen;
   replace(
     byId("adaptation"),
-    h("ul", {}, (adaptation ?? []).map((line) => h("li", {}, line)), seen.limits.filter((one) => !one.exceeded).map((one) => h("li", {}, said(one)))),
+    h("ul", {}, adaptation.map((one) => h("li", {}, said(one))), seen.limits.filter((one) => !one.exceeded).map((one) => h("li", {}, said(one)))),
   );
   const exceeded = seen.limits.filter((one) => one.exceeded);
   byId("limits").hidden = byId("reason-field").hidden = exceeded.length === 0;
