@@ -5,9 +5,9 @@ import pytest
 
 from richer_legs import richer_leg
 from surae.inference import make_problem
-from surae.inference.alternation import NEARLY_NONE
 from surae.inference.coordinates import Coordinates, is_straight
 from surae.inference.family import Family
+from surae.inference.learning import NEARLY_NONE
 from surae.inference.valleys import white_noise
 from surae.model.laboratory import Gaussian
 from surae.model.parameters import OPTIONAL

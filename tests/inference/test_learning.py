@@ -8,12 +8,11 @@ from scipy.linalg import block_diag
 
 from surae.base.frozen import read_only
 from surae.inference import make_problem
-from surae.inference.alternation import BEGIN
 from surae.inference.banded import solve_band
 from surae.inference.family import Family
 from surae.inference.laplace import shifts_by_source
 from surae.inference.latent import SOURCES
-from surae.inference.learning import learnt_sizes
+from surae.inference.learning import BEGIN, learnt_sizes
 from surae.inference.noise import NoiseModel
 from surae.inference.observed import measured
 from surae.inference.posterior import LogPosterior

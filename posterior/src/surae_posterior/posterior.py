@@ -1,6 +1,7 @@
 """The posterior of a fit, as users ask for it."""
 
 from dataclasses import asdict, replace
+from statistics import median
 from typing import Any
 
 from surae.api import Fit
@@ -44,9 +45,9 @@ def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any)
     """
     request, reason = PosteriorSettings(**settings), "given"
     if request.variance_inflation is None:
-        inflation = variance_inflation(fitted.assessment)
-        request = replace(request, variance_inflation=inflation.common)
-        reason = inflation.reason
-        if inflation.common != 1.0:
+        common = median(variance_inflation(fitted.assessment).values())
+        request = replace(request, variance_inflation=common)
+        reason = fitted.assessment.interval_note
+        if common != 1.0:
             reason = f"{reason}; the median over the parameters"
     return sample(fitted.result, **asdict(request), inflation_reason=reason, progress=progress)

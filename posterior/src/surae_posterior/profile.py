@@ -52,10 +52,9 @@ def profile(
     wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
     reason = "given"
     if request.variance_inflation is None:
-        inflation = variance_inflation(fitted.assessment)
-        reason = inflation.reason
-        factors = {n: factor for n, factor in inflation.factors.items() if n in wanted}
-        request = replace(request, variance_inflation=factors)
+        reason, factors = fitted.assessment.interval_note, variance_inflation(fitted.assessment)
+        own = {n: factor for n, factor in factors.items() if n in wanted}
+        request = replace(request, variance_inflation=own)
     return profiles(
         fitted.result, wanted, **asdict(request), inflation_reason=reason, progress=progress
     )

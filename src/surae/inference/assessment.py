@@ -275,31 +275,19 @@ def outdated(assessment: Assessment) -> str:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class Inflation:
-    """Factors on the variance of the noise."""
+def variance_inflation(assessment: Assessment) -> dict[str, float]:
+    """Factors on the variance of the noise that an assessment asks for, for its `interval_note`.
 
-    factors: Mapping[str, float]  #: Of every parameter that was estimated.
-    reason: str  #: Why, in a plain phrase.
-
-    @property
-    def common(self) -> float:
-        """One factor for all: the median over the parameters."""
-        return float(np.median(list(self.factors.values()))) if self.factors else 1.0
-
-
-def variance_inflation(assessment: Assessment) -> Inflation:
-    """The factors that an assessment asks for: 1 where its residuals pass for white noise.
-
-    Where intervals are robust it is (sem_robust/sem)² of each parameter. One without a standard
-    error, as at a bound, has the median of the others.
+    1 where its residuals pass for white noise. Where intervals are robust it is (sem_robust/sem)²
+    of each parameter that was estimated; one without a standard error, as at a bound, has the
+    median of the others.
     """
     free = [p for p in assessment.parameters.values() if p.free]
     known = {}
     if assessment.interval is Interval.ROBUST:
         known = {p.name: (p.sem_robust / p.sem) ** 2 for p in free if p.sem and p.sem_robust}
-    common = Inflation(known, "").common
-    return Inflation({p.name: known.get(p.name, common) for p in free}, assessment.interval_note)
+    common = float(np.median(list(known.values()))) if known else 1.0
+    return {p.name: known.get(p.name, common) for p in free}
 
 
 def described(factors: Mapping[str, float], reason: str) -> str:

@@ -10,10 +10,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.inference.alternation import BEGIN, NEARLY_NONE, ROUNDS, Reached, learnt, rested
 from surae.inference.evidence import Subset, subsets, with_likely
 from surae.inference.family import FIRST_HZ, RATE_HZ, Family
-from surae.inference.learning import effort_ratio, learnt_noise
+from surae.inference.learning import (
+    BEGIN,
+    NEARLY_NONE,
+    ROUNDS,
+    Reached,
+    effort_ratio,
+    learnt,
+    learnt_noise,
+    rested,
+)
 from surae.inference.look_back import followed, kept
 from surae.inference.noise import NoiseModel
 from surae.inference.posterior import LogPosterior, Point

@@ -115,25 +115,20 @@ class Family:
 
     def posterior(
         self, groups: Sequence[str], rate_hz: float, noise: Sequence[NoiseModel],
-        sizes: Mapping[str, float], *, rest: float = REST,
+        sizes: Mapping[str, float], *, rest: float = REST, of: LogPosterior | None = None,
     ) -> LogPosterior:  # fmt: skip
-        """The posterior of the recordings at a rate with these departures."""
-        inputs = tuple(expected_drives(recording) for recording in self.given(rate_hz))
-        latents = tuple(
-            Latents.of(r, self._silent, whole.n / whole.rate_hz, perfect=self.is_perfect)
-            for r, whole in zip(inputs, self.original.inputs, strict=True)
-        )
-        return self._of(groups, inputs, noise, latents, sizes, rate_hz, rest)
+        """The posterior of the recordings at a rate with these departures.
 
-    def like(self, post: LogPosterior, groups: Sequence[str]) -> LogPosterior:
-        """The posterior with other departures, of what has been learnt with those of another."""
-        of = post.problem.inputs, post.noise, post.latents, post.sizes
-        return self._of(groups, *of, post.rate_hz, REST).having(fast=post.fast)
-
-    def _of(
-        self, groups: Sequence[str], inputs: tuple[ModelInputs, ...], noise: Sequence[NoiseModel],
-        latents: Sequence[Latents], sizes: Mapping[str, float], rate_hz: float, rest: float,
-    ) -> LogPosterior:  # fmt: skip
+        Recordings and latents are those `of` another at this rate.
+        """
+        if of is not None:
+            inputs, latents = of.problem.inputs, of.latents
+        else:
+            inputs = tuple(expected_drives(recording) for recording in self.given(rate_hz))
+            latents = tuple(
+                Latents.of(r, self._silent, whole.n / whole.rate_hz, perfect=self.is_perfect)
+                for r, whole in zip(inputs, self.original.inputs, strict=True)
+            )
         original = self.original
         beliefs = {
             name: belief
@@ -160,6 +155,11 @@ class Family:
         )
         self._observed.append(made.observed)
         return made
+
+    def like(self, of: LogPosterior, groups: Sequence[str]) -> LogPosterior:
+        """The posterior with other departures, of what has been learnt with those of another."""
+        made = self.posterior(groups, of.rate_hz, of.noise, of.sizes, of=of)
+        return made.having(fast=of.fast)
 
     def _leg(self, problem: FitProblem) -> dict[str, Gaussian]:
         """What is known of the leg's own parameters, as they are searched."""

@@ -144,10 +144,8 @@ def fit_robust(
     elif status != "failed" and result.sse > sse * (1 + 1 / (problem.n - len(x))):
         status, message = "failed", Message("ended/outliers-lost")
     seconds = time.perf_counter() - begin
-    found = LeastSquares(
-        result.found.starts, result.found.agreeing, result.found.stages, result.found.outcome,
-        outliers,
-    )  # fmt: skip
+    assert isinstance(result.found, LeastSquares)
+    found = replace(result.found, outliers=outliers)
     return replace(result, status=status, message=message, found=found, seconds=seconds)
 
 

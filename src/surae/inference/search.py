@@ -14,10 +14,10 @@ from surae.base.frozen import FrozenDict
 from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
 from surae.base.words import Message
-from surae.inference.alternation import NEARLY_NONE, RESTS, Reached
 from surae.inference.departures import Chosen, choose
 from surae.inference.family import RATE_HZ, Family
 from surae.inference.interrupt import postponed_interrupt
+from surae.inference.learning import NEARLY_NONE, RESTS, Reached
 from surae.inference.least_squares import Outcome
 from surae.inference.look_back import LESS, followed, simplest
 from surae.inference.problem import FitProblem

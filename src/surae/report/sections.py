@@ -1,6 +1,7 @@
 """Sections of a report: correlations, geometry, predictions, and what the data separate."""
 
 from collections.abc import Sequence
+from statistics import median
 
 from surae.base.formatting import NO_NUMBER, percentage, significant
 from surae.base.normal import NORMAL
@@ -109,8 +110,9 @@ _NOTE = (
 
 def identifiability_section(fit: AssessedFit) -> block.Section:
     """Weak combinations, and what each parameter needs; verdicts are the assessment's."""
-    title, inflation = "Which parameters this torque separates", variance_inflation(fit.assessment)
-    identified = identifiability(fit.result, variance_inflation=inflation.common)
+    title = "Which parameters this torque separates"
+    inflation = median(variance_inflation(fit.assessment).values())
+    identified = identifiability(fit.result, variance_inflation=inflation)
     if not identified.parameters:
         why = block.Text("The model gives no finite torque here.")
         return block.Section(title, (why,), "identifiability", "page")
@@ -123,7 +125,9 @@ def identifiability_section(fit: AssessedFit) -> block.Section:
     condition = "infinite" if identified.condition is None else significant(identified.condition, 2)
     own = [p for p in identified.parameters.values() if p.name in fit.assessment.parameters]
     text = f"Condition number of the scaled information matrix: {condition}."
-    text += _noise(inflation.common, inflation.reason)
+    if inflation != 1.0:
+        noise = described({"all": inflation}, fit.assessment.interval_note)
+        text += f" Standard errors here: {noise}."
     directions = block.Grid(
         "Combinations of parameters that are known least",
         block.columns("Together", "Known to ±", "A change that this torque cannot show",
@@ -147,13 +151,6 @@ def identifiability_section(fit: AssessedFit) -> block.Section:
         "identifiability",
         "page",
     )
-
-
-def _noise(factor: float, reason: str) -> str:
-    """Why the standard errors of this section are wider than those of white noise."""
-    if factor == 1.0:
-        return ""
-    return f" Standard errors here: {described({'all': factor}, reason)}."
 
 
 def _direction(direction: Direction) -> tuple[str, str, str]:

@@ -6,7 +6,7 @@ saw of each recording.
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -152,9 +152,9 @@ class _File:
     starts: _Starts
     inputs: tuple[ModelInputs, ...]
     left: tuple[_Left, ...]
+    settings: FitSettings
     nuisances: Mapping[str, _Parameter] = field(default_factory=FrozenDict)
     findings: tuple[Quality, ...] = ()
-    settings: FitSettings | None = None  #: Format 1 had none.
     search: _Search | None = None  #: Older files have none.
 
 
@@ -245,7 +245,7 @@ def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
         "free": free,
         "lower": np.array([table[name].lower for name in free]),
         "upper": np.array([table[name].upper for name in free]),
-        "settings": file.settings or _settings(file, free, data),
+        "settings": file.settings,
     }
     if "base" not in data:  # older files have it as the first start
         initial = starts[0].initial
@@ -256,34 +256,14 @@ def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
         "problem": from_plain(FitProblem, {**data, **problem}),
         "values": values,
         "residuals": tuple(left.residual for left in file.left),
-        "found": _found(file, data, free),
+        "found": _found(file, data),
     }
     result = from_plain(FitResult, {**data, **found})
     _check(result)
     return result
 
 
-def _settings(file: _File, free: Sequence[str], data: Mapping[str, Any]) -> FitSettings:
-    """The settings; of format 1, which lacks them, those that the result shows."""
-    table, first = file.parameters, file.starts.all[0]
-    usual = get_model(file.model).free
-    settings = {
-        "model": file.model,
-        "options": file.options,
-        "fixed": {name: table[name].value for name in usual if name not in free},
-        "free": [name for name in free if name not in usual],
-        "start": {name: first.initial[name] for name in free},
-        "bounds": {name: (table[name].lower, table[name].upper) for name in free},
-        "priors": {n: (p["median"], p["spread"]) for n, p in data["priors"].items()},
-        "loss": (data.get("outliers") or {}).get("loss"),
-        "prepared": file.inputs[0].prepared,
-        "starts": len(file.starts.all),
-        "seed": data["seed"],
-    }
-    return from_plain(FitSettings, settings)
-
-
-def _found(file: _File, data: Any, free: Sequence[str]) -> LeastSquares | PosteriorMode:
+def _found(file: _File, data: Any) -> LeastSquares | PosteriorMode:
     """How the fit was found; older files say less of it, or have it within the family."""
     starts, family = file.starts.all, data.get("family")
     ended = starts[-1] if starts[-1].outcome == "interrupted" else min(starts, key=lambda s: s.sse)
@@ -294,25 +274,20 @@ def _found(file: _File, data: Any, free: Sequence[str]) -> LeastSquares | Poster
     }  # fmt: skip
     if family is None:
         return from_plain(LeastSquares, {**own, "outliers": data.get("outliers")})
-    known = _family(family, free)
+    known = _family(family)
     return from_plain(PosteriorMode, {**own, **known} if isinstance(known, dict) else known)
 
 
-def _family(data: Any, free: Sequence[str]) -> Any:
-    """A family's spread, formerly standard deviations by name, each for itself, as shifts.
-
-    Formerly its population was without means, which can't be said afterwards.
-    """
-    if not isinstance(data, dict) or not isinstance(data.get("spread"), dict):
+def _family(data: Any) -> Any:
+    """A family's own fields, as files of 0.2.0 had them: zeros alone, a population of no means."""
+    if not isinstance(data, dict):
         return data
-    if "each" not in data:  # older files have the zeros alone
+    if "each" not in data:
         zeros = data.get("zeros")
         data = {**data, "each": {"torque_zero": zeros} if zeros else {}}
     if not all(isinstance(prior, dict) for prior in data.get("population", {}).values()):
         data = {**data, "population": {}}
-    old = {s: by for s, by in data["spread"].items() if isinstance(by, dict) and "shape" not in by}
-    shifts = {s: encode(np.diag([float(by.get(n, 0.0)) for n in free])) for s, by in old.items()}
-    return {**data, "spread": {**data["spread"], **shifts}}
+    return data
 
 
 def _check(result: FitResult) -> None:
