@@ -1,11 +1,14 @@
 """What a fit knows is one thing: every door tells the same number, and each is what it says."""
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import surae
+import surae_posterior
 from richer_legs import richer_leg
 from surae.base.formatting import estimate
 from surae.base.normal import NORMAL
@@ -160,3 +163,20 @@ def test_what_hands_set_is_as_unsure_as_a_deviation_of_five_readings(auto) -> No
     # nobody said it where another keyword has it
     asked = uncertainty(knowledge=known, angle_zero_sd=1.0)
     assert np.array_equal(asked.rows["angle_zero"], before.rows["angle_zero"])
+
+
+def test_the_decision_names_every_module_that_makes_or_asks_it() -> None:
+    decision = Path(__file__).parents[2] / "docs/decisions/0021-one-uncertainty.md"
+    told = set(re.findall(r"`([a-z_]+(?:\.[a-z_]+)+)`", decision.read_text(encoding="utf-8")))
+    asks = re.compile(r"assessment\.uncertainty|uncertainty\.combined import [^\n]*Uncertainty")
+    made = re.compile(r"= combined\(|replace\(known, rows=")
+    asking = set()
+    for package in (surae, surae_posterior):
+        folder = Path(package.__file__).parent
+        for path in folder.rglob("*.py"):
+            text = path.read_text(encoding="utf-8")
+            if asks.search(text) or made.search(text):
+                name = ".".join(path.relative_to(folder).with_suffix("").parts)
+                asking.add(name if package is surae else f"{package.__name__}.{name}")
+    assert len(asking) > 12
+    assert asking <= told

@@ -139,23 +139,25 @@ def usable(where: str, time: FloatArray, angle: FloatArray, torque: FloatArray) 
             f"{where}: the angle does not move ({np.rad2deg(np.ptp(angle[known])):.2g}°); move the "
             "foot by small random perturbations, which `surae protocol prbs` makes"
         )
-    notes, left = [], np.zeros(len(time), bool)
+    left_out, left, limited = [], np.zeros(len(time), bool), _saturated(torque)
     for found, what in (
         (~known, "without samples"),
-        (_saturated(torque), "in which the torque's channel is at its limit"),
+        (limited, "in which the torque's channel is at its limit"),
         (_lost(angle, torque, rate), "in which the torque does not answer: contact lost"),
     ):
         fresh = found & ~left
         if fresh.any():
-            notes.append(f"Left out: {fresh.sum() / rate:.2g} s {what}.")
+            left_out.append(f"{fresh.sum() / rate:.2g} s {what}")
             left |= found
     spans = tuple(
         span for span in runs(~left) if span.stop - span.start >= SHORTEST * rate
     )  # fmt: skip
-    samples = Samples(where, time, angle, torque, rate, spans, tuple(notes))
+    notes = tuple(f"Left out: {each}." for each in left_out)
+    samples = Samples(where, time, angle, torque, rate, spans, notes)
     if samples.seconds < LEAST:
-        why = notes[0].lower().removesuffix(".") if notes else "it is short"
-        remedy = "raise the range of the torque's channel" if "limit" in why else "record 60 s"
+        why = f"left out: {left_out[0]}" if left_out else "it is short"
+        by_limit = known.all() and limited.any()
+        remedy = "raise the range of the torque's channel" if by_limit else "record 60 s"
         raise InputError(
             f"{where}: {samples.seconds:.3g} s in pieces of {SHORTEST:g} s or more can be used, "
             f"{LEAST:g} s are needed ({why}); {remedy}"

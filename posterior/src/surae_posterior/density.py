@@ -51,8 +51,8 @@ def _of_nuisance(prior: Gaussian, source: str) -> Prior:
     """The prior of a nuisance, on a logarithm where its mean is above zero."""
     if not prior.mean > 0.0:
         return Prior(prior.mean, prior.sd, source, log=False)
-    variance = float(np.log1p((prior.sd / prior.mean) ** 2))  # of the same mean and deviation
-    return Prior(prior.mean * float(np.exp(-0.5 * variance)), variance**0.5, source)
+    own = prior.on_logarithm()
+    return Prior(float(np.exp(own.mean)), own.sd, source)
 
 
 #: Logarithm of a density, and its gradient; minus infinity where the model has no finite torque.

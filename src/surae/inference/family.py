@@ -149,7 +149,9 @@ class Family:
             spec, free, original.by_name(original.start), limits,
             options=self._options, inputs=inputs,
         )  # fmt: skip
-        priors = self._leg(problem) | {n: _searched(n, b) for n, b in beliefs.items()}
+        priors = self._leg(problem) | {
+            n: b if is_straight(n) else b.on_logarithm() for n, b in beliefs.items()
+        }
         made = LogPosterior(
             problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz, rest=rest
         )
@@ -176,14 +178,6 @@ class Family:
             for name, (median, spread) in wide.items()
             if name in problem.free
         }
-
-
-def _searched(name: str, belief: Gaussian) -> Gaussian:
-    """A nuisance's prior as it is searched: of what is on a logarithm, with its mean and sd."""
-    if is_straight(name):
-        return belief
-    spread = float(np.sqrt(np.log1p((belief.sd / belief.mean) ** 2)))
-    return Gaussian(float(np.log(belief.mean)) - 0.5 * spread**2, spread)
 
 
 def _needless(name: str, silent: frozenset[str], filmed: Collection[str]) -> bool:

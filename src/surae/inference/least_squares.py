@@ -198,7 +198,7 @@ def minimise(
                     if better is not None:
                         better(best.x, best.sse)
                 recent.append(here.sse)
-                damping = max(damping * np.clip(1 - (2 * monotone - 1) ** 3, 0.1, 10.0), 1e-15)
+                damping = max(damping * eased(monotone), 1e-15)
                 growth = 2.0
             else:
                 damping *= growth
@@ -224,6 +224,11 @@ def sum_of_squares(residual: FloatArray) -> float:
 def predicted_gain(H: FloatArray, g: FloatArray, d: FloatArray) -> float:
     """How much a step lowers the sum of squares of the linear problem."""
     return -float(d @ (2.0 * g + H @ d))
+
+
+def eased(ratio: float) -> float:
+    """Factor on the damping after a step that gained so many times what was predicted."""
+    return float(np.clip(1.0 - (2.0 * ratio - 1.0) ** 3, 0.1, 10.0))
 
 
 def column_norms(R: FloatArray) -> FloatArray:

@@ -22,7 +22,7 @@ from surae.inference.coordinates import Coordinates
 from surae.inference.descent import FAR, Secant, shorter
 from surae.inference.evidence import LaplaceApproximation
 from surae.inference.latent import Latents
-from surae.inference.least_squares import box_quadratic, predicted_gain
+from surae.inference.least_squares import box_quadratic, eased, predicted_gain
 from surae.inference.noise import NoiseModel
 from surae.inference.observed import REST, Observed, SensorRows
 from surae.inference.problem import FitProblem
@@ -290,7 +290,7 @@ class LogPosterior(Coordinates):
                 damping *= 2.0
             else:
                 ratio = (here.cost - trial.cost) / max(gain + latent_gain, 1e-300)
-                damping = max(damping * np.clip(1 - (2 * ratio - 1) ** 3, 0.1, 10.0), 1e-12)
+                damping = max(damping * eased(ratio), 1e-12)
             here = trial
 
     def _point(self, z: FloatArray, c: tuple[FloatArray, ...], w: tuple[FloatArray, ...]) -> Point:

@@ -5,6 +5,7 @@ them along with the leg. Their priors are what a careful laboratory knows that d
 not what some recording showed; all can be changed (`nuisances` of `surae.fit`).
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
@@ -30,6 +31,11 @@ class Gaussian:
     mean: float
     sd: float
     off: float = 0.0  #: The value at which there is no such nuisance.
+
+    def on_logarithm(self) -> "Gaussian":
+        """That of the logarithm which has the same mean and standard deviation."""
+        spread = math.sqrt(math.log1p((self.sd / self.mean) ** 2))
+        return Gaussian(math.log(self.mean) - 0.5 * spread**2, spread)
 
 
 @dataclass(frozen=True, slots=True)

@@ -196,8 +196,10 @@ def _mend(
         roles = [role] if role in channels else []
     if not roles:
         return None
-    if code in ("angle-sign", "torque-sign") and finding["advice"].startswith("Write sign = -1"):
-        both = all(f"sign = -1 for the {each}" in finding["advice"] for each in ("angle", "torque"))
+    said, advised = (finding.get(part, {}).get("message") for part in ("said", "advised"))
+    lines = _lines(finding)
+    if advised in ("advice/angle-sign", "advice/torque-sign") or lines.startswith("sign = -1"):
+        both = all(f"sign = -1 for the {each}" in lines for each in ("angle", "torque"))
         if both and code == "torque-sign":
             return None  # the finding on the angle turns both
         turned = ["angle", "torque"] if both else [role]
@@ -205,11 +207,7 @@ def _mend(
             "label": _TURN["both" if both else str(role)],
             "channels": {each: {"sign": -channels[each]["sign"]} for each in turned},
         }
-    if (
-        code == "torque-offset"
-        and finding["value"] is not None
-        and "zero is off" in finding["message"]
-    ):
+    if said == "found/torque-offset/fitted":
         channel = channels[role]
         shift = finding["value"] / (_factor(role, channel["unit"]) * channel["sign"])
         return {
@@ -228,6 +226,13 @@ def _mend(
     return None
 
 
+def _lines(finding: Mapping[str, Any]) -> str:
+    """The lines of a mapping that a finding is certain of; empty where there are none."""
+    advised = finding.get("advised", {})
+    certain = advised.get("message") == "advice/write"
+    return str(advised["given"]["lines"]) if certain else ""
+
+
 def _unit(
     finding: Mapping[str, Any], channel: Mapping[str, Any], factors: Mapping[str, float]
 ) -> str | None:
@@ -235,8 +240,8 @@ def _unit(
     if advised := _ADVISED.search(finding["advice"]):
         unit = advised[1].replace("µ", "u")
         return unit if unit in factors else None
-    scaled = _SCALED.search(finding["advice"])
-    if scaled is None or "cannot tell" in finding["message"] or channel["unit"] not in factors:
+    scaled = _SCALED.search(_lines(finding))
+    if scaled is None or channel["unit"] not in factors:
         return None
     right = float(scaled[1]) * factors[channel["unit"]]
     return next(
