@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ankle_legs.movement import effort
 from scipy.signal import butter, sosfilt
 
+from ankle_legs.movement import effort
 from surae.base.frozen import read_only
 from surae.recording import Recording
 from surae.signals import ModelInputs, inputs_as_given, noise_alone, prepare, steady_emg

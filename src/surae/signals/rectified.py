@@ -98,7 +98,7 @@ def _likeliest(
 
     Steps are Newton's, of bends whose weights are those of the last step (Lange et al. 1989).
     """
-    from scipy.linalg import cholesky_banded, cho_solve_banded
+    from scipy.linalg import cho_solve_banded, cholesky_banded
 
     for _ in range(_STEPS):
         bends = np.diff(log, 2)
