@@ -18,47 +18,67 @@ def box_quadratic(H: FloatArray, g: FloatArray, lower: FloatArray, upper: FloatA
 
     A step that meets a bound stops there and holds it, a held bound whose multiplier has the wrong
     sign is let go, one at a time. Each face is left at a lower value, so no face comes twice and
-    the loop is finite; the count below only guards against rounding.
+    the loop is finite; the count below only guards against rounding. It is written out, since the
+    compilation of NumPy's functions would take most of what that of all kernels takes.
     """
     p = len(g)
-    d = np.minimum(np.maximum(np.zeros(p), lower), upper)
-    held = np.zeros(p, dtype=np.bool_)
+    d, gradient, step, A = np.empty(p), np.empty(p), np.empty(p), np.empty((p, p))
+    held, free = np.empty(p, np.int64), np.empty(p, np.int64)
+    least = 1e-300
     for j in range(p):
+        d[j] = min(max(0.0, lower[j]), upper[j])
         held[j] = lower[j] == upper[j]
-    scale = np.max(np.abs(g)) + 1e-300
-    for _ in range(20 * p + 20):
-        free = np.flatnonzero(~held)
-        gradient = g + H @ d
-        if len(free) > 0:
-            A = np.empty((len(free), len(free)))
-            b = np.empty(len(free))
-            for i in range(len(free)):
-                b[i] = -gradient[free[i]]
-                for j in range(len(free)):
-                    A[i, j] = H[free[i], free[j]]
-            step = np.linalg.solve(A, b)
-            length, blocking, rising = 1.0, -1, False
-            for i in range(len(free)):
-                j = free[i]
-                room = upper[j] - d[j] if step[i] > 0 else d[j] - lower[j]
-                if abs(step[i]) * length > room:
-                    length, blocking, rising = room / abs(step[i]), j, step[i] > 0
-            for i in range(len(free)):
-                d[free[i]] += length * step[i]
-            if blocking >= 0:
-                d[blocking] = upper[blocking] if rising else lower[blocking]
-                held[blocking] = True
-                continue
-            gradient = g + H @ d
-        worst, release = 1e-12 * scale, -1
+        least = max(least, abs(g[j]))
+    least *= 1e-12
+    settled = False  # where its face is lowest
+    for _ in range(60 * p + 60):
+        count = 0
         for j in range(p):
-            if held[j] and lower[j] < upper[j]:
-                wrong = -gradient[j] if d[j] == lower[j] else gradient[j]
-                if wrong > worst:
-                    worst, release = wrong, j
-        if release < 0:
-            break
-        held[release] = False
+            total = g[j]
+            for i in range(p):
+                total += H[j, i] * d[i]
+            gradient[j] = total
+            if not held[j]:
+                free[count] = j
+                count += 1
+        if settled or count == 0:
+            worst, release = least, -1
+            for j in range(p):
+                if held[j] and lower[j] < upper[j]:
+                    wrong = -gradient[j] if d[j] == lower[j] else gradient[j]
+                    if wrong > worst:
+                        worst, release = wrong, j
+            if release < 0:
+                break
+            held[release] = False
+            settled = False
+            continue
+        for a in range(count):
+            step[a] = -gradient[free[a]]
+            for b in range(a, count):
+                A[a, b] = H[free[a], free[b]]
+        for k in range(count):  # elimination, which without pivots is stable
+            for a in range(k + 1, count):
+                factor = A[k, a] / A[k, k]
+                step[a] -= factor * step[k]
+                for b in range(a, count):
+                    A[a, b] -= factor * A[k, b]
+        for k in range(count - 1, -1, -1):
+            for a in range(k + 1, count):
+                step[k] -= A[k, a] * step[a]
+            step[k] /= A[k, k]
+        length, blocking, rising = 1.0, -1, False
+        for i in range(count):
+            j = free[i]
+            room = upper[j] - d[j] if step[i] > 0 else d[j] - lower[j]
+            if abs(step[i]) * length > room:
+                length, blocking, rising = room / abs(step[i]), j, step[i] > 0
+        for i in range(count):
+            d[free[i]] += length * step[i]
+        settled = blocking < 0
+        if not settled:
+            d[blocking] = upper[blocking] if rising else lower[blocking]
+            held[blocking] = True
     return d
 
 

@@ -59,7 +59,7 @@ def _plus(x: _Element, constant: float) -> _Element:
 
 
 @jit
-def filter_step(f0: float, beta: float, dt: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+def filter_step(f0: float, beta: float, dt: float) -> FloatArray:
     """One sample of the activation filter (14), exact for an EMG linear between samples.
 
     α'' + 2βω0·α' + ω0²·α = ω0²·E, ω0 = 2π·f0, with the state v = (α, α'/ω0):
@@ -78,10 +78,8 @@ def filter_step(f0: float, beta: float, dt: float) -> tuple[FloatArray, FloatArr
 
     Returns
     -------
-    step : ndarray, shape (2, 4)
-        Columns Φ (two), Γ0, Γ1.
-    step_f0, step_beta : ndarray, shape (2, 4)
-        Its derivatives by f0 [1/Hz] and by beta.
+    ndarray, shape (3, 2, 4)
+        The step, its columns Φ (two), Γ0, Γ1; its derivatives by f0 [1/Hz] and by beta.
     """
     h = 2.0 * math.pi * f0 * dt
     norm = h * (1.0 + 2.0 * abs(beta))
@@ -130,10 +128,13 @@ def filter_step(f0: float, beta: float, dt: float) -> tuple[FloatArray, FloatArr
     for column in range(2, 4):
         for row in range(2):
             steps[1, row, column] += steps[0, row, column] / h
+    for column in range(4):
+        for row in range(2):
+            steps[1, row, column] *= 2.0 * math.pi * dt
     steps[2, 1, 1] -= 2.0 * free[1]
     steps[2, 1, 2] -= 2.0 * steps[0, 0, 2]
     steps[2, 1, 3] -= 2.0 * steps[0, 0, 3]
-    return steps[0], steps[1] * (2.0 * math.pi * dt), steps[2]
+    return steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,7 +239,6 @@ class ActivationFilter:
         return self._steps[delay]
 
 
-@jit
 def _steps(f0: float, beta: float, dt: float, late: float) -> tuple[FloatArray, int]:
     """Steps that lead to an instant `late` [s] before each sample, and whole samples to go back.
 
@@ -250,9 +250,7 @@ def _steps(f0: float, beta: float, dt: float, late: float) -> tuple[FloatArray, 
     if after <= 0.0:  # rounding
         back, after = back + 1, after + dt
     share = after / dt
-    steps = np.empty((2, 3, 2, 4))
-    steps[0, 0], steps[0, 1], steps[0, 2] = filter_step(f0, beta, dt)
-    steps[1, 0], steps[1, 1], steps[1, 2] = filter_step(f0, beta, after)
+    steps = np.stack([filter_step(f0, beta, dt), filter_step(f0, beta, after)])
     # from the inputs at both ends of the sample to those at both ends of its part
     steps[1, :, :, 2] += (1.0 - share) * steps[1, :, :, 3]
     steps[1, :, :, 3] *= share

@@ -324,7 +324,7 @@ def drive_columns(
     v, w, a = np.empty(2), np.empty(2), np.empty(2)  # the filter's state for each stage's own delay
     for c in range(len(first)):
         begin, width = first[c], inputs.shape[1]
-        v[:] = w[:] = 0.0
+        v[0] = v[1] = w[0] = w[1] = 0.0
         x_n = z_n = strained = 0.0
         for t in range(out.shape[1]):
             i = begin + t

@@ -122,7 +122,9 @@ def jit(function: F) -> F:
     previous = config.CACHE_DIR
     config.CACHE_DIR = str(cache_folder())  # numba reads it when it decorates
     try:
-        compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+        # Nobody calls them by address: to allow for that is a tenth of their compilation.
+        options: Any = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+        compiled: Any = numba.njit(cache=True, **options)(function)
     finally:
         config.CACHE_DIR = previous
     return cast(F, compiled)

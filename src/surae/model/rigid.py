@@ -9,7 +9,7 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.model.activation import IntArray
-from surae.model.contraction import CF, force_velocity
+from surae.model.contraction import CF, FECC, MVSH, force_velocity
 from surae.model.jit import jit
 from surae.model.passive import relaxation_step
 
@@ -76,7 +76,7 @@ def rigid_forces(
         if i > 0:
             z = a * z + b0 * elastic[i - 1] + b1 * elastic[i]
         forces[0, i] = max(elastic[i] - z, 0.0)
-        forces[1, i] = alpha[i] * fl[i] * force_velocity(speed[i], vmax)[0]
+        forces[1, i] = alpha[i] * fl[i] * force_velocity(speed[i], vmax, MVSH, FECC - 1.0)[0]
     return forces
 
 
@@ -139,7 +139,7 @@ def rigid_torque(
             by_x0[i] -= r * k * force
             by_tau[i] -= r * z_t
             by_rel[i] -= r * z_r
-        fv, fv_v, _, _ = force_velocity(speed[i], vmax)
+        fv, fv_v, _, _ = force_velocity(speed[i], vmax, MVSH, FECC - 1.0)
         gain = r * fl[i] * fv
         gains[i] = gain
         torque[i] += r * force + gain * alpha[i]
