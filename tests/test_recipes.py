@@ -28,6 +28,11 @@ FRICTION = """    UncertaintySource(
         ),
     ),
 """
+SCALE = """    UncertaintySource(
+        "scale", "scale of the torque", "what the calibration of the sensor leaves",
+        N_("calibrate the torque sensor with weights"), Fill("ink", "x"),
+    ),
+"""
 SPRING = '''"""Springs and motors: forces that the muscles' lengths hardly change."""
 
 import numpy as np
@@ -100,6 +105,11 @@ def _direction(inputs: "ModelInputs") -> FloatArray:
     ),
 '''),
         ("model/sources.py", "    UncertaintySource(", FRICTION),
+    ],
+    "a source of uncertainty that nothing is estimated for": [
+        ("model/sources.py", "    UncertaintySource(", SCALE),
+        ("inference/uncertainty/combined.py", "    for source in rows.keys() & _set_by_hand",
+         '    rows["scale"] = 0.005 * values[None, :]\n'),
     ],
     "a finding": [
         ("quality/finding.py", '    FindingKind("torque-sign"', '''\
@@ -315,6 +325,7 @@ for j in range(len(at)):
     step = 1e-5 * at[j] * np.eye(len(at))[j]
     slope = (tied.torque(at + step) - tied.torque(at - step)) / (2 * step[j])
     off = max(off, float(np.abs(slope - slopes[j]).max() / np.abs(slope).max()))
+known = fit.assessment.uncertainty
 motion = api.generate(api.Protocol(profile="bow", rate_hz=16.0))
 json.dump({
     "home": surae.__file__,
@@ -328,6 +339,7 @@ json.dump({
     "spring": json.loads(Path("spring.json").read_text(encoding="utf-8")),
     "older": surae.FitSettings.from_dict(older).patience,
     "prior": laboratory()["friction"].sd,
+    "sources": {n: dict(known.budget(known.along(n)).shares) for n in ("m", "k_tri")},
     "wide": wide_priors()["viscosity"],
     "tables": {"source": tables.sources(), "measure": tables.measures(),
                "code": quality_table.table(), "measurement":
@@ -384,6 +396,15 @@ def test_what_the_laboratory_cannot_rule_out_has_a_prior_and_words(seen) -> None
         in (seen["tables"]["measurement"])
     )
     assert seen["fit"]["parameters"]["friction"]["verdict"] != "fixed"
+
+
+@pytest.mark.slow
+def test_a_source_of_uncertainty_is_in_every_budget_and_in_the_table(seen) -> None:
+    assert all(0.0 < shares["scale"] < 1.0 for shares in seen["sources"].values())
+    assert (
+        "| scale of the torque | what the calibration of the sensor leaves |"
+        in (seen["tables"]["source"])
+    )
 
 
 @pytest.mark.slow

@@ -4,10 +4,17 @@ from dataclasses import replace
 from datetime import datetime
 from importlib.resources import files
 
-import numpy as np
 import pytest
 
-from surae.inference import AssessedFit, Verdict, assess, fit_problem, make_problem, solve
+from surae.inference import (
+    AssessedFit,
+    LeastSquares,
+    Verdict,
+    assess,
+    fit_problem,
+    make_problem,
+    solve,
+)
 from surae.inference.adequacy import Adequacy, Grade
 from surae.inference.reasons import against
 from surae.inference.result import OfRecording
@@ -92,9 +99,8 @@ def test_the_sentence_is_not_said(auto, monkeypatch, why):
     elif why == "little gain":
         budget = replace(budget, without={"zero": 0.9 * budget.sd})
     else:
-        known = assessment.uncertainty
-        rows = {"noise": np.concatenate([*known.rows.values()])}
-        assessment = replace(assessment, uncertainty=replace(known, rows=rows))
+        own = (getattr(result.found, n) for n in ("starts", "agreeing", "stages", "outcome"))
+        result = replace(result, found=LeastSquares(*own))
     budgeted(monkeypatch, name, budget)
     monkeypatch.setattr("surae.report.budget.covariance_if_filmed", lambda *_: None)
     assert what_would_help(AssessedFit(result, assessment)) == ()

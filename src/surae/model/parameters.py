@@ -50,8 +50,8 @@ _REFLEX = "assumed: some Nm at a stretch of 3 rad/s; none known"
 _STRETCH_TRI = "stretch the relaxed triceps further: more dorsiflexion"
 _STRETCH_TIB = "stretch the relaxed tibialis further: more plantarflexion"
 _HOLD = "hold the stretched angle longer, with a passive part in the trial"
-_FORCE_TRI = "higher forces of the triceps, past the toe of its tendon, or fix it"
-_FORCE_TIB = "higher forces of the tibialis, past the toe of its tendon, or fix it"
+_FORCE_TRI = "higher forces of the triceps, past the toe of its tendon"
+_FORCE_TIB = "higher forces of the tibialis, past the toe of its tendon"
 _STRAIN = "fix it, and let the strain factor vary instead"
 
 _P = Parameter

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.base.formatting import listed
-from surae.inference import AssessedFit, Assessment, ParameterEstimate, Verdict
+from surae.inference import AssessedFit, Assessment, LeastSquares, ParameterEstimate, Verdict
 from surae.inference.adequacy import Grade
 from surae.inference.parameter import percent
 from surae.model.sources import SOURCES
@@ -39,7 +39,7 @@ def budget_of(fit: AssessedFit) -> BudgetTable:
     """The budgets of all parameters in one table."""
     known = {p.name: p for p in fit.assessment.parameters.values() if p.budget and p.ci95}
     helps = what_to_measure(fit.assessment)
-    if fit.assessment.uncertainty.is_of_noise_alone or not known:
+    if isinstance(fit.result.found, LeastSquares) or not known:
         return BudgetTable((), (), {}, helps)
     met = {source for p in known.values() for source in p.budget if p.budget[source] >= _SHOWN}
     sources = tuple(source for source in SOURCES if source in met)
@@ -97,7 +97,8 @@ def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
     nothing, and none of a named model, which knows of noise alone.
     """
     result, assessment = fit.result, fit.assessment
-    if assessment.uncertainty.is_of_noise_alone or assessment.adequacy.grade is Grade.INADEQUATE:
+    named = isinstance(result.found, LeastSquares)
+    if named or assessment.adequacy.grade is Grade.INADEQUATE:
         return ()
     gains: dict[str, dict[str, tuple[float, str]]] = {}
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from surae.base.formatting import listed
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.inference import FitResult
 from surae.inference.identifiability.advice import trade_off
 from surae.inference.uncertainty.combined import information_root
@@ -63,7 +64,7 @@ class Identified:
     #: Parameters it trades off with, strongest first: those of the direction that adds most to its
     #: variance (Belsley, Kuh and Welsch, Regression Diagnostics, 1980).
     partners: tuple[str, ...]
-    advice: str  #: What to do to know it, or to know it better, in one sentence.
+    advice: Message  #: What to do to know it, or to know it better, in one sentence.
 
     @property
     def uncertainty(self) -> float | None:
@@ -152,22 +153,16 @@ def _partners(
 
 def _advice(
     name: str, partners: tuple[str, ...], joint: Joint, *, silent: bool, at_bound: bool
-) -> str:
+) -> Message:
     """What to do to know a parameter better, in one sentence."""
-    parameter = PARAMETERS.get(name)
-    more = joint.worded(parameter.advice if parameter else "another movement or effort, or fix it")
-    fewer = more.removesuffix(", or fix it")
-    if silent:
-        return f"The torque does not depend on {name} here: fix it, or {fewer}."
-    if at_bound:
-        return f"See whether the bound of {name} is right, or fix it; to learn more: {more}."
-    if not partners:
-        return f"{name} has little influence on this torque: {more}."
-    known = trade_off(name, partners)
-    if known is None:
-        return f"{name} trades off with {listed(partners)}: fix one of them, or {fewer}."
-    why = joint.worded(f"{known.because}: {known.advice}")
-    return f"{name} trades off with {listed(partners)}, as {why}."
+    parameter, known = PARAMETERS.get(name), trade_off(name, partners)
+    more = Message(parameter.advice if parameter else "another movement or effort", joint.worded)
+    code = "trades" if partners else "little"
+    if silent or at_bound:
+        code = "silent" if silent else "at-bound"
+    elif known is not None:
+        code, more = "trades-as", Message(known.advice.code, joint.worded)
+    return Message(f"identify/{code}", name=name, names=", ".join(partners), advice=more)
 
 
 def unexplained(R: FloatArray, j: int, others: Sequence[int]) -> float:

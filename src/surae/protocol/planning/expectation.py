@@ -47,7 +47,7 @@ class Expected:
     relative_sem: float | None
     half_width: float | None  #: Half of the 95 % interval as a part of the value, likewise.
     verdict: Verdict  #: Of that interval, by the rule of a fit.
-    note: str  #: Why, in a sentence.
+    note: Message  #: Why, in a sentence.
     identified_share: float  #: Part of the legs in which it would be identified.
     #: Parts of the variance by source; they add up to 1. Empty where there is none.
     budget: Mapping[str, float] = field(default_factory=FrozenDict)
@@ -93,9 +93,9 @@ class Expectation(Tabular, Comparable):
         return of_leg if self.load is None else self.load.text + f"; {of_leg}" * self.of_fit
 
     @property
-    def caution(self) -> str:
-        """What this leaves out, a sentence; empty where real legs' departures are counted."""
-        return "" if self.nuisances else Message("plan/caution")
+    def caution(self) -> Message | None:
+        """What this leaves out, a sentence; None where real legs' departures are counted."""
+        return None if self.nuisances else Message("plan/caution")
 
     @property
     def worst(self) -> float | None:

@@ -294,6 +294,7 @@ def together(
                 "reasons": [*dict.fromkeys(_(reason.plain) for reason in fit.adequacy.against)],
                 "leg": of_leg(measures, _) if known else [],
                 "next": _next_in(next_, _),
+                "gains": [_(sentence) for sentence in next_["next"]],
             }
             for _ in map(api.words_in, LANGUAGES)
         },
@@ -336,9 +337,7 @@ def _next_in(following: Mapping[str, Any], _: "Words") -> list[str]:
     if following["proposed"] is not None:
         ready = api.ready_protocols()[following["proposed"]]
         return [_("Measure {name} next.", name=ready.name), _(ready.description)]
-    if _.language == "en":
-        return list(following["next"])
-    return [_("There is nothing more to measure for now.")]
+    return [_(sentence) for sentence in following["next"]]
 
 
 def tells(protocol: str, fit: str | None = None) -> list[str]:

@@ -29,8 +29,8 @@ def spoken(request: Request) -> dict[str, Any]:
 
 #: Codes of sentences on fits, which no script says.
 _NOT_ON_PAGES = (
-    "against/", "alone/", "beyond/", "change/", "ended/", "interval/", "kind/", "measure/", "none/",
-    "note/", "plainly/",
+    "against/", "alone/", "apart/", "beyond/", "change/", "ended/", "identify/", "interval/",
+    "kind/", "measure/", "none/", "plainly/",
 )  # fmt: skip
 
 

@@ -260,7 +260,7 @@ function showSession() {
     h("div", { class: "next" }, own(session).next.map((sentence) => h("p", {}, sentence)),
       session.proposed && button([_("Load {movement}", { movement: session.proposed }), " ", h("kbd", {}, "N")], next, { id: "next", "aria-keyshortcuts": "N" })),
     h("details", {}, h("summary", {}, _("All measures and parameters")),
-      h("div", { lang: "en" }, session.next.map((sentence) => h("p", { class: "small" }, sentence))),
+      h("div", {}, (own(session).gains ?? session.next).map((sentence) => h("p", { class: "small" }, sentence))),
       estimates(_("Measures"), session.measures, session.before),
       estimates(_("Parameters"), session.parameters.filter((p) => p.verdict !== "fixed"), session.before)));
 }

@@ -100,8 +100,9 @@ def post_preview(body: ProtocolPreview) -> dict[str, Any]:
         "seconds": float(trajectory.time[-1]),
         "limits": limits(trajectory),
         "adaptation": [] if adaptation is None else [s.parts() for s in adaptation.steps],
-        "prediction": expectation.to_json()
-        | {"identified": expectation.identified, "caution": expectation.caution},
+        "prediction": expectation.to_json() | {"identified": expectation.identified},
+        "caution": expectation.caution and expectation.caution.parts(),
+        "notes": {name: p.note.parts() for name, p in expectation.parameters.items()},
         "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
     }
 

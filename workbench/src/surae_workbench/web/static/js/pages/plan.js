@@ -84,7 +84,7 @@ function show(seen) {
   plots[0].show([seen.t, scaled(seen.angle, degrees)], null);
   plots[1].show([seen.t, scaled(seen.velocity, degrees)], null);
   plots[2].show([seen.t, ...seen.effort.map((one) => scaled(one, 100))], null);
-  const { prediction, adaptation } = seen;
+  const { prediction, adaptation, caution } = seen;
   replace(
     byId("adaptation"),
     h("ul", {}, adaptation.map((one) => h("li", {}, said(one))), seen.limits.filter((one) => !one.exceeded).map((one) => h("li", {}, said(one)))),
@@ -100,13 +100,13 @@ function show(seen) {
     [_("Torque"), `${number(prediction.torque_Nm[0], 3)} … ${number(prediction.torque_Nm[1], 3)} Nm`],
   ];
   replace(byId("figures"), figures(entries));
-  replace(byId("prediction"), predicted(Object.entries(prediction.parameters)));
-  byId("said").textContent = [_("Worked out in {s} s, over {legs}", { s: number(seen.milliseconds / 1000, 2), legs: _(prediction.legs) }), prediction.caution].filter(Boolean).join("; ") + ".";
+  replace(byId("prediction"), predicted(Object.entries(prediction.parameters), seen.notes));
+  byId("said").textContent = [_("Worked out in {s} s, over {legs}", { s: number(seen.milliseconds / 1000, 2), legs: _(prediction.legs) }), caution && said(caution)].filter(Boolean).join("; ") + ".";
 }
 
 const part = (x) => (x === null ? "—" : percent(100 * x, 2));
 
-const predicted = (parameters) =>
+const predicted = (parameters, notes) =>
   table(
     _("Predicted uncertainty"),
     [_("Parameter"), _("Typical value"), _("Standard error"), _("95 % within"), _("Identified in"), _("Verdict"), _("Why")],
@@ -117,7 +117,7 @@ const predicted = (parameters) =>
       num(p.relative_half_width === null ? "—" : `±${part(p.relative_half_width)}`),
       num(percent(100 * p.identified_share, 2)),
       verdict(p.verdict),
-      h("td", { class: "why" }, _(p.note)),
+      h("td", { class: "why" }, said(notes[name])),
     ]),
     { caption: _("Predicted standard errors; the bar ends at 20 %"), numbers: [1, 4] },
   );
