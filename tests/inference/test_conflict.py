@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.inference.conflict import Conflict, conflicts
+from surae.inference.conflict import RARE, Conflict, conflicts
 from surae.inference.evidence import LaplaceApproximation
 from surae.model.sources import Gaussian
 
@@ -30,7 +30,7 @@ def told(true: tuple[float, float], sd: float, seed: int) -> LaplaceApproximatio
 def test_an_axis_15_mm_off_is_found(sd) -> None:
     for seed in range(20):
         laplace = told((0.0, 0.02), sd, seed)
-        assert conflicts(laplace, NAMES, STATED, WIDE, {"axis"})["axis"].doubted
+        assert conflicts(laplace, NAMES, STATED, WIDE, {"axis"})["axis"].probability < RARE
 
 
 def test_one_right_statement_in_a_hundred_is_doubted_and_none_is_taken_for_wrong() -> None:
@@ -38,8 +38,27 @@ def test_one_right_statement_in_a_hundred_is_doubted_and_none_is_taken_for_wrong
     for seed in range(400):
         laplace = told(tuple(0.003 * rng.standard_normal(2)), 0.002, seed)
         seen.append(conflicts(laplace, NAMES, STATED, WIDE, {"axis"})["axis"])
-    assert sum(c.doubted for c in seen) <= 10  # 1 %, and three standard deviations of the count
+    assert (
+        sum(c.probability < RARE for c in seen) <= 10
+    )  # 1 %, and three standard deviations of the count
     assert all(c.probability > 1e-4 for c in seen)  # of adequacy: nothing is claimed
+
+
+def test_arms_and_lengths_are_of_one_statement_and_shapes_of_none() -> None:
+    """A path 3 and a length 2.5 of their sd off: each alone might be, both together hardly."""
+    names = ("path_scale_tri", "length_zero_tri", "arm_bend_tri")
+    stated = {n: Gaussian(0.0, sd) for n, sd in zip(names, (0.03, 0.0025, 0.05), strict=True)}
+    wide = {n: Gaussian(0.0, sd) for n, sd in zip(names, (0.3, 0.005, 0.15), strict=True)}
+    told = np.array([0.012, 0.0008, 0.01])
+    seen = np.array([3.0, 2.5, 9.0]) * np.hypot([0.03, 0.0025, 0.05], told)
+    weight = np.array([1.0 / stated[n].sd for n in names])
+    laplace = LaplaceApproximation(
+        np.diag(told**-2.0), -(told**-2.0) * seen, 0.0, np.zeros(3), np.zeros(3), weight
+    )
+    (found,) = conflicts(laplace, names, stated, wide, {"arm", "length"}).values()
+    assert found.at == (0, 1)
+    assert found.ratio == pytest.approx(np.sqrt((3.0**2 + 2.5**2) / 2.0), rel=0.01)
+    assert found.probability < RARE
 
 
 def test_what_disagrees_is_wider_by_birges_ratio_with_all_that_hangs_on_it() -> None:

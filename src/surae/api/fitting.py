@@ -2,11 +2,10 @@
 
 import warnings
 from collections.abc import Sequence
-from typing import Unpack
+from typing import TYPE_CHECKING, Unpack
 
 from surae.api.fitted import Fit
 from surae.api.given import AnyRecording, read_in, several
-from surae.api.keywords import FitKeywords
 from surae.api.recordings import checks_for, explained
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
@@ -26,6 +25,9 @@ from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.signals.windows import parted, thinned
 
+if TYPE_CHECKING:
+    from surae.api.keywords import FitKeywords
+
 #: Has a function's ``**keywords`` stand for all settings of a fit.
 asks_as_fit = takes(FitSettings, ModelOptions, defaults=False)
 
@@ -39,7 +41,7 @@ def fit(
     quality: Sequence[Quality] | None = None,
     progress: SearchProgress | None = None,
     follow: Follow | None = None,
-    **keywords: Unpack[FitKeywords],
+    **keywords: "Unpack[FitKeywords]",
 ) -> Fit:
     """Estimate a model's parameters from one recording, or from several together.
 

@@ -3,11 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from surae.api.fitted import Fit
 from surae.api.fitting import asks_as_fit, fit_inputs
-from surae.api.keywords import FitKeywords
 from surae.api.recordings import checks_for
 from surae.api.session_result import SessionResult
 from surae.api.session_run import StepProgress, run
@@ -25,6 +24,9 @@ from surae.recording.reading import open_mapping, read
 from surae.settings import FitSettings
 from surae.trials import Reading, TrialSet, prepared_for, reading_of, sorted_trials, trial_files
 
+if TYPE_CHECKING:
+    from surae.api.keywords import FitKeywords
+
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Session(TrialSet):
@@ -38,7 +40,7 @@ class Session(TrialSet):
         *,
         progress: SearchProgress | None = None,
         follow: Follow | None = None,
-        **keywords: Unpack[FitKeywords],
+        **keywords: "Unpack[FitKeywords]",
     ) -> Fit:
         """Fit one trial, or several jointly: they share all parameters of the leg.
 
@@ -85,7 +87,7 @@ class Session(TrialSet):
         *,
         progress: StepProgress | None = None,
         workers: int | None = 1,
-        **keywords: Unpack[FitKeywords],
+        **keywords: "Unpack[FitKeywords]",
     ) -> SessionResult:
         """Check every trial, fit each and all together, and predict each by the others.
 

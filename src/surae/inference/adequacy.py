@@ -16,6 +16,7 @@ from surae.base.filed import filed
 from surae.base.records import OrNaN
 from surae.base.units import FloatArray
 from surae.inference import FitResult
+from surae.inference.conflict import RARE
 from surae.inference.fascicles import fascicles_of
 from surae.inference.reasons import Reason, against
 from surae.inference.residual import centred_r2, counted
@@ -23,7 +24,7 @@ from surae.inference.softening import softening
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.joint import Joint
 from surae.model.laboratory import group_of
-from surae.model.sources import NUISANCES, Gaussian
+from surae.model.sources import Gaussian, label_of
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, steady_emg
 
@@ -196,12 +197,10 @@ def _stated(result: FitResult) -> Iterator[Reason]:
     known = result.problem.settings.knowledge
     for doubt in () if known is None else known.doubts:
         yield against("said", text=doubt)
-    values, told = result.values, result.found.contradicted
-    odd = {group_of(n) for n, b in result.found.beliefs.items() if _is_odd((values[n],), b)}
-    for group in sorted(result.problem.settings.known & {*odd, *told}):
-        label = result.problem.options.anatomy.worded(NUISANCES[group].label)
-        grave = told.get(group, 1.0) < _WRONG
-        yield against("contradicted", grave=grave, label=label)
+    for group, probability in sorted(result.found.contradicted.items()):
+        label = result.problem.options.anatomy.worded(label_of(group))
+        if probability < RARE:
+            yield against("contradicted", grave=probability < _WRONG, label=label)
 
 
 def _agreement(

@@ -16,15 +16,24 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.inference.evidence import LaplaceApproximation
+from surae.inference.posterior import LogPosterior, Point
+from surae.model import with_optional
 from surae.model.laboratory import group_of
 from surae.model.sources import Gaussian
 
-#: Probability of a statement that is right to look as wrong, from which on it is doubted. Five
-#: groups are tested, so that one right session in twenty is doubted; below it intervals are wider.
-_RARE = 0.01
+#: Probability of a right statement to look as wrong, from which on that is said, and from which on
+#: it is doubted: of five that are tested, in one right session in five and in one in twenty.
+_SAID, RARE = 0.05, 0.01
 #: Standard deviation, in parts of that of a laboratory that knows nothing, below which the torque
 #: has something of its own to say.
 _TOLD = 0.7
+#: 1/sd of no prior, in parts of that of a laboratory that knows nothing.
+_NO_PRIOR = 1e-3
+#: Groups that one statement is about, and parameters of a shape that nobody states.
+_PART_OF = {"length": "arm"}
+_SHAPES = ("arm_slope", "arm_bend", "path_bend")
+#: The zero of the angle, and how far it is off where nobody looked, twice as far as assumed [rad].
+ZERO_NAME, FAR_ZERO = "angle_zero", float(np.radians(5.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,9 +45,9 @@ class Conflict:
     ratio: float  #: Birge's; below 1 where both agree better than is expected.
 
     @property
-    def doubted(self) -> bool:
-        """Whether a right statement is rarely so far off."""
-        return self.probability < _RARE
+    def is_said(self) -> bool:
+        """Whether a right statement is not often so far off."""
+        return self.probability < _SAID
 
     def widened(self, V: FloatArray) -> FloatArray:
         """Shifts, shape (r, q), by which the covariance of these numbers in V is ratio² times it.
@@ -59,24 +68,47 @@ def conflicts(
     """By group of which the torque says something by itself, how far that is from the statement.
 
     `names` are what is searched; `stated` and `wide` are priors with and without the statements.
+    Arms and lengths are of one geometry. Birge's ratio is of what the torque tells without any
+    prior, for that of a laboratory which knows nothing pulls it to the statement.
     """
     from scipy.special import gammaincc
 
     found: dict[str, Conflict] = {}
-    for group in sorted(groups):
-        at = [j for j, name in enumerate(names) if group_of(name) == group and name in wide]
-        if not at:
-            continue
+    of = [group if (group := group_of(name) or name) in groups and name in wide else ""
+          for name in names]  # fmt: skip
+    for statement in sorted({_PART_OF.get(group, group) for group in groups}):
+        freed = [j for j, group in enumerate(of) if _PART_OF.get(group, group) == statement]
+        said = [j for j in freed if not names[j].startswith(_SHAPES)
+                and stated[names[j]].sd < wide[names[j]].sd]  # fmt: skip
         mean, weight = laplace.mean.copy(), laplace.weight.copy()
-        mean[at] = [wide[names[j]].mean for j in at]
-        weight[at] = [1.0 / wide[names[j]].sd for j in at]
-        _, mode, covariance = replace(laplace, mean=mean, weight=weight).solved({})
-        told = [j for j in at if covariance[j, j] < (_TOLD * wide[names[j]].sd) ** 2]
+        mean[freed] = [wide[names[j]].mean for j in freed]
+        weight[freed] = [1.0 / wide[names[j]].sd for j in freed]
+        _, _, V = replace(laplace, mean=mean, weight=weight).solved({})
+        told = [j for j in said if V[j, j] < (_TOLD * wide[names[j]].sd) ** 2]
         if not told:
             continue
-        apart = mode[told] - np.array([stated[names[j]].mean for j in told])
         own = np.diag([stated[names[j]].sd ** 2 for j in told])
-        square = float(apart @ np.linalg.solve(covariance[np.ix_(told, told)] + own, apart))
-        probability = float(gammaincc(0.5 * len(told), 0.5 * square))
-        found[group] = Conflict(tuple(told), probability, float(np.sqrt(square / len(told))))
+        square = []
+        for prior in (1.0, _NO_PRIOR):
+            weight[told] *= prior
+            _, mode, V = replace(laplace, mean=mean, weight=weight).solved({})
+            apart = mode[told] - np.array([stated[names[j]].mean for j in told])
+            square.append(float(apart @ np.linalg.solve(V[np.ix_(told, told)] + own, apart)))
+        probability = float(gammaincc(0.5 * len(told), 0.5 * square[0]))
+        found[statement] = Conflict(tuple(told), probability, float(np.sqrt(square[1] / len(told))))
     return found
+
+
+def with_zero(post: LogPosterior, point: Point, said: Gaussian) -> tuple[LogPosterior, Point]:
+    """The posterior with the angle's zero [rad] in it too, at the point where that was held.
+
+    It is no nuisance of a fit; what the torque says of it is held against what was stated.
+    """
+    spec, free = with_optional(post.problem.spec, (ZERO_NAME,)), (*post.problem.free, ZERO_NAME)
+    more = post.problem.of_model(spec, free, post.by_name(point.z), post.problem.limits)
+    other = LogPosterior(
+        more, {**post.priors, ZERO_NAME: said}, post.noise, post.latents, post.sizes,
+        beliefs={**post.beliefs, ZERO_NAME: said}, rate_hz=post.rate_hz, rest=post.rest,
+    ).having(fast=post.fast)  # fmt: skip
+    z = other.like(post, point.z)
+    return other, replace(point, z=z, blocks=other.blocks(z, point.c, point.w))

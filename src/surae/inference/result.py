@@ -126,6 +126,7 @@ class LeastSquares(_Found):
     recordings: ClassVar[tuple[OfRecording, ...]] = ()
     contradicted: ClassVar[Mapping[str, float]] = FrozenDict()
     gained: ClassVar[tuple[float, ...]] = (1.0, 1.0)
+    zero_wider: ClassVar[float] = 1.0
     #: Parameters that may lie at their lower bound without being held by it.
     may_vanish: ClassVar[tuple[str, ...]] = ()
 
@@ -157,12 +158,14 @@ class PosteriorMode(_Found):
     #: Of each recording, in the order of the problem's; empty for a single one.
     recordings: tuple[OfRecording, ...] = ()
     films: tuple[NoiseModel, ...] = ()  #: Noise of the films, recording after recording.
-    #: Groups of nuisances of which what was stated contradicts the torque, with the probability of
-    #: a right statement to look so wrong.
+    #: Groups of nuisances of which what was stated fits the torque badly, with the probability of a
+    #: right statement to look so wrong.
     contradicted: Mapping[str, float] = field(default_factory=FrozenDict)
     #: The largest active state of each group by the gains that the torque tells, over that of the
     #: EMG as it is (`LARGEST`).
     gained: tuple[float, ...] = (1.0, 1.0)
+    #: By how much wider the stated zero of the angle is taken, for the torque says another.
+    zero_wider: float = 1.0
     outliers: ClassVar[None] = None  #: Its noise is learnt, and no loss is asked for.
     is_alone: ClassVar[bool] = False  #: The search goes on from the best start's end.
     #: A tendon that hardly stretches is a limit that a family reaches, and no end of its search.

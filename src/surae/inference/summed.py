@@ -9,7 +9,7 @@ from surae.base.frozen import FrozenDict, read_only
 from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.base.words import Message
-from surae.inference.conflict import conflicts
+from surae.inference.conflict import FAR_ZERO, ZERO_NAME, Conflict, conflicts, with_zero
 from surae.inference.departures import Chosen
 from surae.inference.evidence import Subset
 from surae.inference.family import Family
@@ -22,6 +22,7 @@ from surae.inference.laplace import (
 )
 from surae.inference.least_squares import Outcome
 from surae.inference.posterior import LogPosterior, Point
+from surae.inference.problem import FitProblem
 from surae.inference.residuals import jacobian_root
 from surae.inference.result import (
     LARGEST,
@@ -35,7 +36,7 @@ from surae.inference.result import (
     at_bounds,
 )
 from surae.model.laboratory import COMPLIANT, group_of, laboratory
-from surae.model.sources import NUISANCES
+from surae.model.sources import NUISANCES, Gaussian
 
 #: Ends of starts agree whose −2 ln p differ by less.
 _ALIKE = 2.0
@@ -56,11 +57,11 @@ def summed(
     if original.has_unheard:
         shifts["unheard"] = dynamics(post, V, beta, unheard=True)
     shifts["trials"] = between_trials(blocks, V)
-    against = conflicts(
-        post.laplace(point), post.of, post.beliefs, laboratory(joint=original.options.anatomy),
-        original.settings.known,
-    )  # fmt: skip
+    against, wide = _against(post, point, original), 1.0
     for group, conflict in against.items():
+        if group == ZERO_NAME:
+            wide = max(conflict.ratio, 1.0)
+            continue
         source = NUISANCES[group].name
         before = shifts.get(source, np.zeros((0, len(V))))
         shifts[source] = np.concatenate([before, conflict.widened(V)])
@@ -106,12 +107,23 @@ def summed(
             sizes=FrozenDict(post.sizes | ({} if post.fast is None else {"drive": post.fast})),
             population=FrozenDict({n: post.priors[n] for n in post.names if not group_of(n)}),
             recordings=_each(post, point, change) if len(inputs) > 1 else (),
-            contradicted=FrozenDict(
-                {group: c.probability for group, c in against.items() if c.doubted}
-            ),
+            contradicted=FrozenDict({g: c.probability for g, c in against.items() if c.is_said}),
             gained=_gained(post, point),
+            zero_wider=wide,
         ),
     )  # fmt: skip
+
+
+def _against(post: LogPosterior, point: Point, original: FitProblem) -> dict[str, Conflict]:
+    """How far what was stated is from what the torque says."""
+    known, groups = original.settings.knowledge, original.settings.known
+    stated = None if known is None else known.angle_zero_deg
+    wide = laboratory(joint=original.options.anatomy)
+    if stated is not None and ZERO_NAME not in post.names:
+        zero, sd = np.radians((stated.value, stated.sd))
+        post, point = with_zero(post, point, Gaussian(float(zero), float(sd)))
+        wide[ZERO_NAME], groups = Gaussian(float(zero), FAR_ZERO), groups | {ZERO_NAME}
+    return conflicts(post.laplace(point), post.of, post.beliefs, wide, groups)
 
 
 def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecording, ...]:

@@ -15,6 +15,7 @@ from surae.base.formatting import nearest
 from surae.base.frozen import FrozenDict
 from surae.base.names import GEOMETRY_OF
 from surae.base.setting import Request, Setting, setting
+from surae.base.words import N_
 from surae.model.geometry_table import GeometryTable
 
 #: How well the scale of a person's own geometry is known where nobody says [%]: two readers of one
@@ -23,6 +24,9 @@ GEOMETRY_SD = 3.0
 #: What a plate that was tared elsewhere leaves: inertia [kg·m²] and weight [Nm], a tenth of what an
 #: untared one has; assumed.
 _TARED = (0.003, 0.5)
+#: What no tare of the plate tells: the foot's own weight, 1 Nm where it is level, at sin θ where a
+#: seat is reclined by some 30° [Nm]; assumed.
+_SEAT = 0.5
 #: What a tare leaves at least, and the part of both that a foot strapped in may move.
 _LEAST, _PART = (5e-4, 0.1), 0.03
 
@@ -97,8 +101,9 @@ class Plate:
 
 
 @filed(
-    "table", sparse=("geometry", "geometry_of", "geometry_sd_percent", "crosstalk", "crosstalk_of",
-                     "doubts"),
+    "table", strict=True, sparse=(
+        "geometry", "geometry_of", "geometry_sd_percent", "crosstalk", "crosstalk_of", "doubts",
+    ),
 )  # fmt: skip
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Knowledge(Request):
@@ -108,15 +113,16 @@ class Knowledge(Request):
         None, "Angle of the ankle, from neutral, where the recordings say 0 [deg]."
     )
     axis_mm: StatedAxis | None = setting(
-        None, "How far the ankle's axis lies before the device's [mm], or before and above it."
-    )
+        None, "How far the ankle's axis lies before the device's [mm], or before and above it.",
+        label=N_("Ankle’s axis before the device’s [mm]"),
+    )  # fmt: skip
     #: The empty device, as it was recorded; None where its plate is not known.
     plate: Plate | None = setting(None, "The empty device: by itself one that was tared before.")
     geometry: str = ""  #: Name of the file of lengths and moment arms.
     geometry_of: str = GEOMETRY_OF[0]
     geometry_sd_percent: float | None = setting(
         None, "Standard deviation of the scale of a person's own lengths and moment arms [%].",
-        above=0.0, most=50.0,
+        above=0.0, most=50.0, label=N_("Geometry, scale ± [%]"),
     )  # fmt: skip
     #: Parts of another muscle's envelope that electrodes hear, by parameter, with their standard
     #: deviations, and the trial of one muscle at a time that shows them.
@@ -163,7 +169,7 @@ class Knowledge(Request):
             priors |= {name: (value / 1e3, self.axis_mm.sd / 1e3) for name, value in ways}
         if self.plate is not None:
             inertia, weight = self.plate.left if self.plate.file else _TARED
-            sizes = (inertia, weight, weight)
+            sizes = (inertia, weight, max(weight, _SEAT))
             priors |= {n: (0.0, sd) for n, sd in zip(OPTIONAL["plate"], sizes, strict=True)}
         priors |= {name: (stated.value, stated.sd) for name, stated in self.crosstalk.items()}
         if self.geometry_sd_percent is not None:

@@ -12,7 +12,7 @@ from surae.base.frozen import FrozenDict
 from surae.base.names import GEOMETRY_OF
 from surae.base.records import from_file, from_plain, read_toml
 from surae.model.geometry_file import read_geometry
-from surae.model.knowledge import GEOMETRY_SD, Knowledge, Plate, StatedAxis, StatedNumber
+from surae.model.knowledge import GEOMETRY_SD, Knowledge, Plate, StatedNumber
 from surae.model.parameters import CROSSTALK
 from surae.model.sources import NUISANCES
 from surae.model.tare import tared
@@ -28,23 +28,12 @@ SESSION_TOML, TARED = "session.toml", "tared"
 
 @filed(strict=True)
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Known:
-    """The table [knowledge]."""
-
-    angle_zero_deg: StatedNumber | None = None
-    axis_mm: StatedAxis | None = None
-    plate: str | None = None
-    geometry: str | None = None
-    geometry_of: str = GEOMETRY_OF[0]
-    geometry_sd_percent: float | None = None
-
-
-@filed(strict=True)
-@dataclass(frozen=True, slots=True, kw_only=True)
 class SessionFile:
     """What a `session.toml` says."""
 
-    knowledge: _Known = field(default_factory=_Known)
+    knowledge: Knowledge = field(default_factory=Knowledge)  #: Without plate and geometry's table.
+    plate: str | None = None  #: `TARED`, or the empty device's file.
+    geometry: str | None = None  #: The geometry's file.
     trials: Mapping[str, str] = field(default_factory=FrozenDict)  #: Kind of each file.
     path: str = ""  #: The file itself.
 
@@ -59,15 +48,14 @@ class SessionFile:
     @property
     def aside(self) -> frozenset[Path]:
         """Files that it names and that are no trials."""
-        geometry = self.knowledge.geometry
-        return frozenset() if geometry is None else frozenset({self.named(geometry).resolve()})
+        return frozenset({self.named(self.geometry).resolve()} if self.geometry else ())
 
     def kinds(self, trials: Mapping[str, PathLike | None]) -> dict[str, str]:
         """Kind of trials by name, of which this is the file."""
         files = {Path(path).name: name for name, path in trials.items() if path is not None}
         given: dict[str, str] = {}
-        if (plate := self.knowledge.plate) is not None and Path(plate).name in files:
-            given[files[Path(plate).name]] = EMPTY
+        if self.plate is not None and Path(self.plate).name in files:
+            given[files[Path(self.plate).name]] = EMPTY
         for file, kind in self.trials.items():
             name = files.get(Path(file).name) or (file if file in trials else None)
             if name is None:
@@ -80,9 +68,13 @@ class SessionFile:
 def read_session_toml(path: PathLike) -> SessionFile:
     """The file, all of it checked but what other files hold."""
     plain = read_toml(path)
-    if not isinstance(plain.get("trials", {}), dict) or "path" in plain:
+    known = plain.get("knowledge", {})
+    if not all(isinstance(plain.get(name, {}), dict) for name in ("knowledge", "trials")) or (
+        plain.keys() & {"path", "plate", "geometry"}
+    ):
         raise InputError(f"{shown(path)}: trials: write a table of files and kinds")
-    said = replace(from_file(SessionFile, path, plain), path=str(path))
+    files = {name: known.pop(name) for name in ("plate", "geometry") if name in known}
+    said = replace(from_file(SessionFile, path, {**plain, **files}), path=str(path))
     for file, kind in said.trials.items():
         if kind not in EFFORTS:
             raise InputError(
@@ -90,24 +82,20 @@ def read_session_toml(path: PathLike) -> SessionFile:
                 f"use one of: {', '.join(EFFORTS)}"
             )
     try:
-        _stated(said)
+        return replace(said, knowledge=_stated(said))
     except InputError as error:
         raise InputError(f"{shown(path)}: knowledge: {error}") from None
-    return said
 
 
 def _stated(said: SessionFile) -> Knowledge:
     """What it says itself, without any step."""
     k = said.knowledge
-    sd = k.geometry_sd_percent
-    if k.geometry is None and (sd is not None or k.geometry_of != GEOMETRY_OF[0]):
+    sd, own = k.geometry_sd_percent, k.geometry_of == GEOMETRY_OF[1]
+    if said.geometry is None and (own or sd is not None):
         raise InputError("geometry_of and geometry_sd_percent have no effect without geometry")
-    if sd is None and k.geometry_of == GEOMETRY_OF[1]:
-        sd = GEOMETRY_SD
-    return Knowledge(
-        angle_zero_deg=k.angle_zero_deg, axis_mm=k.axis_mm,
-        plate=None if k.plate is None else Plate(), geometry=Path(k.geometry or "").name,
-        geometry_of=k.geometry_of, geometry_sd_percent=sd,
+    return replace(
+        k, plate=None if said.plate is None else Plate(), geometry=Path(said.geometry or "").name,
+        geometry_sd_percent=GEOMETRY_SD if sd is None and own else sd,
     )  # fmt: skip
 
 
@@ -120,14 +108,14 @@ def known_from(
     `recordings` are trials that are read already, and `kinds` what each is; by default those that
     the file names, as `read` reads them.
     """
-    plate, known = said.knowledge.plate, _stated(said)
+    plate, known = said.plate, said.knowledge
     there = dict(recordings or {})
     if recordings is None:
         kinds = dict(said.trials)
         steps = (file for file, kind in kinds.items() if kind in (EMPTY, ALONE))
         there = {file: read(said.named(file)) for file in steps}
-    if said.knowledge.geometry is not None:
-        known = replace(known, table=read_geometry(said.named(said.knowledge.geometry)))
+    if said.geometry is not None:
+        known = replace(known, table=read_geometry(said.named(said.geometry)))
     empty = [name for name, kind in (kinds or {}).items() if kind == EMPTY and name in there]
     if plate is not None and plate != TARED:
         known = _with_plate(known, read(said.named(plate)))

@@ -313,3 +313,8 @@ _BY_PARAMETER = {name: source for source in _SOURCES for name in source.paramete
 def source_of(parameter: str) -> UncertaintySource | None:
     """The source that a parameter is of; None for one of the leg that is its own."""
     return _BY_PARAMETER.get(parameter)
+
+
+def label_of(group: str) -> str:
+    """What a group of nuisances, or a source without one, is called."""
+    return (NUISANCES.get(group) or SOURCES[group]).label

@@ -177,7 +177,8 @@ def combined(
             origin[j] = longest[name]
         elif values[j] > 0.0 and not is_straight(name):
             origin[j] = 0.0
-    rows, zero = dict(rows), np.radians(problem.settings.zero_sd)
+    rows = dict(rows)
+    zero = result.found.zero_wider * np.radians(problem.settings.zero_sd)
     lower, upper = problem.lower, problem.upper
     moved = np.array([(shift or {}).get(name, 0.0) for name in names])
     dof = np.full(len(names), np.inf) if dof is None else dof

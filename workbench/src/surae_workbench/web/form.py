@@ -9,7 +9,8 @@ from surae.base.setting import default_of, kind_of, parts_of, settings_of
 from surae.base.words import N_
 
 #: Settings that are records of their own, each of whose settings is a field of the form.
-_RECORDS = {"options": api.ModelOptions, "weights": api.Weighting, "preparation": api.Preparation}
+_RECORDS = {"options": api.ModelOptions, "weights": api.Weighting, "preparation": api.Preparation,
+            "knowledge": api.Knowledge}  # fmt: skip
 
 
 def form() -> list[dict[str, Any]]:
@@ -18,8 +19,9 @@ def form() -> list[dict[str, Any]]:
     `path` names a key of the draft, or one within it.
     """
     rows: list[dict[str, Any]] = []
-    for each, _ in settings_of(api.FitSettings):
-        rows += fields(_RECORDS[each.name], each.name) if each.name in _RECORDS else []
+    for each, record in settings_of(api.FitSettings):
+        for row in fields(_RECORDS[each.name], each.name) if each.name in _RECORDS else ():
+            rows.append({**row, "needs": row["needs"] or record.needs})
     return [*fields(api.FitSettings), *rows]
 
 

@@ -8,7 +8,7 @@ export function settingsForm(main, more, models, draft, store, recordings) {
   const shown = models.settings.filter((one) => inPlace(one, draft));
   const fields = (first) => shown.filter((one) => one.first === first).map((one) => setting(one, draft, store));
   replace(main, fields(true), h("div", { class: "drives" }, models.drives.map((one) => drive(one, draft.parameters, store))));
-  replace(more, fields(false), known(draft, store), draft.normalise === "mvc" && contractions(recordings, draft, store));
+  replace(more, fields(false), plate(draft, store), draft.normalise === "mvc" && contractions(recordings, draft, store));
 }
 
 /** Whether a setting has an effect, beside those that are set. */
@@ -57,11 +57,12 @@ function setting(one, draft, store) {
     });
     return field(_(one.label), h("div", {}, knob, file));
   }
-  const off = one.optional && one.path.length > 1; // 0 switches it off
+  if (one.kind === "record") return stated(one, now, id, keep);
+  const off = one.optional && one.path[0] === "preparation"; // 0 switches it off
   const knob = h("input", {
     type: "number", step: one.kind === "whole" ? 1 : "any", id, min: off ? 0 : one.least, max: one.most,
     value: now === false ? 0 : now === one.default ? "" : (now ?? ""),
-    placeholder: one.default ?? (off ? _("off") : ""), title: off ? _("0: without this filter") : "",
+    placeholder: one.default ?? (off ? _("off") : one.path[0] === "knowledge" ? _("not known") : ""), title: off ? _("0: without this filter") : "",
   });
   knob.addEventListener("change", () => {
     if (!knob.checkValidity()) return knob.reportValidity();
@@ -71,31 +72,26 @@ function setting(one, draft, store) {
   return field(_(one.label), knob);
 }
 
-/** What the laboratory measured beforehand, each with how far it may be off. */
-function known(draft, store) {
-  const now = draft.knowledge ?? {};
-  const keep = (change, label) => {
-    const { axis_mm, plate, geometry_sd_percent } = { ...now, ...change };
-    const said = { axis_mm, plate, geometry_sd_percent };
-    const stated = Object.entries(said).filter(([, value]) => value !== null && value !== undefined);
-    return store({ knowledge: stated.length ? Object.fromEntries(stated) : null }, label);
+/** A number that was measured, and how far it may be off: both, or neither. */
+function stated(one, now, id, keep) {
+  const number = (part, text, more) => h("input", { type: "number", step: "any", id: `${id}-${part}`, value: now?.[part] ?? "", placeholder: text, "aria-label": `${_(one.label)}: ${text}`, ...more });
+  const [value, sd] = [number("value", _("not known"), {}), number("sd", "±", { min: 0.01 })];
+  const change = () => {
+    const empty = [value, sd].filter((knob) => knob.value === "").length;
+    if (empty === 1 || ![value, sd].every((knob) => knob.reportValidity())) return null;
+    const said = empty ? null : { value: Number(value.value), sd: Number(sd.value) };
+    return keep(said, `${_(one.label)} ${said ? `${said.value} ± ${said.sd}` : _("not known")}`);
   };
-  const number = (id, label, value, most, change) => {
-    const knob = h("input", { type: "number", step: "any", id, min: 0.1, max: most, value: value ?? "", placeholder: _("not known") });
-    knob.addEventListener("change", () => {
-      if (!knob.checkValidity()) return knob.reportValidity();
-      return keep(change(knob.value === "" ? null : Number(knob.value)), `${label} ${knob.value || _("not known")}`);
-    });
-    return field(label, knob);
-  };
-  const tared = select({ id: "set-knowledge-plate" }, [["", _("not known")], ["tared", _("taken away before (tared)")]], now.plate ? "tared" : "");
-  tared.addEventListener("change", () => keep({ plate: tared.value ? {} : null }, `${_("Empty device")}: ${tared.selectedOptions[0].textContent}`));
-  const axis = (sd) => ({ axis_mm: sd === null ? null : { value: now.axis_mm?.value ?? 0, sd } });
-  return [
-    field(_("Empty device"), tared),
-    number("set-knowledge-axis", _("Ankle’s axis from the device’s ± [mm]"), now.axis_mm?.sd, 30, axis),
-    number("set-knowledge-geometry", _("Own geometry, scale ± [%]"), now.geometry_sd_percent, 50, (sd) => ({ geometry_sd_percent: sd })),
-  ];
+  value.addEventListener("change", change);
+  sd.addEventListener("change", change);
+  return field(_(one.label), h("div", { class: "stated" }, value, sd));
+}
+
+/** The empty device, which is recorded with the trials, or was taken away before. */
+function plate(draft, store) {
+  const knob = select({ id: "set-knowledge-plate" }, [["", _("not known")], ["tared", _("taken away before (tared)")]], draft.knowledge?.plate ? "tared" : "");
+  knob.addEventListener("change", () => store(changeOf({ path: ["knowledge", "plate"] }, knob.value ? {} : null, draft), `${_("Empty device")}: ${knob.selectedOptions[0].textContent}`));
+  return field(_("Empty device"), knob);
 }
 
 /** Recordings of maximum contractions. */

@@ -11,7 +11,6 @@ from surae.signals import Weighting
 
 _Pairs = Mapping[str, tuple[float, float]]
 
-
 class FitKeywords(TypedDict, total=False):
     """See `FitSettings` and `ModelOptions`; None is not given."""
 
