@@ -24,7 +24,7 @@ with ignoring("matplotlibrc"):
     from matplotlib.figure import Figure as Figure
 
 __all__ = [
-    "BLUE", "GREY", "INK", "MUTED", "OCHRE", "RED", "WIDTH", "Axes", "Figure", "data_url",
+    "BLUE", "GREY", "INK", "MUTED", "OCHRE", "RED", "WIDTH", "Axes", "Figure", "align", "data_url",
     "dress", "dress_degrees", "heading", "legend", "new_figure", "png", "shade_excluded",
     "shared_legend", "svg", "trace", "write_figure",
 ]  # fmt: skip
@@ -48,6 +48,18 @@ _RANDOM_ID = re.compile(r'(?<=["#])[a-z]+[0-9a-f]{10}(?=[")])')
 def new_figure(height: float, *, width: float = WIDTH) -> Figure:
     """An empty white figure; `height` and `width` in inches."""
     return Figure(figsize=(width, height), layout="constrained", facecolor="white")
+
+
+def align(figure: Figure, panels: Sequence[Axes] | None = None) -> None:
+    """Bring the labels of the panels' vertical axes into line, at the end of a figure's making.
+
+    The layout, which they do not change, would ask each panel for all others' labels again.
+    """
+    engine = figure.get_layout_engine()
+    if engine is not None and figure.canvas.manager is None:  # a window may get another size
+        engine.execute(figure)
+        figure.set_layout_engine("none")
+    figure.align_ylabels(panels)
 
 
 def dress(axes: Axes, ylabel: str, xlabel: str = "", *, grid: bool = True) -> None:
@@ -74,7 +86,7 @@ def dress_degrees(axes: Axes) -> None:
 
 def heading(axes: Axes, text: str) -> None:
     """A small bold title at the left, which leaves room for a legend."""
-    axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold")
+    axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold", y=1.0)
 
 
 def legend(axes: Axes, columns: int) -> None:
@@ -91,7 +103,8 @@ def legend(axes: Axes, columns: int) -> None:
     )  # fmt: skip
     if narrow and (text := axes.get_title(loc="left")):
         lines = -(-len(axes.get_legend_handles_labels()[0]) // columns)
-        axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold", pad=5 + 12 * lines)
+        axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold", y=1.0,
+                       pad=5 + 12 * lines)  # fmt: skip
 
 
 def trace(

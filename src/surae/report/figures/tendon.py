@@ -57,7 +57,7 @@ def tendon_figure(traces: Traces, state: TendonState) -> Figure:
         for axes in above:
             axes.tick_params(labelbottom=False)
         _curve(figure.add_subplot(grid[5, row]), state.laws[row], state.elongation[row])
-    figure.align_ylabels()
+    figures.align(figure)
     return figure
 
 
@@ -143,7 +143,7 @@ def film_figure(traces: Traces, film: Fascicles, figure: Figure | None = None) -
         figures.heading(axes, text)
     for axes, columns in ((torque, 2), (length, 2), *((loop, 1) for loop in loops)):
         figures.legend(axes, columns)
-    figure.align_ylabels([torque, length, stretch, loops[0]])
+    figures.align(figure, [torque, length, stretch, loops[0]])
     return figure
 
 
