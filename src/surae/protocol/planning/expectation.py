@@ -67,7 +67,7 @@ class Expectation(Tabular, Comparable):
     #: `protocol`, `model`, `legs`: the protocol, the model, and whose legs.
     protocol: str
     model: str
-    legs: str
+    legs: Message
     seconds: float  #: Duration of the trial [s].
     #: Standard deviation of the torque's noise [Nm], white, sample by sample at `rate_hz`.
     noise: float

@@ -12,6 +12,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.inference import FitResult
 from surae.inference.film import DRIFT, DRIFT_S, group_of_film, names_of_film
 from surae.inference.uncertainty.combined import Uncertainty
@@ -125,7 +126,7 @@ def filmed(legs: Legs, muscles: Sequence[str]) -> Legs:
     values[:, [spec.names.index(n) for n in legs.spec.names]] = legs.values
     known = laboratory()
     return replace(
-        legs, name=f"{legs.name}, filmed: {', '.join(muscles)}", spec=spec,
+        legs, name=Message("legs/filmed", legs=legs.name, names=", ".join(muscles)), spec=spec,
         free=(*legs.free, *names), values=read_only(values), films=tuple(muscles),
         priors=FrozenDict({**{n: known[n] for n in names}, **legs.priors}),
     )  # fmt: skip

@@ -8,6 +8,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.frozen import Comparable, read_only
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult
 from surae.inference.uncertainty.combined import ZERO, Uncertainty
 from surae.model import ModelOptions, ModelSpec, get_model, with_optional
@@ -23,18 +24,13 @@ from surae.studies.populations import POPULATIONS, TENDONS, check_population, vi
 _WIDEST, _VAGUE = np.log(2.0), 0.3
 #: Seed of the first leg that a protocol is judged by; a design is searched on others.
 _SEEDS = 1_000_000
-_WHO = {
-    None: "legs, half of them patients'",
-    "healthy": "healthy legs",
-    "patient": "patients' legs",
-}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Legs(Comparable):
     """Legs that may be measured, all of one model."""
 
-    name: str  #: Who they are, in words.
+    name: Message  #: Who they are, in words.
     spec: ModelSpec  #: The model, with its nuisances.
     options: ModelOptions  #: Its switches.
     free: tuple[str, ...]  #: What a fit would estimate: parameters of the leg, then nuisances.
@@ -100,7 +96,8 @@ def population_legs(
         truth = {n: v for n, v in truth.items() if n not in TENDONS["healthy"] or n in free}
         rows.append(spec.vector(truth | {n: b.mean for n, b in priors.items()}, options))
     return Legs(
-        f"{count} {_WHO[population]}", spec, options, free, priors, read_only(np.array(rows)),
+        Message(f"legs/{population or 'all'}", n=count), spec, options, free, priors,
+        read_only(np.array(rows)),
         emg_rest=read_only(np.full(4, EMG_REST)), emg_full=read_only(levels),
     )  # fmt: skip
 
@@ -122,7 +119,7 @@ def fit_legs(fit: AssessedFit, count: int, *, seed: int = 0) -> Legs:
     seen = np.array(emg_levels(problem.inputs))
     levels = np.where(seen > 0.2 * typical, seen, typical)
     return Legs(
-        "the fitted leg, as far as the fit knows it", problem.spec, problem.options, problem.free,
+        Message("legs/fitted"), problem.spec, problem.options, problem.free,
         priors, read_only(rows), emg_rest=read_only(np.zeros(4)),
         emg_full=read_only(levels), emg_unit=problem.inputs[0].emg_unit, of_fit=True,
     )  # fmt: skip

@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 
 from surae.base.errors import InputError
+from surae.base.filed import filed
 from surae.base.frozen import Comparable, FrozenDict
 from surae.base.normal import NORMAL
 from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.inference.laplace import DYNAMICS, ORDER
 from surae.inference.parameter import IDENTIFIED
 from surae.inference.uncertainty.combined import STATED
@@ -38,12 +40,12 @@ _BETWEEN, _CROSSTALK = 0.25, 0.02
 _MOST = 4
 
 
+@filed(what="what")
 @dataclass(frozen=True, slots=True)
 class SessionStep:
     """A step of a session."""
 
     name: str  #: As `session.toml` calls it.
-    what: str  #: What to do, a sentence.
     minutes: float  #: How long it takes.
     times: int = 1  #: How often.
     #: Parameters of the fifteen that are expected to be known with it and all steps before it, a
@@ -51,14 +53,17 @@ class SessionStep:
     known: float = 0.0
     loses: float = 0.0
 
+    @property
+    def what(self) -> Message:
+        """What to do, a sentence."""
+        return Message(f"step/{self.name.replace(' ', '-')}")
+
 
 _STEPS = (
-    SessionStep(EMPTY, "Move the empty device through the trials' movement.", 0.8),
-    SessionStep("axis", "Measure how far the malleoli lie from the device's axis (± 3 mm).", 0.5),
-    SessionStep(
-        "geometry", "Image the moment arms, or measure the tendon's excursion (± 3 %).", 2.0
-    ),
-    SessionStep(ALONE, "Contract one muscle after the other, three times each.", 1.05),
+    SessionStep(EMPTY, 0.8),
+    SessionStep("axis", 0.5),
+    SessionStep("geometry", 2.0),
+    SessionStep(ALONE, 1.05),
 )
 
 
@@ -113,7 +118,7 @@ def best_session(
     with one_blas_thread():
         told = [shared(information(each, legs, noise), legs) for each in trials.values()]
         kinds = [
-            SessionStep(name, _WHAT[name], float(each.time[-1]) / 60.0 + _BETWEEN)
+            SessionStep(name, float(each.time[-1]) / 60.0 + _BETWEEN)
             for name, each in trials.items()
         ]
         judge = _Judge(legs, told[0].names, [each.matrices for each in told])
@@ -132,12 +137,6 @@ def best_session(
         ordered = tuple(_ordered(judge, chosen, every))
         shares = FrozenDict(zip(judge.own, judge(chosen).tolist(), strict=True))
     return SessionPlan(legs.name, -best[1], ordered, shares)
-
-
-_WHAT = {
-    "active": "Follow the movement with bursts of effort of calf and tibialis by turns.",
-    "passive": "Relax while the device moves the ankle through the whole range.",
-}
 
 
 def _sets(steps: int, kinds: int) -> Iterator[tuple[int, ...]]:
@@ -165,7 +164,7 @@ def _ordered(
         skipped = tuple(0 if i == j else n for i, n in enumerate(chosen))
         loses = whole - float(judge(skipped).sum())
         step = every[j]
-        yield SessionStep(step.name, step.what, step.minutes, chosen[j], before, loses)
+        yield SessionStep(step.name, step.minutes, chosen[j], before, loses)
 
 
 class _Judge:

@@ -101,6 +101,7 @@ def post_preview(body: ProtocolPreview) -> dict[str, Any]:
         "limits": limits(trajectory),
         "adaptation": [] if adaptation is None else [s.parts() for s in adaptation.steps],
         "prediction": expectation.to_json() | {"identified": expectation.identified},
+        "legs": expectation.legs.parts(),
         "caution": expectation.caution and expectation.caution.parts(),
         "notes": {name: p.note.parts() for name, p in expectation.parameters.items()},
         "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),

@@ -101,7 +101,7 @@ function show(seen) {
   ];
   replace(byId("figures"), figures(entries));
   replace(byId("prediction"), predicted(Object.entries(prediction.parameters), seen.notes));
-  byId("said").textContent = [_("Worked out in {s} s, over {legs}", { s: number(seen.milliseconds / 1000, 2), legs: _(prediction.legs) }), caution && said(caution)].filter(Boolean).join("; ") + ".";
+  byId("said").textContent = [_("Worked out in {s} s, over {legs}", { s: number(seen.milliseconds / 1000, 2), legs: said(seen.legs) }), caution && said(caution)].filter(Boolean).join("; ") + ".";
 }
 
 const part = (x) => (x === null ? "—" : percent(100 * x, 2));
