@@ -59,6 +59,7 @@ class SessionStep:
         return Message(f"step/{self.name.replace(' ', '-')}")
 
 
+#: Steps beside the trials, and the minutes that each takes.
 _STEPS = (
     SessionStep(EMPTY, 0.8),
     SessionStep("axis", 0.5),
