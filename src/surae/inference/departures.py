@@ -15,7 +15,6 @@ from surae.inference.family import FIRST_HZ, RATE_HZ, Family
 from surae.inference.learning import (
     BEGIN,
     NEARLY_NONE,
-    ROUNDS,
     Reached,
     effort_ratio,
     learnt,
@@ -65,10 +64,9 @@ def choose(family: Family, values: Mapping[str, float], noise: Sequence[NoiseMod
     full, point, possible = _with_all(family, values, noise)
     sets = with_likely(_scored(full, point, possible), "spring", "plate", _LIKELY)
     own, mode = family.like(full, sets[0].groups), sets[0].mode
-    best = own.descend(own.like(full, mode), *point.latents_at(mode), evaluations=15, tolerance=0.1)
-    own, best = learnt(own, best, 2 if own.fast else ROUNDS)
+    best = own.descend(own.like(full, mode), *point.latents_at(mode), tolerance=0.1)
     if own.fast is None and not family.is_perfect:
-        found = learnt(*_with_noise_of_drives(own, best), 1, evaluations=8)
+        found = learnt(*_with_noise_of_drives(own, best), 1)
         own, best = kept(found, (own, best), family.given(RATE_HZ))
     own, best, moved = rested(own, best)
     return Chosen(own, best, sets, full.names, moved)
@@ -81,19 +79,19 @@ def _with_all(
     possible = family.possible([g for g in DEPARTURES if g not in (*family.known, *RARE)])
     sizes = NEARLY_NONE if family.is_still else BEGIN
     post = family.posterior(possible, FIRST_HZ, noise, sizes, rest=ROUNDED)
-    point = post.descend(post.start(values), evaluations=20, tolerance=1.0)
-    post, point = learnt(post, point, 2, white=True, evaluations=12, tolerance=0.3)
+    if post.rectified and not family.is_still:  # what that noise does is no error of the model
+        post = post.having(fast=0.0)
+    point = post.descend(post.start(values), tolerance=1.0)
+    post, point = learnt(post, point, 2, white=True, tolerance=0.3)
     full = family.posterior(possible, RATE_HZ, post.noise, post.sizes, rest=_ROUNDED)
-    point = full.descend(full.like(post, point.z), point.c, evaluations=10, tolerance=0.3)
-    if full.rectified and not family.is_still:  # what that noise does is no error of the model
-        full = full.having(fast=0.0, sizes=BEGIN)
-        point = full.descend(point.z, evaluations=25, tolerance=0.3)
+    full = full.having(fast=post.fast)
+    point = full.descend(full.like(post, point.z), point.c, tolerance=0.3)
     full, point = learnt(full, point)
     if rare := _rare(family, full, point, possible):
         every = (*possible, *rare)
         more = family.like(full, every)
         z = more.like(full, point.z)
-        there = more.descend(z, point.c, point.w, evaluations=25, tolerance=0.3)
+        there = more.descend(z, point.c, point.w, tolerance=0.3)
         more, there = learnt(more, there)
         beside = {*_scored(more, there, every)[0].groups} - {*rare, *_PLAIN}
         if len(beside) < _SEVERAL:
@@ -144,7 +142,7 @@ def _with_noise_of_drives(post: LogPosterior, point: Point) -> Reached:
     if post.fast is not None:
         return post, point
     post = post.having(fast=0.0)
-    return post, post.descend(point.z, point.c, evaluations=12, tolerance=0.1)
+    return post, post.descend(point.z, point.c, tolerance=0.1)
 
 
 def _with_errors_of_drives(own: LogPosterior, point: Point) -> Reached:
@@ -152,7 +150,7 @@ def _with_errors_of_drives(own: LogPosterior, point: Point) -> Reached:
     post, there = _with_noise_of_drives(own, point)
     # the evidence of each is with white noise that it leaves itself
     quiet = post.having(noise=learnt_noise(post, there, white=True, anew=True))
-    at = quiet.descend(there.z, there.c, there.w, evaluations=8, tolerance=0.1)
+    at = quiet.descend(there.z, there.c, there.w, tolerance=0.1)
     quiet = quiet.having(noise=learnt_noise(quiet, at, white=True, anew=True))
     tried = {0.0: (quiet.evidence(quiet.again(at)), post, there)}
 
@@ -160,8 +158,8 @@ def _with_errors_of_drives(own: LogPosterior, point: Point) -> Reached:
         """Whether this size is the best so far."""
         # slow latents begin anew, for they have followed what is fast
         post = own.having(fast=size, sizes=BEGIN)
-        there = post.descend(point.z, evaluations=25, tolerance=0.1)
-        post, there = learnt(post, there, 2, evaluations=8)
+        there = post.descend(point.z, tolerance=0.1)
+        post, there = learnt(post, there, 2)
         tried[size] = (post.evidence(there), post, there)
         return min(tried, key=lambda s: tried[s][0]) == size
 

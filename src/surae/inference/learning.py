@@ -34,19 +34,20 @@ _MOST = {"gain": 0.15, "drift": 1.0, "misfit": 0.06}
 NEARLY_NONE = {"gain": 1e-3, "drift": 1e-2, "misfit": 1e-3}
 #: Rounds in which noise and sizes are learnt at most, and the part of each standard deviation below
 #: which the mode rests.
-ROUNDS, _AT_REST = 5, 0.1
+_ROUNDS, _AT_REST = 5, 0.1
 #: Rounds of a search's end at most; what is to be gained in −2 ln p there, the square of 0.03
 #: standard deviations; and the part of a standard deviation, of the noise and of the sizes by which
-#: nothing moves any more where it rests.
-_LAST, _ENDS, RESTS = 8, 1e-3, 0.02
+#: nothing moves any more where it rests; and what a logarithm of noise or sizes counts for, which
+#: move values and intervals to second order.
+_LAST, _ENDS, RESTS, _WIDTHS = 8, 3e-4, 0.02, 0.4
 
 #: Where a search has come to.
 Reached = tuple[LogPosterior, Point]
 
 
 def learnt(
-    post: LogPosterior, point: Point, rounds: int = ROUNDS, *, white: bool = False,
-    evaluations: int = 10, tolerance: float = 0.1,
+    post: LogPosterior, point: Point, rounds: int = _ROUNDS, *, white: bool = False,
+    tolerance: float = 0.1,
 ) -> Reached:  # fmt: skip
     """Noise and sizes of the latents in turn with the mode, until it rests.
 
@@ -59,10 +60,7 @@ def learnt(
             sizes = {source: min(told[source], _MOST[source]) for source in SOURCES}
         noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
         post = post.having(noise=noise, sizes=sizes, latents=latents)
-        moved = post.descend(
-            point.z, point.c, point.w, evaluations=evaluations, tolerance=tolerance,
-            damping=point.damping,
-        )  # fmt: skip
+        moved = post.descend(point.z, point.c, point.w, tolerance=tolerance, damping=point.damping)
         sd = np.sqrt(np.diag(post.covariance(moved)))
         if np.all(np.abs(moved.z - point.z) < _AT_REST * sd):
             return post, moved
@@ -77,11 +75,11 @@ def rested(post: LogPosterior, point: Point) -> tuple[LogPosterior, Point, float
     """
     for _ in range(_LAST):
         before, at, sd = post, point, np.sqrt(np.diag(post.covariance(point)))
-        post, point = learnt(post, point, 1, evaluations=20, tolerance=_ENDS)
+        post, point = learnt(post, point, 1, tolerance=_ENDS)
         sizes = [post.sizes[s] / before.sizes[s] for s in SOURCES]
         both = zip(post.noise, before.noise, strict=True)
         sizes += [np.sqrt(new.variance / old.variance) for new, old in both]
-        moved = float(max(*(np.abs(point.z - at.z) / sd), *np.abs(np.log(sizes))))
+        moved = float(max(*(np.abs(point.z - at.z) / sd), *(_WIDTHS * np.abs(np.log(sizes)))))
         if point.rested and moved < RESTS:
             return post, point, moved
     return post, point, max(moved, RESTS)

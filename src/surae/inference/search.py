@@ -66,7 +66,7 @@ def resumed(result: FitResult) -> Reached:
         for j, name in enumerate(post.own):
             if name in found.each:  # older fits share the EMG at rest
                 post.each(z)[:, j] = found.each[name]
-        return post, post.descend(z, evaluations=20, tolerance=1e-3)
+        return post, post.descend(z, tolerance=1e-3)
 
 
 def _result(family: Family, progress: SearchProgress | None) -> FitResult:

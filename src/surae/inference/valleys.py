@@ -41,7 +41,7 @@ def first(
         given = {"tau_rel": relaxation, "k_rel": _RELAXED, **family.original.settings.start}
         near = post.by_name(runs[0][1].z) if runs else {}
         begin, before = post.start(near | given), family.evaluations
-        end = post.descend(begin, evaluations=15, tolerance=3.0, damping=_AFAR)
+        end = post.descend(begin, tolerance=3.0, damping=_AFAR)
         runs.append((begin, end, family.evaluations - before))
     best = min((end for _, end, _ in runs), key=lambda end: end.cost)
     reach, before = _ALIKE * np.sqrt(np.diag(post.covariance(best))), family.evaluations
@@ -72,7 +72,7 @@ def _quieter(post: LogPosterior, point: Point) -> tuple[float, LogPosterior, Poi
     """The noise lowered to what the residual says, in turn with the mode; −2 ln p."""
     post = post.having(sizes=BEGIN)
     post = post.having(noise=learnt_noise(post, post.again(point), white=True))
-    point = post.descend(point.z, point.c, evaluations=20, tolerance=1.0)
+    point = post.descend(point.z, point.c, tolerance=1.0)
     each = zip(post.problem.inputs, post.noise, strict=True)
     widths = sum(recording.n * np.log(noise.variance) for recording, noise in each)
     return float(point.cost + widths), post, point
