@@ -117,6 +117,9 @@ def said(tmp_path: Path, text: str) -> Path:
         ("[knowledge]\nangle_zero_deg = {value = 90.0, sd = 1.0}", "at most 30"),
         ("[knowledge]\naxis_mm = {value = 'near', sd = 1.0}", "axis_mm"),
         ("[knowledge]\ngeometry_sd_percent = 3", "no effect without geometry"),
+        ("[knowledge]\nheight_cm = 1.82", "at least 130"),
+        ("[knowledge]\nfoot_mm = 250\ngeometry = 'g.csv'", "not both"),
+        ("[knowledge]\nfoot_mm = 250\ngeometry_of = 'person'", "no effect without geometry"),
         ("[knowledge]\ngeometry = 'g.csv'\ngeometry_of = 'persn'", "did you mean 'person'"),
         ("[trials]\n'a.csv' = 'pasive'", "did you mean 'passive'"),
         ("trials = 3", "table of files"),
@@ -155,6 +158,21 @@ def test_knowledge_becomes_priors_with_their_own_uncertainty(tmp_path) -> None:
     assert settings.geometry_of == "person"
     assert settings.known >= {"axis", "plate", "arm", "length"}
     assert FitSettings.from_dict(settings.as_dict()) == settings
+
+
+def test_arms_and_paths_go_with_the_foot_and_the_foot_with_the_height() -> None:
+    usual = Knowledge(height_cm=175.0).nuisances()
+    assert [usual[f"arm_scale_{g}"][0] for g in ("tri", "tib")] == [0.0, 0.0]
+    tall = Knowledge(height_cm=190.0)
+    by_foot = Knowledge(height_cm=160.0, foot_mm=10 * 0.152 * 190.0).nuisances()
+    for name, (mean, sd) in tall.nuisances().items():
+        assert np.exp(mean) == pytest.approx(190.0 / 175.0)
+        assert by_foot[name] == (pytest.approx(mean), sd)
+        # size tells an arm less well than an image does, and hardly what a path travels
+        assert sd == (0.08 if name.startswith("arm") else 0.3)
+    assert "arm" in FitSettings.of(knowledge=tall).known
+    assert "length" not in FitSettings.of(knowledge=tall).known
+    assert FitSettings.of(knowledge={"height_cm": 190.0}).knowledge == tall
 
 
 def test_what_is_asked_goes_before_what_is_known() -> None:

@@ -23,7 +23,7 @@ from surae.model.sources import Gaussian
 
 #: Probability of a right statement to look as wrong, from which on that is said, and from which on
 #: it is doubted: of five that are tested, in one right session in five and in one in twenty.
-_SAID, RARE = 0.05, 0.01
+SAID, RARE = 0.05, 0.01
 #: Standard deviation, in parts of that of a laboratory that knows nothing, below which the torque
 #: has something of its own to say.
 _TOLD = 0.7
@@ -43,11 +43,6 @@ class Conflict:
     at: tuple[int, ...]  #: Places of the numbers that were compared.
     probability: float  #: Of a right statement to be as far off, or farther.
     ratio: float  #: Birge's; below 1 where both agree better than is expected.
-
-    @property
-    def is_said(self) -> bool:
-        """Whether a right statement is not often so far off."""
-        return self.probability < _SAID
 
     def widened(self, V: FloatArray) -> FloatArray:
         """Shifts, shape (r, q), by which the covariance of these numbers in V is ratio² times it.
@@ -100,10 +95,7 @@ def conflicts(
 
 
 def with_zero(post: LogPosterior, point: Point, said: Gaussian) -> tuple[LogPosterior, Point]:
-    """The posterior with the angle's zero [rad] in it too, at the point where that was held.
-
-    It is no nuisance of a fit; what the torque says of it is held against what was stated.
-    """
+    """The posterior with the angle's zero [rad] in it too, which a fit holds, at the same point."""
     spec, free = with_optional(post.problem.spec, (ZERO_NAME,)), (*post.problem.free, ZERO_NAME)
     more = post.problem.of_model(spec, free, post.by_name(point.z), post.problem.limits)
     other = LogPosterior(

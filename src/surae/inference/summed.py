@@ -9,7 +9,7 @@ from surae.base.frozen import FrozenDict, read_only
 from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.base.words import Message
-from surae.inference.conflict import FAR_ZERO, ZERO_NAME, Conflict, conflicts, with_zero
+from surae.inference.conflict import FAR_ZERO, SAID, ZERO_NAME, Conflict, conflicts, with_zero
 from surae.inference.departures import Chosen
 from surae.inference.evidence import Subset
 from surae.inference.family import Family
@@ -58,6 +58,7 @@ def summed(
         shifts["unheard"] = dynamics(post, V, beta, unheard=True)
     shifts["trials"] = between_trials(blocks, V)
     against, wide = _against(post, point, original), 1.0
+    said = {g: c.probability for g, c in against.items() if c.probability < SAID}
     for group, conflict in against.items():
         if group == ZERO_NAME:
             wide = max(conflict.ratio, 1.0)
@@ -107,7 +108,7 @@ def summed(
             sizes=FrozenDict(post.sizes | ({} if post.fast is None else {"drive": post.fast})),
             population=FrozenDict({n: post.priors[n] for n in post.names if not group_of(n)}),
             recordings=_each(post, point, change) if len(inputs) > 1 else (),
-            contradicted=FrozenDict({g: c.probability for g, c in against.items() if c.is_said}),
+            contradicted=FrozenDict(said),
             gained=_gained(post, point),
             zero_wider=wide,
         ),

@@ -21,6 +21,11 @@ from surae.model.geometry_table import GeometryTable
 #: How well the scale of a person's own geometry is known where nobody says [%]: two readers of one
 #: image differ by 3 % (Maganaris et al. 1998).
 GEOMETRY_SD = 3.0
+#: How well size tells a moment arm [%]: adults' differ by 9.5 % (Wolfram et al. 2018), of which the
+#: foot's length explains half (Waugh et al. 2011), and published legs of one height by 8 to 14 %.
+#: What paths travel is as unknown as of any leg. Arms are assumed of men of so many cm, whose feet
+#: are a part of that (Drillis and Contini 1966).
+SCALED_SD, _TRAVEL, _HEIGHT, _FOOT = 8.0, 30.0, 175.0, 0.152
 #: What a plate that was tared elsewhere leaves: inertia [kg·m²] and weight [Nm], a tenth of what an
 #: untared one has; assumed.
 _TARED = (0.003, 0.5)
@@ -102,7 +107,8 @@ class Plate:
 
 @filed(
     "table", strict=True, sparse=(
-        "geometry", "geometry_of", "geometry_sd_percent", "crosstalk", "crosstalk_of", "doubts",
+        "geometry", "geometry_of", "geometry_sd_percent", "height_cm", "foot_mm", "crosstalk",
+        "crosstalk_of", "doubts",
     ),
 )  # fmt: skip
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,6 +130,14 @@ class Knowledge(Request):
         None, "Standard deviation of the scale of a person's own lengths and moment arms [%].",
         above=0.0, most=50.0, label=N_("Geometry, scale ± [%]"),
     )  # fmt: skip
+    height_cm: float | None = setting(
+        None, "Body height [cm]: the assumed moment arms and paths grow with it.", least=130.0,
+        most=230.0, label=N_("Body height [cm]"),
+    )  # fmt: skip
+    foot_mm: float | None = setting(
+        None, "Length of the foot [mm], which goes before the height.", least=200.0, most=350.0,
+        label=N_("Foot length [mm]"),
+    )  # fmt: skip
     #: Parts of another muscle's envelope that electrodes hear, by parameter, with their standard
     #: deviations, and the trial of one muscle at a time that shows them.
     crosstalk: Mapping[str, StatedNumber] = field(default_factory=FrozenDict)
@@ -139,6 +153,8 @@ class Knowledge(Request):
             near = nearest(self.geometry_of, GEOMETRY_OF)
             known = ", ".join(GEOMETRY_OF)
             raise InputError(f"geometry_of is {self.geometry_of!r}{near}; use one of: {known}")
+        if self.geometry and self.size:
+            raise InputError("give a geometry's file, or height and foot; not both")
 
     def filled(self, other: "Knowledge") -> "Knowledge":
         """The same, with what it does not say from another."""
@@ -146,6 +162,11 @@ class Knowledge(Request):
                   if f.name != "geometry_of" and not getattr(self, f.name)}  # fmt: skip
         whose = other.geometry_of if not self.geometry else self.geometry_of
         return replace(self, **unsaid, geometry_of=whose)
+
+    @property
+    def size(self) -> float:
+        """The foot's length over that of the assumed leg; 0 where it is not known."""
+        return (self.foot_mm or 10.0 * _FOOT * (self.height_cm or 0.0)) / (10.0 * _FOOT * _HEIGHT)
 
     @property
     def name(self) -> str:
@@ -156,7 +177,7 @@ class Knowledge(Request):
     def groups(self) -> frozenset[str]:
         """Groups of nuisances of which something is known: these are in every fit."""
         known = {"axis": self.axis_mm, "plate": self.plate, "crosstalk": self.crosstalk,
-                 "arm": self.geometry_sd_percent}  # fmt: skip
+                 "arm": self.geometry_sd_percent or self.size}  # fmt: skip
         return frozenset(group for group, stated in known.items() if stated)
 
     def nuisances(self) -> dict[str, tuple[float, float]]:
@@ -172,10 +193,12 @@ class Knowledge(Request):
             sizes = (inertia, weight, max(weight, _SEAT))
             priors |= {n: (0.0, sd) for n, sd in zip(OPTIONAL["plate"], sizes, strict=True)}
         priors |= {name: (stated.value, stated.sd) for name, stated in self.crosstalk.items()}
-        if self.geometry_sd_percent is not None:
-            sd = self.geometry_sd_percent / 100.0
-            scales = [n for n in OPTIONAL["arm"] if n.startswith(("arm_scale", "path_scale"))]
-            priors |= dict.fromkeys(scales, (0.0, sd))
+        if self.geometry_sd_percent is not None or self.size:
+            arm = self.geometry_sd_percent or SCALED_SD
+            sds = {"arm_scale": arm, "path_scale": _TRAVEL if self.size else arm}
+            scales = [n for n in OPTIONAL["arm"] if n.startswith(tuple(sds))]
+            mean = math.log(self.size or 1.0)
+            priors |= {name: (mean, sds[name[:-4]] / 100.0) for name in scales}
         return priors
 
     def lines(self) -> tuple[tuple[str, str, str], ...]:
@@ -192,14 +215,16 @@ class Knowledge(Request):
         if self.geometry:
             whose = "this person’s" if self.geometry_of == GEOMETRY_OF[1] else "a generic one"
             sd = self.geometry_sd_percent
-            how = f"{whose}" + ("" if sd is None else f", its scale ± {sd:g} %")
-            rows.append(("lengths and moment arms", how, self.geometry))
+            how = "" if sd is None else f", its scale ± {sd:g} %"
+            rows.append(("lengths and moment arms", whose + how, self.geometry))
+        if self.size:
+            how = (
+                f"{self.size:.3g} times the assumed, ± {self.geometry_sd_percent or SCALED_SD:g} %"
+            )
+            rows.append(("moment arms", how, "height and foot"))
         if self.crosstalk:
             largest = max(self.crosstalk.values(), key=lambda stated: stated.value)
             sds = sorted(stated.sd for stated in self.crosstalk.values())
-            text = (
-                f"at most {100 * largest.value:.0f} % of another muscle’s EMG, "
-                f"± {100 * sds[len(sds) // 2]:.1f} %"
-            )
-            rows.append(("crosstalk", text, self.crosstalk_of))
+            text = f"at most {100 * largest.value:.0f} % of another muscle’s EMG, ± "
+            rows.append(("crosstalk", f"{text}{100 * sds[len(sds) // 2]:.1f} %", self.crosstalk_of))
         return tuple(rows)

@@ -91,7 +91,7 @@ def _stated(said: SessionFile) -> Knowledge:
     """What it says itself, without any step."""
     k = said.knowledge
     sd, own = k.geometry_sd_percent, k.geometry_of == GEOMETRY_OF[1]
-    if said.geometry is None and (own or sd is not None):
+    if said.geometry is None and (own or (sd is not None and not k.size)):
         raise InputError("geometry_of and geometry_sd_percent have no effect without geometry")
     return replace(
         k, plate=None if said.plate is None else Plate(), geometry=Path(said.geometry or "").name,
@@ -127,7 +127,8 @@ def known_from(
         assert prior is not None
         found = crosstalk(prepare(there[name], Preparation()), (prior.prior.mean, prior.prior.sd))
         own = {CROSSTALK[pair]: StatedNumber(*stated) for pair, stated in found.items()}
-        known = replace(known, crosstalk=own, crosstalk_of=_named(there[name]))
+        source = there[name].files[0].name if there[name].files else name
+        known = replace(known, crosstalk=own, crosstalk_of=source)
         if not found:
             doubt = f"{name}: no muscle contracts alone twice, so that it tells no crosstalk"
             known = replace(known, doubts=(*known.doubts, doubt))
@@ -137,11 +138,6 @@ def known_from(
 def read_knowledge(path: PathLike) -> Knowledge:
     """What a `session.toml` says is known, with the steps that it names; see `known_from`."""
     return known_from(read_session_toml(path))
-
-
-def _named(recording: Recording) -> str:
-    """The file of a recording, or what it is called."""
-    return recording.files[0].name if recording.files else recording.name
 
 
 def _with_plate(known: Knowledge, recording: Recording) -> Knowledge:

@@ -25,8 +25,7 @@ def known_section(result: FitResult) -> tuple[block.Section, ...]:
     known, worded = result.problem.settings.knowledge, result.problem.options.anatomy.worded
     if known is None or not (lines := known.lines()):
         return ()
-    heads = block.columns("What", "How well", "From", wide=(1,))
-    title = "What was known beforehand"
+    heads, title = block.columns("What", "How well", "From", wide=(1,)), "What was known beforehand"
     blocks: tuple[block.Block, ...] = (
         block.Text(
             "Steps of the session and what the laboratory stated. None of it is taken for exact: "
