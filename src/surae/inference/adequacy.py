@@ -24,7 +24,7 @@ from surae.inference.softening import softening
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.joint import Joint
 from surae.model.laboratory import group_of
-from surae.model.sources import Gaussian, label_of
+from surae.model.sources import LABELS, Gaussian
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, steady_emg
 
@@ -198,7 +198,7 @@ def _stated(result: FitResult) -> Iterator[Reason]:
     for doubt in () if known is None else known.doubts:
         yield against("said", text=doubt)
     for group, probability in sorted(result.found.contradicted.items()):
-        label = result.problem.options.anatomy.worded(label_of(group))
+        label = result.problem.options.anatomy.worded(LABELS[group])
         if probability < RARE:
             yield against("contradicted", grave=probability < _WRONG, label=label)
 

@@ -62,9 +62,8 @@ def conflicts(
 ) -> dict[str, Conflict]:  # fmt: skip
     """By group of which the torque says something by itself, how far that is from the statement.
 
-    `names` are what is searched; `stated` and `wide` are priors with and without the statements.
-    Arms and lengths are of one geometry. Birge's ratio is of what the torque tells without any
-    prior, for that of a laboratory which knows nothing pulls it to the statement.
+    `names` are what is searched; `stated` and `wide` are priors with and without the statements;
+    Birge's ratio is of what the torque tells without either.
     """
     from scipy.special import gammaincc
 

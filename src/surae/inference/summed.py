@@ -57,12 +57,10 @@ def summed(
     if original.has_unheard:
         shifts["unheard"] = dynamics(post, V, beta, unheard=True)
     shifts["trials"] = between_trials(blocks, V)
-    against, wide = _against(post, point, original), 1.0
+    against = _against(post, point, original)
     said = {g: c.probability for g, c in against.items() if c.probability < SAID}
+    zero = against.pop(ZERO_NAME, None)
     for group, conflict in against.items():
-        if group == ZERO_NAME:
-            wide = max(conflict.ratio, 1.0)
-            continue
         source = NUISANCES[group].name
         before = shifts.get(source, np.zeros((0, len(V))))
         shifts[source] = np.concatenate([before, conflict.widened(V)])
@@ -110,7 +108,7 @@ def summed(
             recordings=_each(post, point, change) if len(inputs) > 1 else (),
             contradicted=FrozenDict(said),
             gained=_gained(post, point),
-            zero_wider=wide,
+            zero_wider=max(zero.ratio, 1.0) if zero else 1.0,
         ),
     )  # fmt: skip
 

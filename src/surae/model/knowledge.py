@@ -59,7 +59,6 @@ class StatedAxis(Request):
 
     def __post_init__(self) -> None:
         """Check each number."""
-        Request.__post_init__(self)
         for way in self.ways:
             StatedNumber(way, self.sd)
 

@@ -307,14 +307,11 @@ _SOURCES = (
 SOURCES = {source.name: source for source in _SOURCES}
 #: Those that are estimated along with the leg, by group.
 NUISANCES = {s.nuisance.group: s for s in _SOURCES if s.nuisance is not None}
+#: What each source, and each group, is called.
+LABELS = {s.name: s.label for s in _SOURCES} | {g: s.label for g, s in NUISANCES.items()}
 _BY_PARAMETER = {name: source for source in _SOURCES for name in source.parameters}
 
 
 def source_of(parameter: str) -> UncertaintySource | None:
     """The source that a parameter is of; None for one of the leg that is its own."""
     return _BY_PARAMETER.get(parameter)
-
-
-def label_of(group: str) -> str:
-    """What a group of nuisances, or a source without one, is called."""
-    return (NUISANCES.get(group) or SOURCES[group]).label

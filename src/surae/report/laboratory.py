@@ -9,7 +9,7 @@ from surae.inference.each import trial_spread
 from surae.inference.result import Candidate
 from surae.model import get_model
 from surae.model.laboratory import group_of
-from surae.model.sources import NUISANCES, Gaussian, label_of
+from surae.model.sources import LABELS, NUISANCES, Gaussian
 from surae.report import block
 
 #: Units as people read them: factor and name.
@@ -33,7 +33,7 @@ def known_section(result: FitResult) -> tuple[block.Section, ...]:
         ),
         block.Grid(title, heads, block.rows((worded(what), how, of) for what, how, of in lines)),
         *block.paragraphs(known.doubts, "warning"),
-        *(block.Text(f"{worded(label_of(g))}: the torque fits this badly (one right statement in "
+        *(block.Text(f"{worded(LABELS[g])}: the torque fits this badly (one right statement in "
                      f"{1.0 / p:.3g} is as far off); intervals are wider for it.", "warning")
           for g, p in result.found.contradicted.items() if p),
     )  # fmt: skip
