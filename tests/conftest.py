@@ -64,7 +64,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """
     long = set(LONG.read_text(encoding="utf-8").split())
     for item in items:
-        if item.nodeid.partition("[")[0] in long:
+        if long & {item.nodeid, item.nodeid.partition("[")[0]}:
             item.add_marker("long")
 
     def place(item: pytest.Item) -> int:
