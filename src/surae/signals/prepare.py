@@ -10,15 +10,15 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.frozen import as_read_only, read_only
 from surae.base.units import FloatArray
+from surae.base.words import Message
 from surae.recording import MUSCLES, Channel, Recording
 from surae.recording.emg_kind import contradiction, look_of
-from surae.signals.filters import HIGHEST_CUTOFF, zero_phase
+from surae.signals.filters import ANTIALIAS_PASS, ANTIALIAS_STOP, HIGHEST_CUTOFF, zero_phase
 from surae.signals.inputs import Film, ModelInputs
 from surae.signals.rectified import rectified_density
 from surae.signals.resample import (
     MINIMUM_SAMPLES,
     Uniform,
-    antialias_step,
     derivatives,
     needs_antialias,
     resample,
@@ -90,7 +90,7 @@ def prepare(
         emg[:, MUSCLES.index(muscle)] = signals[f"emg_{muscle}"]
     missing = tuple(muscle for muscle in MUSCLES if muscle not in present)
     if missing:
-        steps.append(f"There is no EMG of {', '.join(missing)}: taken as zero.")
+        steps.append(Message("made/no-emg", muscles=", ".join(missing)))
     torque = signals.get("torque")
     units = (c.unit for role, c in recording.channels.items() if role.startswith("emg_"))
     cutoff = None if prepared else settings.bessel_hz
@@ -233,10 +233,8 @@ def _chain(recording: Recording, settings: Preparation) -> _Signals:
             )  # fmt: skip
             filtered[role] = source.replaced(values)
         which = " and ".join(mechanical).replace("_", " ").capitalize()
-        steps.append(
-            f"{which}: zero-phase Bessel low-pass of order "
-            f"{settings.bessel_order} (-3 dB at {settings.bessel_hz:g} Hz after both passes)."
-        )
+        how = {"order": settings.bessel_order, "hz": settings.bessel_hz}
+        steps.append(Message("made/bessel", which=which, **how))
 
     signals = {
         role: resample(signal, axis, ends="even" if role in emg else "odd")
@@ -247,50 +245,34 @@ def _chain(recording: Recording, settings: Preparation) -> _Signals:
     shares = [-float(signals[r].min()) / top for r in emg if (top := float(signals[r].max())) > 0.0]
     if (negative := max(shares, default=0.0)) > 0.0:
         signals |= {role: np.maximum(signals[role], 0.0) for role in emg}
-        steps.append(
-            f"EMG: negative samples, at most {100 * negative:.2g} % of the muscle's maximum, "
-            f"were set to zero (left by the ringing of filters)."
-        )
+        steps.append(Message("made/negative", percent=100 * negative))
     return axis.rate_hz, axis.time, signals, steps
 
 
 def _jitter_step(role: str, source: Uniform) -> str:
     """What was made of time stamps that are not uniform; empty where they are."""
-    stamps = source.timing
-    off = f"{1e3 * stamps.jitter_s:.3g} ms"
-    if not stamps.uniform:
-        return (
-            f"{role}: time stamps jitter by up to {off}; interpolated on a uniform axis of "
-            f"{stamps.axis.rate_hz:.6g} Hz (quintic spline)."
-        )
-    if stamps.jitter_s * stamps.axis.rate_hz > UNIFORM_STEPS:
-        return (
-            f"{role}: time stamps are rounded (by up to {off}); taken as uniform at "
-            f"{stamps.axis.rate_hz:.6g} Hz."
-        )
-    return ""
+    stamps, hz = source.timing, source.timing.axis.rate_hz
+    if stamps.uniform and stamps.jitter_s * hz <= UNIFORM_STEPS:
+        return ""
+    code = "made/rounded" if stamps.uniform else "made/jitter"
+    return Message(code, role=role, ms=1e3 * stamps.jitter_s, hz=hz)
 
 
-def _resampling_steps(sources: Mapping[str, Uniform], axis: Axis, wanted_hz: float) -> list[str]:
+def _resampling_steps(
+    sources: Mapping[str, Uniform], axis: Axis, wanted_hz: float
+) -> list[Message]:
     """What was done to bring the signals on the common axis."""
     fast = [role for role, source in sources.items() if needs_antialias(source.axis, axis)]
     moved = [role for role, source in sources.items() if source.axis != axis]
     steps = []
     if fast:
-        steps.append(f"{', '.join(fast)}: {antialias_step(axis)}.")
-    if moved:
-        steps.append(
-            f"All signals given at {axis.n} instants from {axis.start:.6g} to {axis.end:.6g} s, at "
-            f"{axis.rate_hz:.6g} Hz (quintic spline between samples)."
-        )
-    else:
-        steps.append(f"All signals keep their time axis, at {axis.rate_hz:.6g} Hz.")
+        edges = {"hz": ANTIALIAS_PASS * axis.rate_hz, "stop": ANTIALIAS_STOP * axis.rate_hz}
+        steps.append(Message("made/antialiased", roles=", ".join(fast), **edges))
+    ends = {"n": axis.n, "start": axis.start, "end": axis.end, "hz": axis.rate_hz}
+    steps.append(Message("made/resampled" if moved else "made/kept", **ends))
     if axis.rate_hz < wanted_hz and not math.isclose(axis.rate_hz, wanted_hz, rel_tol=SAME_STEPS):
         slowest = min(sources, key=lambda role: sources[role].axis.rate_hz)
-        steps.append(
-            f"The rate is that of the slowest channel, {slowest}, not {wanted_hz:g} Hz: samples "
-            f"added in between would carry no information, but make the uncertainty look smaller."
-        )
+        steps.append(Message("made/slowest", role=slowest, hz=wanted_hz))
     return steps
 
 

@@ -10,7 +10,7 @@ from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.base.units import FloatArray
 from surae.recording import Channel
-from surae.signals.filters import ANTIALIAS_PASS, ANTIALIAS_STOP, Ends, antialias
+from surae.signals.filters import ANTIALIAS_STOP, Ends, antialias
 from surae.signals.inputs import ModelInputs
 from surae.signals.timebase import SAME_STEPS, Axis, Timing, timing
 
@@ -74,15 +74,6 @@ def resample(signal: Uniform, target: Axis, *, ends: Ends = "odd") -> FloatArray
         return values[nearest]
     index = np.arange(signal.axis.n, dtype=np.float64)
     return _spline(index, values, np.clip(position, 0.0, signal.axis.n - 1.0), signal.where)
-
-
-def antialias_step(target: Axis) -> str:
-    """The sentence that says what the anti-aliasing filter does."""
-    return (
-        f"zero-phase 10th-order Butterworth anti-aliasing (-3 dB at "
-        f"{ANTIALIAS_PASS * target.rate_hz:.4g} Hz, below -60 dB from "
-        f"{ANTIALIAS_STOP * target.rate_hz:.4g} Hz)"
-    )
 
 
 def _spline(x: FloatArray, y: FloatArray, at: FloatArray, where: str) -> FloatArray:

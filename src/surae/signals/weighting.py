@@ -13,7 +13,7 @@ from surae.base.names import ACTIVITIES
 from surae.base.records import OrInfinite, OrMinusInfinite
 from surae.base.setting import Request, documented, setting
 from surae.base.units import FloatArray
-from surae.base.words import N_
+from surae.base.words import N_, Message
 from surae.recording import MUSCLES
 from surae.signals.inputs import ModelInputs
 from surae.signals.normalise import emg_levels, quiet_levels, smooth_effort, steady_emg
@@ -146,10 +146,7 @@ def _weighted(recording: ModelInputs, how: Weighting) -> ModelInputs:
     if how.peaks > 0:
         factors = 1.0 + how.peaks * activity(recording, how.activity, weight > 0)
         weight *= factors / factors[weight > 0].mean()
-        steps.append(
-            f"Weights: a peak of the {'EMG' if how.activity == 'emg' else 'torque'} counts "
-            f"{1 + how.peaks:g} times as much as rest."
-        )
+        steps.append(Message(f"made/peaks/{how.activity}", times=1 + how.peaks))
     if not steps:
         return recording
     counted = weight[weight > 0]
