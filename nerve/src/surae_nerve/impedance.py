@@ -25,13 +25,16 @@ from surae_nerve.identify import (
 )
 from surae_nerve.piece import Piece
 from surae_nerve.presence import LEAST_SHARE, NATS, NONE_SEEN, OVER_NONE, OVER_OTHER, Weighed
-from surae_nerve.response import lags, predicted, responses
-from surae_nerve.samples import Samples, usable
+from surae_nerve.response import falls_short, lags, predicted, responses
+from surae_nerve.samples import Samples, measured, usable
 from surae_nerve.triggered import answering
 
 ReflexVerdict = Literal["present", "none seen", "cannot tell"]
 #: Of directions of movement, by their sign.
 DIRECTIONS = {1: "dorsiflexion", -1: "plantarflexion"}
+#: By how many of its deviations torque may stay behind at its ends: of 24 legs (qa to qj) at most
+#: 0.08; 0.3 to 0.9 where a fifth of it or more was limited, and then filtered.
+BEHIND = 0.15
 #: Half-widths of intervals, as parts of the value, up to which it is identified and weak.
 IDENTIFIED, WEAK = 0.1, 1.0
 
@@ -207,8 +210,20 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
         "reflex_share": (0.0, found.unseen[0]), "reflex_gain": (0.0, found.unseen[1]),
         "reflex_delay": (1e3 * BOUNDS["delay"][0], 1e3 * BOUNDS["delay"][1]),
     }  # fmt: skip
-    why = f"no reflex is claimed ({reflex.verdict}); the interval is what one may have unseen"
     told = found.numbers
+    behind = falls_short(pieces, [found.fitted.prediction(p) for p in pieces])
+    if behind > BEHIND:
+        notes.append(
+            "The torque stays behind at its largest, as if its channel were at its limit: raise "
+            "its range, and do not filter what was limited."
+        )
+        told = {name: number.allowing(behind) for name, number in told.items()}
+        if reflex.verdict == "none seen":
+            reflex = ReflexPath("cannot tell", None, "the torque stays behind at its largest")
+            hidden = {}
+    why = f"no reflex is claimed ({reflex.verdict})"
+    if hidden:
+        why += "; the interval is what one may have unseen"
     below = [n for n in ("intrinsic_stiffness", "inertia") if told[n].value <= 0.0]
     if below:  # the search lost its way, or the torque's sign is wrong: nothing is claimed
         what = below[0].removeprefix("intrinsic_")
@@ -252,17 +267,7 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
 
 def samples_of(recording: Recording) -> Samples:
     """Angle and torque of a recording on one clock."""
-    if "torque" not in recording.channels:
-        raise InputError(f"{recording.where}: there is no torque; name its column torque_Nm")
-    angle, torque = recording.channels["angle"], recording.channels["torque"]
-    values = torque.values
-    if not np.array_equal(angle.time, torque.time):
-        step = float(np.median(np.diff(torque.time)))
-        after = np.clip(np.searchsorted(torque.time, angle.time), 1, len(values) - 1)
-        gap = np.diff(torque.time)[after - 1] > 1.6 * step
-        inside = (angle.time >= torque.time[0]) & (angle.time <= torque.time[-1])
-        values = np.where(gap | ~inside, np.nan, np.interp(angle.time, torque.time, values))
-    return usable(recording.where, angle.time, angle.values, values)
+    return usable(recording.where, *measured(recording))
 
 
 def inertia_of_empty(recording: Recording) -> NerveMeasure:
@@ -341,7 +346,10 @@ def turned(samples: Samples) -> tuple[Samples, list[Piece]]:
         named = " and ".join(
             name for name, n in zip(("stiffness", "inertia"), both, strict=True) if n.high < 0.0
         )
-        note = f"The torque’s sign was turned: as it stands, {named} would be negative."
+        note = (
+            f"The torque’s sign was turned: as it stands, {named} would be negative. Where the leg "
+            "moved the device, and not the device the leg, the numbers are the device’s."
+        )
         turned = replace(samples, torque=-samples.torque, notes=(*samples.notes, note))
         return turned, turned.pieces()
     return samples, pieces

@@ -9,7 +9,16 @@ from scipy.signal import butter, sosfiltfilt
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.recording import MUSCLES, Recording
-from surae_nerve.samples import on_one_clock, runs
+from surae_nerve.samples import (
+    LIMITED,
+    MISSING,
+    filled,
+    in_gaps,
+    limited,
+    measured,
+    on_one_clock,
+    runs,
+)
 
 #: A movement [rad/s], the range [rad] that makes it a stretch, and its hold afterwards [s].
 MOVING, RANGE, HOLD = np.deg2rad(2.0), np.deg2rad(5.0), 0.2
@@ -42,6 +51,8 @@ class Stretched:
     torque: FloatArray  #: [Nm], shape (n,).
     emg: Mapping[str, FloatArray]  #: Envelopes by muscle, of 1 at the trial's largest, (n,).
     ramps: tuple[RampSpan, ...]  #: In order of time.
+    left: FloatArray | None = None  #: Samples without numbers, or of limited torque; None: none.
+    notes: tuple[str, ...] = ()  #: What was left out, a sentence each.
 
     @property
     def velocity(self) -> FloatArray:
@@ -63,13 +74,14 @@ def stretched(recording: Recording) -> Stretched:
     InputError
         It has no torque or no stretch.
     """
-    if "torque" not in recording.channels:
-        raise InputError(f"{recording.where}: there is no torque; name its column torque_Nm")
-    a, t = recording.channels["angle"], recording.channels["torque"]
-    torque = np.interp(a.time, t.time, t.values)
-    time, angle, torque, rate = on_one_clock(recording.where, a.time, a.values, torque)
-    good = np.isfinite(angle)
-    angle, torque = (np.interp(time, time[good], x[good]) for x in (angle, torque))
+    time, angle, torque, rate = on_one_clock(recording.where, *measured(recording))
+    muscles = [m for m in MUSCLES if f"emg_{m}" in recording.channels]
+    missing = ~np.isfinite(angle)
+    for channel in (recording.channels[f"emg_{m}"] for m in muscles):
+        missing |= in_gaps(channel.time[np.isfinite(channel.values)], time, 1.0 / rate)
+    angle, torque = filled(angle), filled(torque)
+    at_end = limited(angle, torque)
+    left, hidden = missing | at_end, 0
     smooth = low(angle, rate, SMOOTH)
     velocity, ramps = np.gradient(smooth, 1.0 / rate), []
     for direction in (1, -1):
@@ -80,23 +92,38 @@ def stretched(recording: Recording) -> Stretched:
             if moved > RANGE and len(still) and float(still.max()) < 0.15 * moved:
                 fast = direction * velocity[run] > 0.3 * float(np.max(direction * velocity[run]))
                 own = run.start + np.flatnonzero(fast)
-                ramps.append(RampSpan(int(own[0]), int(own[-1]), direction))
+                if left[own[0] : own[-1] + round(HOLD * rate)].any():
+                    hidden += 1
+                else:
+                    ramps.append(RampSpan(int(own[0]), int(own[-1]), direction))
+    kinds = ((missing, MISSING), (at_end, LIMITED))
+    notes = [f"{of.sum() / rate:.2g} s {what}" for of, what in kinds if of.any()]
+    if notes:
+        notes = [f"Left out: {', '.join(notes)}; stretches left out with it: {hidden}"]
+    if not ramps and hidden:
+        raise InputError(
+            f"{recording.where}: of no stretch is all there ({notes[0].lower()}); look why samples "
+            "are missing, or raise the range of the torque’s channel"
+        )
     if not ramps:
         raise InputError(
             f"{recording.where}: no stretch is in it: no movement of {np.rad2deg(RANGE):.0f}° or "
             "more ends in a hold; move the relaxed foot by ramps at several speeds, or use "
             "`surae impedance` for small random movements"
         )
-    emg = {m: envelope(recording, m, time) for m in MUSCLES if f"emg_{m}" in recording.channels}
+    emg = {m: envelope(recording, m, time) for m in muscles}
     ramps.sort(key=lambda ramp: ramp.begin)
     name = recording.files[0].name if recording.files else recording.name
-    return Stretched(name, rate, time, smooth, torque, emg, tuple(ramps))
+    return Stretched(
+        name, rate, time, smooth, torque, emg, tuple(ramps), left if left.any() else None,
+        tuple(notes),
+    )  # fmt: skip
 
 
 def envelope(recording: Recording, muscle: str, time: FloatArray) -> FloatArray:
     """Envelope of a muscle's EMG at times [s], raw EMG rectified and smoothed at 30 Hz."""
     channel = recording.channels[f"emg_{muscle}"]
-    values, rate = channel.values, channel.rate_hz
+    values, rate = filled(channel.values), channel.rate_hz
     if recording.emg == "raw":
         high = butter(2, 20.0, "high", fs=rate, output="sos")
         values = low(np.abs(sosfiltfilt(high, values)), rate, 30.0)

@@ -98,3 +98,15 @@ def _centred(signals: FloatArray) -> FloatArray:
 def faster(piece: Piece, spectra: ComplexArray) -> FloatArray:
     """Signals in time without what is slower than `SLOW`."""
     return piece.signals(spectra * (np.abs(piece.s) >= 2.0 * np.pi * SLOW))
+
+
+def falls_short(pieces: Sequence[Piece], told: Sequence[ComplexArray]) -> float:
+    """By how much torque stays behind where what is told of it is at an end, in its deviations.
+
+    The mean over the last 2 % at either end, the larger: a channel at its limit gives no more.
+    What is slower than `SLOW` wanders by itself.
+    """
+    y = np.concatenate([faster(p, p.torque) for p in pieces])
+    x = np.concatenate([faster(p, each) for p, each in zip(pieces, told, strict=True)])
+    ends = [(s, s * x > np.quantile(s * x, 0.98)) for s in (1.0, -1.0)]
+    return float(max(np.mean(s * (x - y)[end]) for s, end in ends) / (np.std(y) + 1e-12))

@@ -1,13 +1,15 @@
 """Samples of a perturbed recording: what can be used, what is left out, and what is no use."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.signal import welch
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
+from surae.recording import Recording
 from surae_nerve.piece import TOP, Piece
 
 #: Least range of a movement [rad]: sensors' noise is below a tenth of a degree.
@@ -16,14 +18,37 @@ STILL = 0.002
 SHORTEST, LEAST = 5.0, 20.0
 #: Slowest sampling that shows inertia [Hz].
 SLOWEST = 80.0
-#: Frequency [Hz] below which 95 % of the velocity's power lies in what is no perturbation.
-TOO_SLOW = 5.0
+#: Frequency [Hz] below which 95 % of the velocity's power lies in what is no perturbation, and the
+#: least ratio of that to the one below which 5 % lie: less is one frequency, a tremor or a tapping.
+TOO_SLOW, BROAD = 5.0, 2.5
 #: Range beyond which a slow movement is called one by will, not a perturbation.
 BY_WILL = np.deg2rad(10.0)
+#: A perturbation goes on: it is judged by its range in parts of so many seconds, without what is
+#: gone in a mean of so many.
+GOES_ON, SEEN_OVER = 5.0, 0.05
+#: What of the position's power is movement, as a multiple of that at the highest frequencies.
+MOVES = 4.0
+#: Gap that a spline bridges [s]: single samples of 100 Hz.
+BRIDGED = 0.012
 #: How many times noise the position's power must be to be fitted.
 EXCITED = 10.0
-#: Part of its usual change below which torque is lost while the foot moves, and for how long [s].
-LOST, LOST_FOR = 0.1, 0.5
+#: Part of its usual change below which torque is lost while the foot moves, and for how long [s];
+#: changes are those of means over so many seconds, in which a plate's inertia no longer shows.
+LOST, LOST_FOR, LOST_OVER = 0.1, 0.5, 0.1
+#: Of a limited torque that is noisy: as many times more of it, while the foot moves, in the last
+#: part of its range as in the next (of 120 legs of `legs` at most 8), and how large that part is.
+PILED, LAST_PART = 12.0, (0.003, 0.01, 0.03)
+#: Why samples are left out, and what to do about it.
+MISSING, LIMITED, UNANSWERED = (
+    "without samples",
+    "in which the torque’s channel is at its limit",
+    "in which the torque does not answer: contact lost",
+)
+REMEDIES = {
+    LIMITED: "raise the range of the torque’s channel",
+    UNANSWERED: "strap the foot to the plate",
+    MISSING: "look why samples are missing, or record 60 s",
+}
 #: Speed in the one direction as a part of that in the other, below which it does not count.
 ONE_SIDED = 0.25
 #: Step of an encoder as a part of the position's standard deviation, from which it is named.
@@ -99,6 +124,30 @@ class Samples:
         return [self.pieces(part) for part in parts]
 
 
+def in_gaps(known: FloatArray, clock: FloatArray, step: float) -> np.ndarray:
+    """Times of a clock at which there is no sample, nor one on both sides within `BRIDGED`."""
+    after = np.clip(np.searchsorted(known, clock), 1, len(known) - 1)
+    gap = known[after] - known[after - 1] > max(1.6 * step, BRIDGED)
+    gap |= (clock < known[0]) | (clock > known[-1])
+    off = np.minimum(abs(clock - known[after]), abs(clock - known[after - 1])) > 0.4 * step
+    return np.asarray(gap & off)
+
+
+def measured(recording: Recording) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Time, angle and torque of a recording at the angle's samples, NaN where there is none."""
+    if "torque" not in recording.channels:
+        raise InputError(f"{recording.where}: there is no torque; name its column torque_Nm")
+    angle, torque = recording.channels["angle"], recording.channels["torque"]
+    values = torque.values
+    if not np.array_equal(angle.time, torque.time):
+        step = float(np.median(np.diff(torque.time)))
+        after = np.clip(np.searchsorted(torque.time, angle.time), 1, len(values) - 1)
+        gap = np.diff(torque.time)[after - 1] > 1.6 * step
+        inside = (angle.time >= torque.time[0]) & (angle.time <= torque.time[-1])
+        values = np.where(gap | ~inside, np.nan, np.interp(angle.time, torque.time, values))
+    return angle.time, angle.values, values
+
+
 def on_one_clock(
     where: str, time: FloatArray, angle: FloatArray, torque: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, float]:
@@ -114,13 +163,9 @@ def on_one_clock(
     good = np.isfinite(angle) & np.isfinite(torque)
     if good.sum() < 2:
         raise InputError(f"{where}: angle and torque have no samples in common; look at the file")
-    columns = [np.interp(clock, time[good], values[good]) for values in (angle, torque)]
-    after = np.clip(np.searchsorted(time[good], clock), 1, good.sum() - 1)
-    gap = time[good][after] - time[good][after - 1] > 1.6 * step
-    off = (
-        np.minimum(abs(clock - time[good][after]), abs(clock - time[good][after - 1])) > 0.4 * step
-    )
-    missing = gap & off
+    known = time[good]
+    columns = (CubicSpline(known, values[good])(clock) for values in (angle, torque))
+    missing = in_gaps(known, clock, step)
     return clock, *(np.where(missing, np.nan, values) for values in columns), rate
 
 
@@ -134,64 +179,71 @@ def usable(where: str, time: FloatArray, angle: FloatArray, torque: FloatArray) 
     """
     time, angle, torque, rate = on_one_clock(where, time, angle, torque)
     known = np.isfinite(angle)
-    if float(np.ptp(angle[known])) < STILL:
-        raise InputError(
-            f"{where}: the angle does not move ({np.rad2deg(np.ptp(angle[known])):.2g}°); move the "
-            "foot by small random perturbations, which `surae protocol prbs` makes"
-        )
-    left_out, left, limited = [], np.zeros(len(time), bool), _saturated(torque)
+    told, one_sided = _movement(
+        where, angle[max(runs(known), key=lambda r: r.stop - r.start)], rate
+    )
+    left_out, left = dict[str, str](), np.zeros(len(time), bool)
     for found, what in (
-        (~known, "without samples"),
-        (limited, "in which the torque's channel is at its limit"),
-        (_lost(angle, torque, rate), "in which the torque does not answer: contact lost"),
+        (~known, MISSING),
+        (limited(angle, torque), LIMITED),
+        (_lost(angle, torque, rate), UNANSWERED),
     ):
         fresh = found & ~left
         if fresh.any():
-            left_out.append(f"{fresh.sum() / rate:.2g} s {what}")
+            left_out[what] = f"{fresh.sum() / rate:.2g} s {what}"
             left |= found
     spans = tuple(
         span for span in runs(~left) if span.stop - span.start >= SHORTEST * rate
     )  # fmt: skip
-    notes = tuple(f"Left out: {each}." for each in left_out)
-    samples = Samples(where, time, angle, torque, rate, spans, notes)
+    notes = (*(f"Left out: {each}." for each in left_out.values()), *told)
+    samples = Samples(where, time, angle, torque, rate, spans, notes, one_sided)
     if samples.seconds < LEAST:
-        why = f"left out: {left_out[0]}" if left_out else "it is short"
-        by_limit = known.all() and limited.any()
-        remedy = "raise the range of the torque's channel" if by_limit else "record 60 s"
+        why = f"left out: {', '.join(left_out.values())}" if left_out else "it is short"
+        remedy = next((do for what, do in REMEDIES.items() if what in left_out), "record 60 s")
         raise InputError(
             f"{where}: {samples.seconds:.3g} s in pieces of {SHORTEST:g} s or more can be used, "
             f"{LEAST:g} s are needed ({why}); {remedy}"
         )
-    return _moving(samples)
+    return samples
 
 
-def _moving(samples: Samples) -> Samples:
-    """Look at the movement: fast enough, by whom, in both directions, finely enough measured."""
-    where, rate = samples.where, samples.rate_hz
-    longest = max(samples.spans, key=lambda span: span.stop - span.start)
-    angle = samples.angle[longest]
+def _movement(where: str, angle: FloatArray, rate: float) -> tuple[list[str], bool]:
+    """Look at the movement: fast enough, by whom, in both directions, finely enough measured.
+
+    What to know of it, a sentence each, and whether it is fast in one direction only.
+    """
+    smooth = _mean(angle, max(round(SEEN_OVER * rate), 1))
+    size = min(round(GOES_ON * rate), len(smooth))
+    ranges = np.ptp(smooth[: len(smooth) // size * size].reshape(-1, size), axis=1)
+    if (usual := float(np.median(ranges))) < STILL:
+        raise InputError(
+            f"{where}: the angle does not move, or not all the time (by {np.rad2deg(usual):.2g}° "
+            f"in most parts of {GOES_ON:g} s); move the foot by small random perturbations, which "
+            "`surae protocol prbs` makes"
+        )
     f, power = welch(angle, rate, nperseg=int(min(len(angle), 8 * rate)))
-    below = np.minimum(f, 60.0) == f
-    speed = np.cumsum((power * f**2)[below])
-    most = float(f[below][np.searchsorted(speed, 0.95 * speed[-1])])
-    notes, moved = list(samples.notes), float(np.ptp(angle))
-    if most < TOO_SLOW:
-        span = np.rad2deg(moved)
-        what = f"{where}: the angle moves by {span:.2g}°, hardly faster than {most:.2g} Hz"
+    noise = float(np.mean(power[(f > 0.2 * rate) & (f < 0.4 * rate)]))
+    speed = np.cumsum(power * f**2 * ((f <= 60.0) & (power > MOVES * noise)))
+    slow, most = (float(f[np.searchsorted(speed, part * speed[-1])]) for part in (0.05, 0.95))
+    moved = float(np.ptp(np.quantile(smooth, (0.005, 0.995))))
+    if most < TOO_SLOW or most < BROAD * slow:
+        fast = f"at {slow:.2g} to {most:.2g} Hz alone"
+        if most < TOO_SLOW:
+            fast = f"hardly faster than {most:.2g} Hz"
+        what = f"{where}: the angle moves by {np.rad2deg(moved):.2g}°, {fast}"
         if moved > BY_WILL:
             raise InputError(
                 f"{what}: a movement by will or by hand, not a perturbation; let the device move "
                 "the foot at random by 2°, up to 10 Hz at least, or use `surae stretches`"
             )
         raise InputError(
-            f"{what}: too little bandwidth to tell tissue, inertia and reflex apart; perturb up to "
-            "10 Hz at least, as `surae protocol prbs` does"
+            f"{what}: too little bandwidth to tell tissue, inertia and reflex apart, or a movement "
+            "by will; let the device move a foot that holds still, up to 10 Hz at least, as "
+            "`surae protocol prbs` does"
         )
-    smooth = np.convolve(
-        angle, np.ones(max(round(0.01 * rate), 1)) / max(round(0.01 * rate), 1), "valid"
-    )
-    speeds = np.quantile(np.diff(smooth) * rate, (0.005, 0.995))
-    one_sided = min(abs(speeds)) < ONE_SIDED * max(abs(speeds))
+    notes = []
+    speeds = np.quantile(np.diff(_mean(angle, max(round(0.01 * rate), 1))) * rate, (0.005, 0.995))
+    one_sided = bool(min(abs(speeds)) < ONE_SIDED * max(abs(speeds)))
     if one_sided:
         way = "dorsiflexion" if speeds[1] > -speeds[0] else "plantarflexion"
         notes.append(
@@ -206,7 +258,13 @@ def _moving(samples: Samples) -> Samples:
             f"The position comes in steps of {np.rad2deg(step):.2g}°, coarse beside its movement: "
             "use a finer encoder or larger perturbations."
         )
-    return replace(samples, notes=tuple(notes), one_sided=one_sided)
+    return notes, one_sided
+
+
+def _mean(values: FloatArray, n: int) -> FloatArray:
+    """Mean of every n samples in a row, shape (len − n + 1,)."""
+    total = np.concatenate([[0.0], np.cumsum(values - values.mean())])
+    return np.asarray((total[n:] - total[:-n]) / n + values.mean())
 
 
 def runs(mask: np.ndarray) -> list[slice]:
@@ -222,26 +280,46 @@ def _wider(mask: np.ndarray, by: int) -> np.ndarray:
     return wide
 
 
-def _saturated(torque: FloatArray) -> np.ndarray:
-    """Samples at the ends of the torque's range for four samples or more, several times."""
+def limited(angle: FloatArray, torque: FloatArray) -> np.ndarray:
+    """Samples at an end of the torque's range for four samples or more.
+
+    They are at one value, or, of a channel that is noisy behind what limits it, as near to the end
+    as is much more of the torque while the foot moves than is a little farther from it.
+    """
     found = np.zeros(len(torque), bool)
-    known = torque[np.isfinite(torque)]
-    for end in (known.min(), known.max()):
-        at = np.abs(torque - end) <= 1e-6 * max(abs(end), 1e-9)
+    speed = np.abs(np.gradient(np.convolve(filled(angle), np.ones(5) / 5, "same")))
+    moving = np.isfinite(torque) & (speed > 0.2 * np.quantile(speed, 0.99))
+    for sign in (1.0, -1.0):
+        own = sign * torque
+        top = float(np.nanmax(own))
+        near = [1e-6 * max(abs(top), 1e-9)]
+        low, high = np.quantile(own[moving], (0.0005, 0.9995))
+        for part in LAST_PART:
+            width = part * float(high - low)
+            last = np.sum(own[moving] > high - width)
+            distance = (high - own[moving]) / width
+            farther = np.sum((distance >= 1.5) & (distance < 2.5))
+            if last > PILED * (farther + 0.001 * moving.sum() + 5.0):
+                near.append(top - high + width)
+        at = own >= top - max(near)
         for run in runs(at):
             if run.stop - run.start >= 4:
                 found[run] = True
     return found
 
 
+def filled(values: FloatArray) -> FloatArray:
+    """Values with lines through gaps."""
+    known, at = np.isfinite(values), np.arange(len(values))
+    return np.interp(at, at[known], values[known])
+
+
 def _lost(angle: FloatArray, torque: FloatArray, rate: float) -> np.ndarray:
     """Samples of windows in which the foot moves as ever and the torque hardly changes."""
-    short, window = max(round(0.01 * rate), 1), max(round(LOST_FOR * rate), 2)
+    short, window = max(round(LOST_OVER * rate), 1), max(round(LOST_FOR * rate), 2)
     changes = []
     for values in (angle, torque):
-        filled = np.where(np.isfinite(values), values, np.nanmean(values))
-        total = np.concatenate([[0.0], np.cumsum(filled - filled.mean())])
-        mean = (total[short:] - total[:-short]) / short
+        mean = _mean(filled(values), short)
         change = np.zeros(len(values))
         change[short : short + len(mean) - short] = (mean[short:] - mean[:-short]) ** 2
         total = np.concatenate([[0.0], np.cumsum(change)])
@@ -249,7 +327,5 @@ def _lost(angle: FloatArray, torque: FloatArray, rate: float) -> np.ndarray:
         changes.append(np.sqrt((total[middle + window] - total[middle]) / window))
     moves, answers = changes
     lost = (moves > 0.5 * np.median(moves)) & (answers < LOST * np.median(answers))
-    found = np.zeros(len(angle), bool)
-    for run in runs(lost):
-        found[run] = True
-    return _wider(found, window // 2) if found.any() else found
+    lost &= np.isfinite(torque)
+    return _wider(lost, window) if lost.any() else lost

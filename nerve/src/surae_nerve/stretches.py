@@ -77,6 +77,7 @@ class Stretches(Tabular, Saved):
     threshold: FrozenDict[str, StretchThreshold]  #: By muscle whose EMG is there.
     #: 1.96·√2·SD of repeats at one speed: what a difference must exceed; None without repeats.
     smallest_detectable_change: FrozenDict[str, float | None]
+    notes: tuple[str, ...] = ()  #: What was left out of the recordings, a sentence each.
 
     def as_table(self) -> TextTable:
         """The table, as texts.
@@ -112,6 +113,7 @@ class Stretches(Tabular, Saved):
             "Smallest detectable change: "
             + (", ".join(changes) or "no stretch was repeated at one speed")
         )
+        below += self.notes
         return TextTable(
             ("recording", "start [s]", "direction", "speed [°/s]", "from, to [°]", "peak [Nm]",
              "elastic", "viscous", "inertial", "neural", "EMG from [°]", "catch [°]", "note"),
@@ -157,7 +159,10 @@ def answers(recordings: Sequence[Recording]) -> Stretches:
         for i, r in ramps
     ]
     speeds = [_speed(every[i], ramp) for i, ramp in ramps]
-    quiet = [np.ones(len(of.time), bool) for of in every]
+    quiet = [
+        np.ones(len(of.time), bool) if of.left is None else ~np.asarray(of.left, bool)
+        for of in every
+    ]
     seen = [bool(found) for found in onsets]
     slow = []
     for (i, ramp), found, speed in zip(ramps, onsets, speeds, strict=True):
@@ -177,7 +182,8 @@ def answers(recordings: Sequence[Recording]) -> Stretches:
         )
     )
     thresholds = {m: _threshold(m, every, ramps, onsets) for m in sorted(largest)}
-    return Stretches(stretches, FrozenDict(thresholds), FrozenDict(_changes(stretches)))
+    notes = tuple(f"{of.name}: {note}" for of in every for note in of.notes)
+    return Stretches(stretches, FrozenDict(thresholds), FrozenDict(_changes(stretches)), notes)
 
 
 def _speed(of: Stretched, ramp: RampSpan) -> float:
