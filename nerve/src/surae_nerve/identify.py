@@ -24,8 +24,12 @@ MISFIT = 5.0
 #: z of a trend, and of the scatter over tens of seconds, from which stiffness is said to change.
 CHANGING = 3.0
 #: What filters of the channels, which no equation has, may do over the band, as parts of the value:
-#: of a torque that is filtered, inertia was off by 1 to 1.6 %, viscosity by 2 % (`legs`, qd to qf).
-CHANNELS = {"intrinsic_stiffness": 0.01, "intrinsic_viscosity": 0.02, "inertia": 0.02}
+#: of a torque that is filtered, inertia was off by 1 to 1.6 %, viscosity by 2 % (`legs`, qd to qf);
+#: gain and share by 1 to 2 % with intervals that were narrower (qb, qf).
+CHANNELS = {
+    "intrinsic_stiffness": 0.01, "intrinsic_viscosity": 0.02, "inertia": 0.02,
+    "reflex_gain": 0.02, "reflex_share": 0.02,
+}  # fmt: skip
 #: Blocks from which their scatter is told.
 LEAST_BLOCKS = 5
 #: Length of the parts whose stiffness is compared [s].
@@ -228,12 +232,11 @@ def identify(
     problem = Problem(pieces, noise)
     chosen = _filtered(problem, problem.fit(chosen.structure, chosen.values))
     judged = Judged(problem, chosen, floor)
-    numbers = {
-        name: judged.number(name, of).allowing(CHANNELS[name]) for name, of in INTRINSIC.items()
-    }
+    numbers = {name: judged.number(name, of) for name, of in INTRINSIC.items()}
     if present:
         numbers |= {name: judged.number(name, of) for name, of in REFLEX.items()}
         numbers["reflex_share"] = judged.number("reflex_share", lambda f: share(pieces, f))
+    numbers = {name: each.allowing(CHANNELS.get(name, 0.0)) for name, each in numbers.items()}
     check = free.fit(chosen.structure, chosen.values)
     misfit = (check.loss - float(left @ left) - extra) / np.sqrt(2.0 * extra)
     numbers, structures = _spread(problem, chosen, numbers, starts[direction], misfit)

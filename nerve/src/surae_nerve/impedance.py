@@ -218,9 +218,11 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
             "its range, and do not filter what was limited."
         )
         told = {name: number.allowing(behind) for name, number in told.items()}
-        if reflex.verdict == "none seen":
-            reflex = ReflexPath("cannot tell", None, "the torque stays behind at its largest")
-            hidden = {}
+    if reflex.verdict != "present" and (behind > BEHIND or found.misfit > MISFIT):
+        doubt = "the torque stays behind at its largest" if behind > BEHIND else (
+            "the equations miss something that the torque shows, maybe a reflex of another kind"
+        )  # fmt: skip
+        reflex, hidden = ReflexPath("cannot tell", None, doubt), {}
     why = f"no reflex is claimed ({reflex.verdict})"
     if hidden:
         why += "; the interval is what one may have unseen"

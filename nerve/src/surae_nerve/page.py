@@ -44,7 +44,7 @@ def impedance_report(impedance: Impedance, *, created: datetime) -> Report:
         sections.append(block.Section("Stiffness over effort and angle", (block.Picture(
             "effort", "Stiffness over mean torque and over mean angle",
             "Stiffness of each recording with its 95 % interval. A torque’s zero that is not known "
-            "shifts the axis.",
+            "shifts the axis.", "here",
         ),)))  # fmt: skip
     for number, recording in enumerate(impedance.recordings, 1):
         sections.append(_recording(recording, number, figures))
@@ -80,7 +80,7 @@ def stretches_report(found: Stretches, *, created: datetime) -> Report:
         own = [told_of(s) for s in found.stretches if s.direction == way]
         figures.append((way, stretches_figure(own, words_in("en"))))
         caption = f"Largest torque of each part in stretches to {way}; bars are 95 % intervals."
-        pictures.append(block.Picture(way, f"Torque over speed, {way}", caption))
+        pictures.append(block.Picture(way, f"Torque over speed, {way}", caption, "here", 62))
     # which recording is told where there are several
     first = 1 if len({s.recording for s in found.stretches}) == 1 else 0
     heads, rows = table.heads[first:], [row[first:] for row in table.rows]
@@ -144,7 +144,8 @@ def _recording(r: Perturbed, number: int, figures: list[tuple[str, Figure]]) -> 
             block.rows(structures), titled=True,
         ),
         block.Picture(f"frequency-{number}", "Coherence, gain and phase of torque over angle",
-                      "Torque over angle: measured, and as the equations have it."),
+                      "Torque over angle: measured, and as the equations have it.", "here"),
         block.Picture(f"impulse-{number}", "Impulse responses of tissue and reflex",
-                      "Answers to an impulse: of tissue to the angle, of the reflex to velocity."),
+                      "Answers to an impulse: of tissue to the angle, of the reflex to velocity.",
+                      "here"),
     )  # fmt: skip

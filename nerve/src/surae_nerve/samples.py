@@ -328,4 +328,6 @@ def _lost(angle: FloatArray, torque: FloatArray, rate: float) -> np.ndarray:
     moves, answers = changes
     lost = (moves > 0.5 * np.median(moves)) & (answers < LOST * np.median(answers))
     lost &= np.isfinite(torque)
-    return _wider(lost, window) if lost.any() else lost
+    for run in runs(lost):
+        lost[run] = run.stop - run.start >= short
+    return _wider(lost, window)

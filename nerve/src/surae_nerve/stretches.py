@@ -251,7 +251,7 @@ def _threshold(muscle: str, every: Sequence[Stretched], ramps: Sequence[tuple[in
         then = [(of, max(at - round(late * of.rate), 0)) for of, at in seen]
         points = np.array([(of.velocity[at], of.angle[at]) for of, at in then])
         if n < LEAST_ONSETS or np.ptp(points[:, 0]) < SPREAD:
-            note = f"{n} onsets, at too few speeds; repeat fast stretches"
+            note = f"{n} onset{'' if n == 1 else 's'}, at too few speeds; repeat fast stretches"
             return StretchThreshold(None, None, "undetermined", note)
         lines.append(_line(points, np.array(ended).reshape(-1, 2), -1 if muscle == "ta" else 1))
     angle, low, high = lines[0][0], min(a - h for a, h in lines), max(a + h for a, h in lines)
