@@ -110,3 +110,14 @@ def test_another_activation_filter_takes_the_other_values_along() -> None:
     again = shifts(names=("f0", "release", "beta"), has_unheard=True)
     assert again[0, 0] == order[0, 0]  # what no electrode hears is not counted twice
     assert shifts(names=("m", "k_tri", "l0_tri")).shape == (0, 3)
+
+
+def test_what_is_known_well_follows_another_filter_no_farther_than_it_is_unsure() -> None:
+    """f0 known to a thousandth has a correlation with a stiffness that is chance."""
+    sharp, names = 1e-6 * V, ("f0", "k_tri", "beta")
+    post = SimpleNamespace(names=names, problem=SimpleNamespace(has_unheard=False))
+    moved = dynamics(post, sharp, 1.1, unheard=False)
+    assert np.all(np.abs(moved[:, 1]) <= np.sqrt(sharp[1, 1]))
+    assert moved[0, 0] == pytest.approx(0.05)
+    unheard = dynamics(post, sharp, 1.1, unheard=True)
+    assert np.abs(unheard[:, 1]).max() > 10.0 * np.sqrt(sharp[1, 1])

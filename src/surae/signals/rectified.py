@@ -15,12 +15,9 @@ from surae.signals.inputs import ModelInputs
 
 #: Time [s] over which the size of raw EMG is averaged, and up to which it is correlated.
 _SIZE_S, _CORRELATED_S = 0.25, 0.1
-#: Samples below which nothing is said of a drive.
-_FEWEST = 200
-#: Degrees of freedom of the bends of a drive's logarithm, and their sizes that are tried [1/s²].
-#: With 4 one step from the truth is 0.1 to 0.6 standard deviations off in f0 and β, of the EMG of
-#: three virtual legs; 2 to 4 with envelopes as they are, and as much the other way with Wiener's
-#: filter, which blurs bursts.
+#: Degrees of freedom of the bends of a drive's logarithm, and their sizes that are tried [1/s²]:
+#: one step from the truth f0 and β are 0.1 to 0.6 standard deviations off on three virtual legs,
+#: 2 to 4 with envelopes as they are, and as much the other way with Wiener's filter.
 _TAILS, _BENDS = 4.0, (1200.0, 400.0, 120.0, 40.0, 12.0)
 #: Second difference.
 _BEND = (1.0, -2.0, 1.0)
@@ -63,7 +60,7 @@ def expected_drives(inputs: ModelInputs) -> ModelInputs:
     errs without regard to itself (Berkson), and pulls nowhere (regression calibration, Carroll et
     al. 2006, chapter 4). The same inputs where no noise is known.
     """
-    if not inputs.rectified or inputs.n < _FEWEST:
+    if not inputs.rectified:
         return inputs
     emg = inputs.emg.copy()
     for column, density in enumerate(inputs.rectified):
