@@ -148,3 +148,19 @@ def test_the_noise_of_raw_emg_is_no_error_of_the_drive(tmp_path, family, raw, er
     """Rectified noise is loud under effort too; each size is judged with the noise it leaves."""
     fit = surae.fit(make(family, 741, tmp_path, (1,), raw=raw), quality=())
     assert (fit.result.found.sizes["drive"] > 0.0) == errs
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("family", "seed", "every"), [("a", 3201, 2), ("g", 3402, 1)])
+def test_noise_of_raw_emg_is_no_release_and_no_curve(tmp_path, family, seed, every) -> None:
+    """Noise times itself is not zero on average; at 512 Hz it was a release with 47 %."""
+    path = make(family, seed, tmp_path, (1,), raw=True)[0]
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    path.write_text("".join([*lines[:2], *lines[2::every]]), encoding="utf-8")
+    fit = surae.fit(path, quality=())
+    assert not {"release", "shape"} & {*fit.result.found.candidates[0].groups}
+    truth = truth_of(family, seed, 1)["parameters"]
+    known = [p for p in fit.parameters.values() if p.verdict == "identified"]
+    assert known
+    assert all(p.ci95[0] <= truth[p.name] <= p.ci95[1] for p in known)
+    assert sum(stage.capped for stage in fit.result.found.stages) == 0
