@@ -96,7 +96,7 @@ def dynamics(
     moved = np.array([size * V @ way / (way @ V @ way) for way in ways]).reshape(-1, len(V))
     most = np.full(len(V), np.inf) if unheard else np.sqrt(np.diag(V))
     most[at] = np.inf
-    return np.clip(moved, -most, most)
+    return np.asarray(np.clip(moved, -most, most))
 
 
 def between_trials(blocks: Sequence[Block], V: FloatArray) -> FloatArray:
