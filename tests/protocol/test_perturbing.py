@@ -6,7 +6,7 @@ import pytest
 import surae
 from surae.base.errors import InputError
 from surae.base.names import TELLING
-from surae.protocol import named_device
+from surae.protocol import named_device, write_protocol
 from surae.protocol.device import Device
 from surae.quality.position import perturbing
 from surae_nerve.expected import USUAL, expected
@@ -34,10 +34,13 @@ def test_a_slow_device_is_asked_for_less(name) -> None:
 
 
 @pytest.mark.parametrize("name", PERTURBATIONS)
-def test_a_perturbation_is_known_as_one_and_a_fit_is_not_expected_of_it(name) -> None:
+def test_a_perturbation_is_known_as_one_and_a_fit_is_not_expected_of_it(name, tmp_path) -> None:
     movement = telling(name, None, (-0.5, 0.5), 256.0)
     assert perturbing(movement.angle, 256.0)
-    with pytest.raises(InputError, match="surae protocol prbs"):
+    write_protocol(movement, tmp_path / "p.csv", without_limits="a test")
+    with pytest.raises(InputError, match=f"{name}.* says"):  # a file does not say which it is
+        surae.expect(tmp_path / "p.csv")
+    with pytest.raises(InputError, match=f"surae protocol {name} says"):
         surae.expect(movement)
 
 

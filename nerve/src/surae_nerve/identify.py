@@ -25,7 +25,8 @@ MISFIT = 5.0
 CHANGING = 3.0
 #: What filters of the channels, which no equation has, may do over the band, as parts of the value:
 #: of a torque that is filtered, inertia was off by 1 to 1.6 %, viscosity by 2 % (`legs`, qd to qf);
-#: gain and share by 1 to 2 % with intervals that were narrower (qb, qf).
+#: gain and share by 1 to 2 % with intervals that were narrower (qb, qf; seeds 1201 to 1205, whose
+#: ql legs had been looked at by then as well).
 CHANNELS = {
     "intrinsic_stiffness": 0.01, "intrinsic_viscosity": 0.02, "inertia": 0.02,
     "reflex_gain": 0.02, "reflex_share": 0.02,

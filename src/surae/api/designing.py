@@ -313,9 +313,11 @@ def expect(
     """
     trajectory = as_trajectory(protocol)
     if perturbing(trajectory.angle, trajectory.settings.rate_hz):
+        name = trajectory.settings.profile
+        made = name if name in TELLING else "prbs, pralds or multisine, whichever it is,"
         raise InputError(
-            f"{trajectory.settings.profile}: small random perturbations do not show what a model "
-            "of muscles needs; surae protocol prbs says what surae impedance will find"
+            f"{name}: small random perturbations do not show what a model of muscles needs; surae "
+            f"protocol {made} says what surae impedance will find"
         )
     settings, options = parted(ExpectSettings, {"model": model, **keywords})
     rate_hz = trajectory.settings.rate_hz
