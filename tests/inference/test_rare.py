@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import surae
-from ankle_legs.make import make
 from richer_legs import richer_leg
 from surae.inference import departures, make_problem, solve
+from surae.model.laboratory import RARE
 
 
 def test_where_none_is_asked_for_nothing_changes(monkeypatch) -> None:
@@ -22,9 +22,37 @@ def test_where_none_is_asked_for_nothing_changes(monkeypatch) -> None:
 
 @pytest.mark.parametrize(("leg", "there"), [("e", True), ("k", False)])
 def test_short_range_stiffness_is_found_where_it_is(leg: str, there: bool, tmp_path) -> None:
-    fit = surae.fit(make(leg, 1004, tmp_path, (1,), seconds=25.0)[0], model="auto", quality=())
+    legs = pytest.importorskip("ankle_legs.make", reason="surae-legs is not installed")
+    fit = surae.fit(legs.make(leg, 1004, tmp_path, (1,), seconds=25.0)[0], model="auto", quality=())
     assert ("bridges" in fit.result.found.candidates[0].groups) == there
     assert not any(g in fit.result.found.candidates[0].groups for g in departures.LAWS)
     if there:  # drawn between 16 and 30, and between 0.6 and 1.4 % of the optimal length
         assert 8.0 < fit.result.values["bridge_stiffness"] < 40.0
         assert fit.adequacy.r2 > 99.5
+
+
+@pytest.mark.parametrize(("leg", "seed"), [("a", 2101), ("b", 2102), ("h", 2103)])
+def test_no_rare_departure_is_claimed_of_legs_that_have_none(leg: str, seed: int, tmp_path) -> None:
+    """Neither of legs of another generator: other curves, geometry and drives, but no reflex."""
+    legs = pytest.importorskip("ankle_legs.make", reason="surae-legs is not installed")
+    fit = surae.fit(legs.make(leg, seed, tmp_path, (1,), seconds=25.0)[0], quality=())
+    assert not {*RARE} & {*fit.result.found.candidates[0].groups}
+
+
+@pytest.mark.parametrize("trial", ["PL_50_02", "PL_0_01"])
+def test_no_rare_departure_is_claimed_of_measured_trials(trial: str, shared, tmp_path) -> None:
+    """Of one person’s efforts on a dynamometer, in which nobody has shown one."""
+    told = (shared / "dynamometer" / "PL_50_01.toml").read_text(encoding="utf-8")
+    mapping = tmp_path / "trial.toml"
+    path = shared / "repeats" / f"{trial}.mat"
+    mapping.write_text(told.replace("PL_50_01.mat", str(path)), encoding="utf-8")
+    fit = surae.fit(mapping, quality=())
+    assert not {*RARE} & {*fit.result.found.candidates[0].groups}
+    assert not any(name.startswith(("bridge", "reflex")) for name in fit.parameters)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("trial", ["walk36", "run81"])
+def test_no_rare_departure_is_claimed_of_measured_gait(trial: str, shared) -> None:
+    fit = surae.fit(shared / "gait" / f"{trial}.toml", quality=())
+    assert not {*RARE} & {*fit.result.found.candidates[0].groups}
