@@ -1,5 +1,7 @@
 """Coordinates of a search: on a logarithm or as they are, a zero for each recording, valleys."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -88,3 +90,15 @@ def test_a_step_along_a_valley_moves_what_the_tissue_does_straight() -> None:
     assert np.exp(moved[k]) * (longest - moved[x0]) == pytest.approx(straight)
     others = [j for j in range(len(z)) if j not in (k, x0)]
     np.testing.assert_array_equal(moved[others], z[others])
+
+
+def test_an_electrode_of_noise_alone_has_a_level_for_what_was_given() -> None:
+    """What parameters follow is looked at in recordings as given, that electrode in them."""
+    leg = richer_leg(0, rate_hz=64.0, duration=12.0).inputs
+    emg = leg.emg.copy()
+    draw = np.random.default_rng(1).uniform(0.9, 1.1, len(emg))
+    emg[:, 0] = 1e-3 * emg.max() * draw  # a tibialis at rest
+    problem = make_problem([replace(leg, emg=emg)], "auto")
+    assert {"ta"} <= {*problem.heard[0].missing_emg}
+    post = Family(problem).posterior(("shape",), 64.0, white_noise(problem, 0.1), NEARLY_NONE)
+    assert np.isfinite(post.observed.plain_residual(post.start({}), *problem.inputs, 0)).all()

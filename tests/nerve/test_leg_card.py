@@ -35,10 +35,13 @@ def test_the_fastest_stretches_lead_and_perturbations_follow() -> None:
     assert texts[1].startswith("8.9 % of the torque’s changes")
     assert "reflex to plantarflexion" in texts[1]
     assert "1.0 Nm/° (0.96 to 1.0)" in texts[2]
+    assert not any("viscous" in text for text in texts)  # beside a reflex it is not known
     assert set(figures) == {"nerve-stretches"}
     silent = replace(FAST, heard=False)
     assert said(Nerve((FAST, silent)))[0][0].endswith("probably: no EMG was recorded")
     assert said(PRESENT, "nl")[0][0].startswith("8,9 %")
+    unsure = replace(PRESENT, reflex="cannot tell", direction=None)
+    assert not any("reflex" in text for text in said(unsure)[0][1:])  # none that is taken off
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.base.formatting import significant
 from surae.report import block
-from surae.report.figures import GREY, INK, OCHRE, RED, Figure, dress, new_figure
+from surae.report.figures import GREY, INK, RED, Figure, dress, new_figure
 from surae.report.figures.leg import CARD_WIDTH
 from surae.report.language import Words
 from surae.trials.nerve import Nerve, StretchTold
@@ -23,7 +23,6 @@ class _Fast:
     speed: float  #: [deg/s]
     peak: float
     elastic: float
-    viscous: float
     neural: float | None  #: None where it cannot be told from tissue.
     low: float
     high: float
@@ -37,8 +36,7 @@ def nerve_card(nerve: Nerve, _: Words) -> tuple[tuple[block.Block, ...], dict[st
     if fast is not None:
         said.append(_of_stretches(fast, _))
         figures["nerve-stretches"] = stretches_figure(_calf(nerve.stretches), _)
-        parts = _("Beside it, tissue: {elastic} Nm elastic, {viscous} Nm viscous.",
-                  elastic=_short(fast.elastic, _), viscous=_short(fast.viscous, _))  # fmt: skip
+        parts = _("Beside it, elastic tissue: about {elastic} Nm.", elastic=_short(fast.elastic, _))
         alt = _("Torque of tissue and of the reflex over the speed of stretch.")
         blocks.append(block.Picture("nerve-stretches", alt, parts, "here", 100))
     if nerve.threshold is not None and nerve.threshold.value is not None:
@@ -55,8 +53,8 @@ def nerve_card(nerve: Nerve, _: Words) -> tuple[tuple[block.Block, ...], dict[st
             value, *ends = (_short(float(np.deg2rad(v)), _) for v in (stiff.value, *stiff.ci95))
             span = _.span(*ends)
             blocks.append(block.Text(_(
-                "Without the reflex, tissue and muscle resisted small movements by {value} Nm/° "
-                "({span}).", value=value, span=span,
+                "Tissue and muscle resisted small movements by {value} Nm/° ({span}).",
+                value=value, span=span,
             )))  # fmt: skip
     if not said:
         said.append((_("Cannot tell"), _("these recordings do not separate tissue and reflex")))
@@ -85,11 +83,9 @@ def _fastest(stretches: Sequence[StretchTold]) -> _Fast | None:
     own = [s for s in calf if s.speed >= (1.0 - _ALIKE) * top]
     told = [(s.neural, *s.ci95) for s in own if s.neural is not None and s.ci95 is not None]
     neural, low, high = np.mean(told, axis=0).tolist() if len(told) == len(own) else (None, 0, 0)
-    speed, peak, elastic, viscous = np.mean(
-        [(s.speed, s.peak, s.elastic, s.viscous) for s in own], axis=0
-    ).tolist()
+    speed, peak, elastic = np.mean([(s.speed, s.peak, s.elastic) for s in own], axis=0).tolist()
     heard = all(s.heard for s in own)
-    return _Fast(speed, peak, elastic, viscous, neural, low, high, heard)
+    return _Fast(speed, peak, elastic, neural, low, high, heard)
 
 
 def _of_stretches(fast: _Fast, _: Words) -> tuple[str, str]:
@@ -137,12 +133,14 @@ def _short(value: float, _: Words) -> str:
 
 
 def stretches_figure(stretches: Sequence[StretchTold], _: Words) -> Figure:
-    """Parts of the torque [Nm] of each stretch over its speed, the neural one with its interval."""
+    """Elastic and neural torque [Nm] of each stretch over its speed, the latter with its interval.
+
+    The viscous one is not drawn: beside a reflex it may be off by as much as itself.
+    """
     figure = new_figure(2.6, width=CARD_WIDTH)
     axes = figure.subplots()
     for label, values, colour, mark in (
         (_("elastic"), [s.elastic for s in stretches], GREY, "s"),
-        (_("viscous"), [s.viscous for s in stretches], OCHRE, "^"),
         (_("reflex"), [s.neural for s in stretches], RED, "o"),
     ):
         own = [(s.speed, v) for s, v in zip(stretches, values, strict=True) if v is not None]

@@ -1,8 +1,9 @@
 """The pages of tissue and reflex: perturbed recordings in one table, each with its figures."""
 
 from datetime import datetime
+from math import nan
 
-from surae.base.formatting import NO_NUMBER, percentage
+from surae.base.formatting import NO_NUMBER, percentage, significant
 from surae.report import block
 from surae.report.figures import Figure
 from surae.report.language import words_in
@@ -25,11 +26,12 @@ _ABOUT = (
 #: What the page of stretches says of itself.
 _STRETCHES = (
     "Elastic is the rise of tissue’s torque, relaxed; viscous and inertial the largest of tissue’s "
-    "and of foot and device; neural the largest beyond them after 30 ms. Without EMG only "
-    "torque that rises when the foot has stopped is taken for neural: tissue’s falls. EMG begins "
-    "where it exceeds its rest by three standard deviations for 25 ms (Hodges and Bui 1996); the "
-    "threshold is the angle of onset over its velocity, at none (Levin and Feldman 1994). No word "
-    "of this is a diagnosis."
+    "and of foot and device; neural the largest beyond them after 30 ms. Beside a reflex the "
+    "viscous torque may be off by as much as itself, the elastic one by a quarter. Without EMG "
+    "only torque that rises when the foot has stopped is taken for neural: tissue’s falls. EMG "
+    "begins where it exceeds its rest by three standard deviations for 25 ms (Hodges and Bui "
+    "1996); the threshold is the angle of onset over its velocity, at none (Levin and Feldman "
+    "1994). No word of this is a diagnosis."
 )
 
 
@@ -48,13 +50,14 @@ def impedance_report(impedance: Impedance, *, created: datetime) -> Report:
         ),)))  # fmt: skip
     for number, recording in enumerate(impedance.recordings, 1):
         sections.append(_recording(recording, number, figures))
+    told = {row[0]: row for row in measure_rows(impedance.measures)}
     key = tuple(
-        (label, f"{m.value:.3g} {m.unit}" if m.value is not None else NO_NUMBER, m.verdict)
-        for label, m in (
-            ("stiffness of tissue", impedance.measures["intrinsic_stiffness"]),
-            ("reflex’s share", impedance.measures["reflex_share"]),
+        (label, value if value == NO_NUMBER else f"{value} {unit}", verdict)
+        for label, (_, value, _, unit, verdict, _) in (
+            ("stiffness of tissue", told["intrinsic_stiffness"]),
+            ("reflex’s share", told["reflex_share"]),
         )
-    )  # fmt: skip
+    )
     document = block.Document(
         kicker="How much is nerve?",
         heading="Tissue and reflex, from perturbations",
@@ -79,7 +82,7 @@ def stretches_report(found: Stretches, *, created: datetime) -> Report:
     for way in dict.fromkeys(s.direction for s in found.stretches):
         own = [told_of(s) for s in found.stretches if s.direction == way]
         figures.append((way, stretches_figure(own, words_in("en"))))
-        caption = f"Largest torque of each part in stretches to {way}; bars are 95 % intervals."
+        caption = f"Elastic and neural torque in stretches to {way}; bars are 95 % intervals."
         pictures.append(block.Picture(way, f"Torque over speed, {way}", caption, "here", 62))
     # which recording is told where there are several
     first = 1 if len({s.recording for s in found.stretches}) == 1 else 0
@@ -124,11 +127,14 @@ def _recording(r: Perturbed, number: int, figures: list[tuple[str, Figure]]) -> 
     held, alone, other = map(
         percentage, (r.vaf_held_out, r.vaf_held_out_intrinsic, r.vaf_held_out_other)
     )
-    parts = ", ".join(f"{value:.3g}" for _, value, _ in r.stationarity.parts)
+    parts = ", ".join(significant(value, 3) for _, value, _ in r.stationarity.parts)
     halves = " and ".join(
-        f"{v:.3g} ({low:.3g} to {high:.3g})" for v, low, high in r.stationarity.halves
+        "{} ({} to {})".format(*(significant(x, 3) for x in half)) for half in r.stationarity.halves
     )
-    structures = [(label, *(f"{x:.3g}" for x in said)) for label, said in r.structures.items()]
+    structures = []
+    for label, (value, low, high) in r.structures.items():
+        ends = (low, high) if low < high else (nan, nan)  # some tell a value alone
+        structures.append((label, *(significant(x, 3) for x in (value, *ends))))
     return _section(
         name, measure_rows(r.measures),
         block.Text(f"{r.reflex.reason}.", lead=f"Reflex: {r.reflex.verdict}:"),

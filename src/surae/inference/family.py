@@ -63,7 +63,7 @@ class Family:
         }
         self._options = problem.options
         if self._options.emg_ref is None:
-            self._options = replace(self._options, emg_ref=emg_levels(problem.inputs))
+            self._options = replace(self._options, emg_ref=emg_levels(self.inputs))
         self._weights = _weights(problem)
         self.is_perfect = settings.nuisances == NONE  #: Whether nothing of a laboratory is unsure.
         self.is_still = self.is_perfect  #: Whether nothing is to differ from moment to moment.
