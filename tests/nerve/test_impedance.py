@@ -265,3 +265,35 @@ def test_no_number_of_a_reflex_is_identified_while_its_law_is_assumed() -> None:
     assert (told.verdict, told.ci95) == ("weak", (39.5, 40.5))
     assert "another law" in told.note
     assert number_of("intrinsic_stiffness", narrow).verdict == "identified"
+
+
+def held_ankle(seed: int, servo: float) -> Recording:
+    """Tissue alone on a servo [Nm/rad] that yields to it: a state space, solved by SciPy.
+
+    Its angle is what motor, tissue and person make it; torque has drift and coloured noise.
+    """
+    draw, n, rate, motor = np.random.default_rng(seed), 30_000, 1000.0, 0.05
+    time = np.arange(n) / rate
+    k, b, i = draw.uniform((30.0, 0.4, 0.01), (150.0, 2.0, 0.03))
+    command = 0.015 * draw.choice([-1.0, 1.0], n)[np.cumsum(draw.random(n) < 5.0 / rate)]
+    coloured = signal.lfilter([1.0], [1.0, -0.98], draw.standard_normal(n))
+    drift = np.cumsum(draw.standard_normal(n))
+    person = 0.3 * coloured / coloured.std() + drift / drift.std()
+    damping = 1.6 * np.sqrt(servo * (motor + i))
+    a = np.array([[0.0, 1.0], [-(servo + k) / (motor + i), -(damping + b) / (motor + i)]])
+    driven = np.array([[0.0, 0.0], [servo / (motor + i), -1.0 / (motor + i)]])
+    given = np.column_stack([command, person])
+    plant = signal.StateSpace(a, driven, np.eye(2), np.zeros((2, 2)))
+    _, state, _ = signal.lsim(plant, given, time)
+    acceleration = state @ a[1] + given @ driven[1]
+    torque = state @ np.array([k, b]) + i * acceleration + person
+    torque += 0.05 * draw.standard_normal(n)
+    return Recording.from_arrays(time, state[:, 0] + 0.05, torque, name="held")
+
+
+@pytest.mark.parametrize(("seed", "servo"), [(0, 3000.0), (1, 800.0), (2, 3000.0), (11, 800.0)])
+def test_no_reflex_is_present_in_tissue_of_another_simulator(seed: int, servo: float) -> None:
+    found = surae.impedance(held_ankle(seed, servo))
+    assert found.reflex.verdict != "present"
+    assert found.measures["reflex_gain"].value is None
+    assert found.measures["reflex_gain"].verdict != "identified"
