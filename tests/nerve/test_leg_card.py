@@ -40,8 +40,10 @@ def test_the_fastest_stretches_lead_and_perturbations_follow() -> None:
     silent = replace(FAST, heard=False)
     assert said(Nerve((FAST, silent)))[0][0].endswith("probably: no EMG was recorded")
     assert said(PRESENT, "nl")[0][0].startswith("8,9 %")
-    unsure = replace(PRESENT, reflex="cannot tell", direction=None)
-    assert not any("reflex" in text for text in said(unsure)[0][1:])  # none that is taken off
+    assert said(PRESENT, "nl")[0][0].count("willekeurig") == 0  # by will, to a physiologist
+    unsure = replace(PRESENT, stretches=(FAST,), reflex="cannot tell", direction=None)
+    assert said(unsure)[0][1].startswith("Cannot tell – small random movements do not show")
+    assert not any("reflex" in text for text in said(unsure)[0][2:])  # none that is taken off
 
 
 @pytest.mark.parametrize(

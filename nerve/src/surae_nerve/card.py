@@ -60,7 +60,8 @@ def nerve_card(nerve: Nerve, _: Words) -> tuple[tuple[block.Block, ...], dict[st
         said.append((_("Cannot tell"), _("these recordings do not separate tissue and reflex")))
     first, *others = said
     lines = [block.Text(first[1], "say", first[0])]
-    lines += [block.Text(f"{text}.", lead=lead) for lead, text in others]
+    for lead, text in others:  # a number goes on as a sentence does
+        lines.append(block.Text(f"{text}.", lead=f"{lead} –" if lead == _("Cannot tell") else lead))
     if _.language == "en":
         blocks += [block.Text(f"{problem}.", "note") for problem in nerve.problems]
     return (*lines, *blocks), figures
