@@ -150,7 +150,7 @@ def _with_errors_of_drives(own: LogPosterior, point: Point) -> Reached:
     post, there = _with_noise_of_drives(own, point)
     # the evidence of each is with white noise that it leaves itself
     quiet = post.having(noise=learnt_noise(post, there, white=True, anew=True))
-    at = quiet.descend(there.z, there.c, there.w, tolerance=0.1)
+    at = quiet.descend(there.z, there.c, there.w, evaluations=8, tolerance=0.1)
     quiet = quiet.having(noise=learnt_noise(quiet, at, white=True, anew=True))
     tried = {0.0: (quiet.evidence(quiet.again(at)), post, there)}
 
@@ -158,8 +158,8 @@ def _with_errors_of_drives(own: LogPosterior, point: Point) -> Reached:
         """Whether this size is the best so far."""
         # slow latents begin anew, for they have followed what is fast
         post = own.having(fast=size, sizes=BEGIN)
-        there = post.descend(point.z, tolerance=0.1)
-        post, there = learnt(post, there, 2)
+        there = post.descend(point.z, evaluations=25, tolerance=0.1)
+        post, there = learnt(post, there, 2, evaluations=8)
         tried[size] = (post.evidence(there), post, there)
         return min(tried, key=lambda s: tried[s][0]) == size
 

@@ -13,7 +13,7 @@ from surae.inference.film import noise_of_film
 from surae.inference.latent import SOURCES, Latents
 from surae.inference.noise import NoiseModel, level_above, noise_behind
 from surae.inference.observed import SensorRows, measured
-from surae.inference.posterior import Block, LogPosterior, Point
+from surae.inference.posterior import MOST, Block, LogPosterior, Point
 from surae.signals import ModelInputs
 
 #: Largest order of the autoregression that tells the noise's slow part, and what is slow [Hz].
@@ -47,7 +47,7 @@ Reached = tuple[LogPosterior, Point]
 
 def learnt(
     post: LogPosterior, point: Point, rounds: int = _ROUNDS, *, white: bool = False,
-    tolerance: float = 0.1,
+    evaluations: int = MOST, tolerance: float = 0.1,
 ) -> Reached:  # fmt: skip
     """Noise and sizes of the latents in turn with the mode, until it rests.
 
@@ -60,7 +60,14 @@ def learnt(
             sizes = {source: min(told[source], _MOST[source]) for source in SOURCES}
         noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
         post = post.having(noise=noise, sizes=sizes, latents=latents)
-        moved = post.descend(point.z, point.c, point.w, tolerance=tolerance, damping=point.damping)
+        moved = post.descend(
+            point.z,
+            point.c,
+            point.w,
+            evaluations=evaluations,
+            tolerance=tolerance,
+            damping=point.damping,
+        )
         sd = np.sqrt(np.diag(post.covariance(moved)))
         if np.all(np.abs(moved.z - point.z) < _AT_REST * sd):
             return post, moved

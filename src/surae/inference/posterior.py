@@ -31,7 +31,7 @@ from surae.model.sources import Gaussian
 #: Ridge under which the whole step is judged, and the shortest part of a step that is tried.
 _RIDGE, _SHORTEST = 1e-12, 1e-3
 #: Damping of a descent's first step, and its evaluations at most, which few ever need.
-DAMPING, _MOST = 1e-3, 40
+DAMPING, MOST = 1e-3, 40
 #: A descent also rests after so many steps that gained less than this part of its tolerance each:
 #: on a kink, where tissue goes slack, less is to be gained than the normal equations promise.
 _IDLE, _LITTLE = 2, 1.0
@@ -243,7 +243,7 @@ class LogPosterior(Coordinates):
 
     def descend(
         self, z: FloatArray, c: Sequence[FloatArray] | None = None,
-        w: Sequence[FloatArray] | None = None, *, tolerance: float, evaluations: int = _MOST,
+        w: Sequence[FloatArray] | None = None, *, tolerance: float, evaluations: int = MOST,
         damping: float = DAMPING,
     ) -> Point:  # fmt: skip
         """The mode that a point leads to; it ends where less than `tolerance` is to be gained."""
