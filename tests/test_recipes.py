@@ -38,7 +38,7 @@ SPRING = '''"""Springs and motors: forces that the muscles' lengths hardly chang
 import numpy as np
 
 from surae.model.parameters import SPRING_PARAMETERS
-from surae.model.tied import Simulator
+from surae.model.recorded_model import Simulator
 
 _NAMES = tuple(p.name for p in SPRING_PARAMETERS)
 
@@ -287,7 +287,7 @@ from pathlib import Path
 import numpy as np
 import surae
 from surae import api
-from surae.inference.population import wide_priors
+from surae.inference.population_priors import wide_priors
 from surae.model.laboratory import laboratory
 from surae.model import get_model, ModelOptions
 from surae.report.language import words_in

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.records import (
     FileName,

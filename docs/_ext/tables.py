@@ -9,7 +9,7 @@ import quality_table
 from sphinx.application import Sphinx
 
 from surae.base.setting import default_of, settings_of
-from surae.inference.population import WIDENED
+from surae.inference.population_priors import WIDENED
 from surae.inference.result import TENDONS
 from surae.measures import DEFINITIONS
 from surae.model.parameters import (

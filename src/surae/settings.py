@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from surae.base import names
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.formatting import listed, nearest
 from surae.base.frozen import FrozenDict
 from surae.base.setting import checked, documented, kind_of, setting, settings_of

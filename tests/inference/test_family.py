@@ -15,10 +15,10 @@ from surae.base.frozen import read_only
 from surae.inference import AssessedFit, LeastSquares, Verdict, assess, make_problem, solve
 from surae.inference.adequacy import _laboratory, judge_adequacy
 from surae.inference.coordinates import is_straight
-from surae.inference.each import trial_spread
+from surae.inference.empirical_bayes import learnt_noise
 from surae.inference.latent import emg_noise
-from surae.inference.learning import learnt_noise
 from surae.inference.marginal import _by_path
+from surae.inference.random_effects import trial_spread
 from surae.inference.saved.fit_json import load_saved, save_fit
 from surae.inference.search import resumed
 from surae.model import with_optional

@@ -9,10 +9,10 @@ from scipy.signal import lfilter
 import surae
 from surae.base.frozen import read_only
 from surae.inference import make_problem
+from surae.inference.empirical_bayes import BEGIN
 from surae.inference.family import Family
 from surae.inference.fascicles import followed
 from surae.inference.film import noise_of_film
-from surae.inference.learning import BEGIN
 from surae.inference.noise import NoiseModel
 from surae.inference.posterior import LogPosterior
 from surae.inference.valleys import white_noise

@@ -9,12 +9,12 @@ from scipy.linalg import block_diag
 from surae.base.frozen import read_only
 from surae.inference import make_problem
 from surae.inference.banded import solve_band
+from surae.inference.empirical_bayes import BEGIN, learnt_sizes
 from surae.inference.family import Family
 from surae.inference.laplace import shifts_by_source
 from surae.inference.latent import SOURCES
-from surae.inference.learning import BEGIN, learnt_sizes
+from surae.inference.linearised import measured
 from surae.inference.noise import NoiseModel
-from surae.inference.observed import measured
 from surae.inference.posterior import LogPosterior
 from surae.inference.valleys import white_noise
 from surae.protocol import Protocol, generate

@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from surae.base.frozen import read_only
-from surae.inference.learning import level_where_filtered
+from surae.inference.empirical_bayes import level_where_filtered
 from surae.inference.noise import noise_behind
 from surae.protocol import Protocol, generate
 from surae.signals.prepare import smoothed

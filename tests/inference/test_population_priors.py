@@ -5,7 +5,7 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.inference import Prior, assess, fit_problem, make_problem
-from surae.inference.population import WIDENED, population_priors, wide_priors
+from surae.inference.population_priors import WIDENED, population_priors, wide_priors
 from surae.model import ModelOptions, get_model
 from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
 from surae.model.registry import PARAMETERS

@@ -12,7 +12,7 @@ from surae.base.frozen import FrozenDict
 from surae.inference import Grade
 from surae.inference.reasons import against
 from surae.measures.change import SCATTER, ChangeVerdict, compare_sessions
-from surae.measures.quantity import common_end, quantities
+from surae.measures.compared import common_end, quantities
 
 pytestmark = pytest.mark.usefixtures("few")
 CHANGED, NONE, NOT = ChangeVerdict

@@ -12,7 +12,7 @@ import surae
 from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
 from surae.inference import Adequacy, Grade
-from surae.measures.quantity import Quantities, Quantity
+from surae.measures.compared import Quantities, Quantity
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
 from surae_cohort.members import populations, read_table

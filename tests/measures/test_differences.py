@@ -12,7 +12,7 @@ from surae.base.frozen import FrozenDict
 from surae.inference import Adequacy, Grade
 from surae.inference.reasons import against
 from surae.measures.change import ChangeVerdict, compare_sessions
-from surae.measures.quantity import Quantities, Quantity
+from surae.measures.compared import Quantities, Quantity
 
 LEADING = "end_torque"
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surae.measures.measured import HeldPoint, measured_slope, stretch
+from surae.measures.torque_curve import HeldPoint, measured_slope, stretch
 
 
 def held(angles, slope=0.21, noise=0.0):

@@ -12,7 +12,7 @@ from surae.model.knowledge_file import known_from, read_knowledge, read_session_
 from surae.model.tare import tared, without
 from surae.settings import FitSettings
 from surae.signals import ModelInputs, inputs_as_given
-from surae.signals.alone import crosstalk, one_at_a_time
+from surae.signals.selective import crosstalk, one_at_a_time
 
 TABLE = Path(__file__).parents[1] / "data" / "geometry.csv"
 RATE = 64.0

@@ -22,7 +22,7 @@ from surae.base.words import english
 from surae.inference import Grade
 from surae.inference.reasons import Reason, against
 from surae.measures.change import compare_sessions
-from surae.measures.quantity import quantities
+from surae.measures.compared import quantities
 from surae.quality import Finding, Quality
 from surae.report import output
 from surae.report.language import catalogue, words_in

@@ -26,7 +26,7 @@ from surae.base.units import FloatArray
 from surae.inference import AssessedFit, make_problem, solve
 from surae.inference.assessment import assess
 from surae.inference.saved.fit_json import load_saved
-from surae.measures.quantity import Quantities, quantities
+from surae.measures.compared import Quantities, quantities
 from surae.settings import FitSettings
 from surae.trials.folder import fit_in
 from surae_cohort.pooled import FEWEST, CohortMember, random_effects, sessions_of

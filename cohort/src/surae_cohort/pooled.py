@@ -17,7 +17,7 @@ import numpy as np
 
 from surae._version import __version__
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.files import natural_order
 from surae.base.formatting import estimate, significant
 from surae.base.frozen import FrozenDict
@@ -26,7 +26,7 @@ from surae.base.records import Saved, to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.measures.change import compare_sessions, holm
-from surae.measures.quantity import Quantities, Quantity
+from surae.measures.compared import Quantities, Quantity
 
 #: Legs from which a mean and a spread are estimated.
 FEWEST = 3

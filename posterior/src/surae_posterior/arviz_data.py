@@ -10,7 +10,7 @@ from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.inference import AssessedFit
 from surae.inference.coordinates import is_straight
-from surae.inference.observed import measured
+from surae.inference.linearised import measured
 from surae.inference.residuals import simulators
 from surae.model.prior import Prior
 from surae.recording.frames import library

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from surae.base.errors import ComputationError, InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.frozen import Comparable, read_only
 from surae.base.records import Listed
 from surae.inference import FitResult, LeastSquares

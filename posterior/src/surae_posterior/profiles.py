@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.formatting import open_ends, significant
 from surae.base.progress import NamedProgress
 from surae.base.records import Saved

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.formatting import NO_NUMBER, open_ends, significant
 from surae.base.frozen import Comparable, read_only
 from surae.base.progress import Progress

@@ -48,8 +48,8 @@ class PosteriorSettings(Request):
     )  # fmt: skip
     priors: Mapping[str, tuple[float, float]] | None = setting(
         None, "Priors in place of the fit's own, which stand in place of the wide defaults of "
-        "`surae.inference.population`.", type="mapping of str to (median, spread)", option="prior",
-        metavar="MEDIAN:SPREAD", example="tau_rel=3:0.3",
+        "`surae.inference.population_priors`.", type="mapping of str to (median, spread)",
+        option="prior", metavar="MEDIAN:SPREAD", example="tau_rel=3:0.3",
         help="Known beforehand, instead of the defaults.",
     )  # fmt: skip
     variance_inflation: float | None = setting(

@@ -17,7 +17,7 @@ from surae.base.requests import ChangeSettings
 from surae.base.setting import takes
 from surae.inference.validation import Prediction, predict_others
 from surae.measures.change import Change, compare_sessions
-from surae.measures.quantity import common_end, quantities
+from surae.measures.compared import common_end, quantities
 from surae.signals import Weighting, weighted
 from surae.trials.folder import fit_in
 

@@ -17,7 +17,7 @@ from surae.base.tables import Tabular, TextTable
 from surae.inference import AssessedFit
 from surae.inference.adequacy import Adequacy
 from surae.inference.assessment import assess
-from surae.inference.observed import measured
+from surae.inference.linearised import measured
 from surae.inference.parameter import ParameterEstimate
 from surae.inference.saved.fit_json import save_fit
 from surae.inference.uncertainty.covariance import Covariance

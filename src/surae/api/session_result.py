@@ -12,7 +12,7 @@ from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import load
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.files import PathLike, shown, write_json, write_table
 from surae.base.frozen import FrozenDict
 from surae.base.records import SESSION_FORMAT, from_plain, read_json, to_plain

@@ -20,7 +20,7 @@ from typing import (
 
 import numpy as np
 
-from surae.base.filed import FORMS, Form
+from surae.base.file_form import FORMS, Form
 from surae.base.formatting import nearest
 from surae.base.frozen import FrozenDict, read_only
 from surae.base.packed import brief, decode, encode, finite, real

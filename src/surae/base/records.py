@@ -2,8 +2,8 @@
 
 A file has every field of a record by its name, so a new field with a default needs nothing here,
 and files without it are still read. Where a file has another name for a field, or not all of them,
-the record says so itself (`surae.base.filed`). What is read is of the declared types, or refused in
-one line that names the field.
+the record says so itself (`surae.base.file_form`). What is read is of the declared types, or
+refused in one line that names the field.
 """
 
 import json
@@ -15,7 +15,7 @@ from typing import Annotated, Any, TypeVar
 from surae._version import __version__
 from surae.base.converter import converter
 from surae.base.errors import InputError
-from surae.base.filed import FORMS, Form
+from surae.base.file_form import FORMS, Form
 from surae.base.files import PathLike, read_bytes, shown, write_json
 from surae.base.packed import brief
 from surae.base.units import FloatArray

@@ -12,7 +12,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.records import OrNaN
 from surae.base.units import FloatArray
 from surae.inference import FitResult

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from surae._version import __version__
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.formatting import chance
 from surae.base.frozen import Comparable
 from surae.base.threads import one_blas_thread

@@ -10,9 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.inference.evidence import Subset, subsets, with_likely
-from surae.inference.family import FIRST_HZ, RATE_HZ, Family
-from surae.inference.learning import (
+from surae.inference.empirical_bayes import (
     BEGIN,
     NEARLY_NONE,
     Reached,
@@ -21,6 +19,8 @@ from surae.inference.learning import (
     learnt_noise,
     rested,
 )
+from surae.inference.evidence import Subset, subsets, with_likely
+from surae.inference.family import FIRST_HZ, RATE_HZ, Family
 from surae.inference.look_back import followed, kept
 from surae.inference.noise import NoiseModel
 from surae.inference.posterior import LogPosterior, Point

@@ -14,9 +14,9 @@ from surae.inference.coordinates import is_straight
 from surae.inference.film import names_of_film
 from surae.inference.fit import fit_problem
 from surae.inference.latent import Latents
+from surae.inference.linearised import REST, Observed
 from surae.inference.noise import NoiseModel
-from surae.inference.observed import REST, Observed
-from surae.inference.population import WIDENED, wide_priors
+from surae.inference.population_priors import WIDENED, wide_priors
 from surae.inference.posterior import LogPosterior
 from surae.inference.problem import MASSES, FitProblem
 from surae.inference.result import TENDONS, FitResult

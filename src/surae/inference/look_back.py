@@ -10,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from surae.base.units import FloatArray
+from surae.inference.empirical_bayes import Reached
 from surae.inference.family import RATE_HZ, Family
-from surae.inference.learning import Reached
-from surae.inference.observed import measured
+from surae.inference.linearised import measured
 from surae.inference.residuals import simulators
 from surae.signals import ModelInputs
 

@@ -7,7 +7,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.formatting import in_a_line
 from surae.base.words import Message
 from surae.inference.uncertainty.covariance import Covariance

@@ -23,8 +23,8 @@ from surae.inference.descent import FAR, Secant, shorter
 from surae.inference.evidence import LaplaceApproximation
 from surae.inference.latent import Latents
 from surae.inference.least_squares import box_quadratic, eased, predicted_gain
+from surae.inference.linearised import REST, Observed, SensorRows
 from surae.inference.noise import NoiseModel
-from surae.inference.observed import REST, Observed, SensorRows
 from surae.inference.problem import FitProblem
 from surae.model.sources import Gaussian
 

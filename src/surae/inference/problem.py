@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.units import FloatArray
-from surae.inference.population import checked_prior, population_priors
+from surae.inference.population_priors import checked_prior, population_priors
 from surae.model import (
     ModelOptions,
     ModelSpec,

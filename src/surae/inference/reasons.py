@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.frozen import FrozenDict
 from surae.base.words import Message, english
 

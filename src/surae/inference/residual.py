@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.frozen import Comparable
 from surae.base.normal import NORMAL
 from surae.base.units import FloatArray

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.frozen import Comparable, FrozenDict
 from surae.base.records import OrInfinite
 from surae.base.units import FloatArray

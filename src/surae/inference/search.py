@@ -3,7 +3,7 @@
 1. Values without departures, from thinned data (`surae.inference.valleys`).
 2. The choice of departures, their sizes and that of the latents learnt (`departures`).
 3. Where latents took what parameters can follow, the choice again without them (`look_back`).
-4. What makes the mode unsure, source by source (`laplace`, `summed`).
+4. What makes the mode unsure, source by source (`laplace`, `at_mode`).
 """
 
 import time
@@ -14,15 +14,15 @@ from surae.base.frozen import FrozenDict
 from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
 from surae.base.words import Message
+from surae.inference.at_mode import summed
 from surae.inference.departures import Chosen, choose
+from surae.inference.empirical_bayes import NEARLY_NONE, RESTS, Reached
 from surae.inference.family import RATE_HZ, Family
 from surae.inference.interrupt import postponed_interrupt
-from surae.inference.learning import NEARLY_NONE, RESTS, Reached
 from surae.inference.least_squares import Outcome
 from surae.inference.look_back import LESS, followed, simplest
 from surae.inference.problem import FitProblem
 from surae.inference.result import FitResult, PosteriorMode, Stage
-from surae.inference.summed import summed
 from surae.inference.valleys import first
 from surae.model.laboratory import RIGID
 

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from surae.base.units import FloatArray
+from surae.inference.empirical_bayes import BEGIN, NEARLY_NONE, learnt_noise
 from surae.inference.family import FIRST_HZ, Family
-from surae.inference.learning import BEGIN, NEARLY_NONE, learnt_noise
 from surae.inference.least_squares import Outcome
 from surae.inference.noise import NoiseModel
 from surae.inference.posterior import LogPosterior, Point

@@ -28,7 +28,7 @@ from enum import StrEnum
 from typing import Any, TypeVar
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.formatting import NO_NUMBER, of_interval, significant
 from surae.base.frozen import FrozenDict
 from surae.base.normal import Student
@@ -37,7 +37,7 @@ from surae.base.tables import Tabular, TextTable
 from surae.base.words import Message
 from surae.inference.adequacy import Grade
 from surae.inference.parameter import percent
-from surae.measures.quantity import Quantities, Quantity
+from surae.measures.compared import Quantities, Quantity
 from surae.measures.table import LEADING
 
 #: By how much sessions of one leg differ beyond their covariance: 1.05 on average over all measures

@@ -7,7 +7,7 @@ from typing import Any
 
 from surae._version import __version__
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.files import PathLike, csv_row, shown, write_atomic, write_json
 from surae.base.formatting import in_a_line, of_interval
 from surae.base.frozen import FrozenDict

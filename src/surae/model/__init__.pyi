@@ -7,6 +7,7 @@ from surae.model.joint import read_joint as read_joint
 from surae.model.options import ModelOptions as ModelOptions
 from surae.model.parameter import Parameter as Parameter
 from surae.model.parameter import adapted as adapted
+from surae.model.recorded_model import Simulator as Simulator
 from surae.model.registry import MODELS as MODELS
 from surae.model.registry import ModelSpec as ModelSpec
 from surae.model.registry import check_names as check_names
@@ -17,4 +18,3 @@ from surae.model.simulator import TendonLaw as TendonLaw
 from surae.model.simulator import TendonState as TendonState
 from surae.model.simulator import TorqueParts as TorqueParts
 from surae.model.simulator import check_finite_torque as check_finite_torque
-from surae.model.tied import Simulator as Simulator

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 
 if TYPE_CHECKING:  # help reads options, which need no NumPy
     from scipy.interpolate import CubicSpline, RectBivariateSpline

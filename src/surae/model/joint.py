@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.files import PathLike, shown
 from surae.base.frozen import FrozenDict
 

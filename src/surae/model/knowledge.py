@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.formatting import nearest
 from surae.base.frozen import FrozenDict
 from surae.base.names import GEOMETRY_OF

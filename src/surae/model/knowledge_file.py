@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.files import PathLike, shown
 from surae.base.formatting import nearest
 from surae.base.frozen import FrozenDict
@@ -20,7 +20,7 @@ from surae.recording import Recording
 from surae.recording.described import ALONE, EFFORTS, EMPTY
 from surae.recording.reading import read
 from surae.signals import Preparation, prepare
-from surae.signals.alone import crosstalk
+from surae.signals.selective import crosstalk
 
 #: The file in a session's folder, and what it calls a plate that was taken away before.
 SESSION_TOML, TARED = "session.toml", "tared"

@@ -9,8 +9,8 @@ from surae.model.activation import ActiveState
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
 from surae.model.parameters import MUSCLE_PARAMETERS
+from surae.model.recorded_model import Simulator, Sums
 from surae.model.rigid import exponentials, rigid_forces, rigid_torque
-from surae.model.tied import Simulator, Sums
 from surae.signals import ModelInputs
 
 _NAMES = tuple(p.name for p in MUSCLE_PARAMETERS)

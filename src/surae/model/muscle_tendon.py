@@ -16,10 +16,10 @@ from surae.model.movement import MusclePath
 from surae.model.muscle import GROUP_COLUMNS
 from surae.model.options import ModelOptions
 from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
+from surae.model.recorded_model import Simulator, Sums
 from surae.model.rigid import K_REL, TAU
 from surae.model.simulator import TendonLaw, TendonState
 from surae.model.tendon import tendon_curve
-from surae.model.tied import Simulator, Sums
 from surae.signals import ModelInputs
 
 _OWN = MUSCLE_PARAMETERS + TENDON_PARAMETERS

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.formatting import nearest
 from surae.base.names import CHOICES
 from surae.base.setting import Request, documented, setting

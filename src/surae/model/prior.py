@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.base.filed import filed
+from surae.base.file_form import filed
 
 #: Below this part of its median a parameter's prior no longer changes: its logarithm would not end.
 _SMALLEST = 1e-6

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.files import PathLike, shown
 from surae.base.formatting import named
 from surae.base.plugins import Extended, plugins

@@ -10,7 +10,7 @@ from typing import Literal
 import tomli_w
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.files import shown
 from surae.base.frozen import FrozenDict
 from surae.base.packed import brief

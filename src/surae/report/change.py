@@ -7,12 +7,12 @@ from surae.base.formatting import NO_NUMBER
 from surae.base.words import JUDGEMENTS
 from surae.inference import AssessedFit, Grade
 from surae.measures.change import Change, ChangeVerdict, Difference
-from surae.measures.measured import torque_curve
+from surae.measures.torque_curve import torque_curve
 from surae.report import block
-from surae.report.cards import change_card, differing, light, reason_of, sides
 from surae.report.figures.leg import visits_figure
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import compared, visit_angle
+from surae.report.leg_cards import change_card, differing, light, reason_of, sides
 from surae.report.output import Report
 
 

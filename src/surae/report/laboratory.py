@@ -5,7 +5,7 @@ import numpy as np
 from surae.base.formatting import NO_NUMBER, estimate, significant
 from surae.inference import AssessedFit, FitResult, ParameterEstimate
 from surae.inference.adequacy import Grade
-from surae.inference.each import trial_spread
+from surae.inference.random_effects import trial_spread
 from surae.inference.result import Candidate
 from surae.model import get_model
 from surae.model.laboratory import group_of

@@ -10,9 +10,12 @@ from surae.base.plugins import plugins
 from surae.inference import AssessedFit
 from surae.measures import Measures, measures
 from surae.measures.change import Change, compare_sessions
+from surae.measures.compared import Quantities, common_end, quantities
 from surae.measures.compute import ANGLES
 from surae.measures.leg import measured_range
-from surae.measures.measured import (
+from surae.measures.norms import Norm, read_norms
+from surae.measures.table import LEADING
+from surae.measures.torque_curve import (
     HeldPoint,
     MeasuredSlope,
     Stretch,
@@ -22,11 +25,8 @@ from surae.measures.measured import (
     torque_curve,
     weight_torque,
 )
-from surae.measures.norms import Norm, read_norms
-from surae.measures.quantity import Quantities, common_end, quantities
-from surae.measures.table import LEADING
 from surae.model.joint import ANKLE
-from surae.report import block, cards
+from surae.report import block, leg_cards
 from surae.report.figures import Figure
 from surae.report.figures.leg import shares_bar, stiffness_figure
 from surae.report.language import Words
@@ -65,7 +65,7 @@ def leg_answers(
         angles = {at, *ANGLES, *(_point(norm) for norm in known)}
         of_fit = measures(joint, sorted(angles))
     m = None if of_fit is None else of_fit[LEADING[0]]
-    believed = m is not None and cards.is_known(m) and not cards.PASSIVE & set(contradicted)
+    believed = m is not None and leg_cards.is_known(m) and not leg_cards.PASSIVE & set(contradicted)
     model = torque_curve(joint) if joint is not None and believed else None
     if joint is not None and model is not None:  # what was measured, as the curve and norms are
         holds, stretches = _weightless(joint, holds, stretches)
@@ -75,12 +75,12 @@ def leg_answers(
     slope = measured_slope(holds, stretches, at)
     follows = model is None or _follows(model, holds, slope)
     if m is not None and of_fit is not None and model is not None and follows:
-        stiff = cards.modelled_stiffness(m, of_fit, known, slope, _)
+        stiff = leg_cards.modelled_stiffness(m, of_fit, known, slope, _)
     else:
-        stiff = cards.measured_stiffness(slope, None if follows else m, _,
+        stiff = leg_cards.measured_stiffness(slope, None if follows else m, _,
                                          without_weight=model is not None)  # fmt: skip
-    parts = [] if of_fit is None else cards.parts_of(of_fit)
-    made, change = cards.made_of(joint, of_fit, parts, _), None
+    parts = [] if of_fit is None else leg_cards.parts_of(of_fit)
+    made, change = leg_cards.made_of(joint, of_fit, parts, _), None
     if joint is not None and before is not None:
         change = compared(before, joint)
     figures: dict[str, Figure] = {}
@@ -92,7 +92,7 @@ def leg_answers(
         figures["stiffness"] = stiffness_figure(holds, stretches, model, healthy, own, _)
     if any(each.kind == "picture" for each in made):
         figures["made"] = shares_bar([(_(name), value, ci) for name, value, ci in parts])
-    picture = cards.stiffness_picture(len(holds), len(stretches), zero, _,
+    picture = leg_cards.stiffness_picture(len(holds), len(stretches), zero, _,
                                       without_weight=model is not None)  # fmt: skip
     nerves, nerve_card = [], plugins("cards", FunctionType).get("nerve")
     if nerve is not None and nerve_card is not None:
@@ -102,9 +102,9 @@ def leg_answers(
     sections = (
         (_("How stiff is it?"), (*stiff, picture), "stiff"),
         (_("Tissue, muscle or tendon?"), made, "made"),
-        (_("Did it change?"), cards.change_card(change, _), "change"),
-        (_("Can I trust it?"), (*cards.trust(joint, contradicted, follows=follows, _=_),
-                                *cards.next_trial(joint, holds, stretches, _)), "trust"),
+        (_("Did it change?"), leg_cards.change_card(change, _), "change"),
+        (_("Can I trust it?"), (*leg_cards.trust(joint, contradicted, follows=follows, _=_),
+                                *leg_cards.next_trial(joint, holds, stretches, _)), "trust"),
         *nerves,
     )  # fmt: skip
     return LegAnswers(
@@ -117,7 +117,7 @@ def first_answer(trials: Sequence[Trial], _: Words) -> str:
     held = measured_slope(_measured(trials, {})[0], (), AT)
     if held is None:
         return ""
-    return _("Measured slope of the relaxed ankle: {slope}.", slope=cards.slope_text(held, _))
+    return _("Measured slope of the relaxed ankle: {slope}.", slope=leg_cards.slope_text(held, _))
 
 
 def compared(
@@ -135,7 +135,7 @@ def compared(
 
 def fixed_quantities(fit: AssessedFit, end: float) -> Quantities:
     """What visits are compared in, over the range up to `end` [deg]: few looks find more."""
-    return quantities(fit, ANGLES[:1], end, cards.COMPARED)
+    return quantities(fit, ANGLES[:1], end, leg_cards.COMPARED)
 
 
 def visit_angle(fit: AssessedFit | None) -> float:

@@ -10,7 +10,6 @@ from surae.measures import Measure, Measures
 from surae.model.joint import ANKLE
 from surae.report import block, trials
 from surae.report.budget import budget_of, budget_section
-from surae.report.cards import is_known, titled
 from surae.report.figures import Figure
 from surae.report.figures.holds import are_holds, holds_figure, holds_section
 from surae.report.figures.research import budget_figure
@@ -20,6 +19,7 @@ from surae.report.figures.trials import trials_figure
 from surae.report.laboratory import known_section
 from surae.report.language import MEASURES, Words, words_in
 from surae.report.leg import LegAnswers, leg_answers
+from surae.report.leg_cards import is_known, titled
 from surae.report.output import Report
 from surae.report.parameters import parameters_section
 from surae.report.recordings import film_block

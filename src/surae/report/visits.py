@@ -9,14 +9,14 @@ from surae.base.formatting import significant
 from surae.base.normal import NORMAL
 from surae.inference import AssessedFit
 from surae.measures.change import compare_sessions
-from surae.measures.quantity import common_end
+from surae.measures.compared import common_end
 from surae.measures.table import LEADING
 from surae.report import block
-from surae.report.cards import change_card, over
 from surae.report.figures import Figure
 from surae.report.figures.leg import over_time_figure
 from surae.report.language import words_in
 from surae.report.leg import fixed_quantities
+from surae.report.leg_cards import change_card, over
 from surae.report.output import Report
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.files import shown
 from surae.base.frozen import Comparable, FrozenDict, as_read_only
 from surae.base.units import FloatArray

@@ -14,7 +14,7 @@ from string import digits
 import numpy as np
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.records import FileName
 from surae.inference.diagnosis import STILL
 from surae.quality.numeric import quantile, smooth
@@ -24,7 +24,7 @@ from surae.quality.trial import Signals, signals_of
 from surae.recording import MUSCLES, Recording
 from surae.recording.described import ALONE, EFFORTS, EMPTY, TrialDescription
 from surae.recording.roles import words_of
-from surae.signals.alone import one_at_a_time
+from surae.signals.selective import one_at_a_time
 
 __all__ = ["EFFORTS", "Hold", "Reading", "Trial", "sorted_trials"]
 

@@ -17,7 +17,7 @@ from surae.model.parameters import (
     OPTIONAL_PARAMETERS,
     TENDON_PARAMETERS,
 )
-from surae.model.tied import Sums
+from surae.model.recorded_model import Sums
 from surae.signals import ModelInputs
 from surae_thesis.euler import explicit_states
 

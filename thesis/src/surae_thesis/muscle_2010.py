@@ -34,7 +34,7 @@ from surae.model.geometry import paths
 from surae.model.jit import jit
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
-from surae.model.tied import Simulator, Sums
+from surae.model.recorded_model import Simulator, Sums
 from surae.signals import ModelInputs
 from surae.signals.filters import HIGHEST_CUTOFF, zero_phase
 from surae_thesis.model_2010 import PARAMETERS_2010

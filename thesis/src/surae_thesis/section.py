@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import Any
 
 from surae import InputError, __version__
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.files import csv_row, read_bytes, require_writable, shown, write_atomic, write_json
 from surae.base.records import from_plain, to_plain
 from surae_thesis.claims import CAUSES, VERDICTS, JudgedClaim

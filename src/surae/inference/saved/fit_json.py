@@ -14,7 +14,7 @@ import numpy as np
 
 from surae._version import __version__
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.files import PathLike, sha256, shown, write_json
 from surae.base.frozen import FrozenDict
 from surae.base.packed import bound_arrays, encode

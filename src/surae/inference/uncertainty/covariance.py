@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.frozen import Comparable
 from surae.base.records import Listed
 from surae.base.units import FloatArray

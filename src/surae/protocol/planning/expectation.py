@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.formatting import part
 from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.normal import NORMAL

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from surae.base.errors import InputError
-from surae.base.filed import filed
+from surae.base.file_form import filed
 from surae.base.frozen import Comparable, FrozenDict
 from surae.base.normal import NORMAL
 from surae.base.records import to_plain

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from surae.base.units import FloatArray
 from surae.measures.measure import Measure
-from surae.measures.measured import HeldPoint, Stretch, TorqueCurve
 from surae.measures.norms import Norm
+from surae.measures.torque_curve import HeldPoint, Stretch, TorqueCurve
 from surae.report.figures import BLUE, GREY, INK, MUTED, dress, new_figure
 from surae.report.language import Words
 

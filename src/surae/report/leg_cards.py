@@ -9,9 +9,9 @@ from surae.base.formatting import NO_NUMBER, short, significant
 from surae.inference import Adequacy, AssessedFit, Assessment, Grade, Verdict
 from surae.measures import Measure, Measures
 from surae.measures.change import Change, ChangeVerdict, Difference
-from surae.measures.measured import HeldPoint, MeasuredSlope, Stretch
 from surae.measures.norms import Norm, placed
 from surae.measures.table import LEADING
+from surae.measures.torque_curve import HeldPoint, MeasuredSlope, Stretch
 from surae.model.sources import SOURCES
 from surae.report import block
 from surae.report.language import PARTS, Words

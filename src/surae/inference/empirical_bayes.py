@@ -11,8 +11,8 @@ from surae.inference.banded import solve_band_transposed
 from surae.inference.evidence import root
 from surae.inference.film import noise_of_film
 from surae.inference.latent import SOURCES, Latents
+from surae.inference.linearised import SensorRows, measured
 from surae.inference.noise import NoiseModel, level_above, noise_behind
-from surae.inference.observed import SensorRows, measured
 from surae.inference.posterior import MOST, Block, LogPosterior, Point
 from surae.signals import ModelInputs
 
