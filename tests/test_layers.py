@@ -193,7 +193,7 @@ def test_what_a_stub_lists_is_there(package) -> None:
 PUBLIC_MODULES = (
     "_lazy",
     "base.errors",
-    "base.filed",
+    "base.file_form",
     "base.files",
     "base.records",
     "base.units",
