@@ -144,13 +144,13 @@ class ConditionalPosterior:
         if self._stopped():
             raise KeyboardInterrupt
         observed = self._posterior.observed
-        before = observed.simulated
+        before = observed.calls[0]
         try:
             return self._minimum(find())
         except FloatingPointError:
             return None
         finally:
-            self.evaluations += observed.simulated - before
+            self.evaluations += observed.calls[0] - before
 
     def _minimum(self, mode: Point) -> ConditionalMinimum:
         x = self._posterior.values(mode.z)[self._posterior.problem.columns]

@@ -14,7 +14,7 @@ from surae.inference.coordinates import is_straight
 from surae.inference.film import names_of_film
 from surae.inference.fit import fit_problem
 from surae.inference.latent import Latents
-from surae.inference.linearised import REST, Observed
+from surae.inference.linearised import REST
 from surae.inference.noise import NoiseModel
 from surae.inference.population_priors import WIDENED, wide_priors
 from surae.inference.posterior import LogPosterior
@@ -69,7 +69,8 @@ class Family:
         self.is_still = self.is_perfect  #: Whether nothing is to differ from moment to moment.
         self.known = settings.known  #: Groups that are in without being asked for.
         self._thinned: dict[float, tuple[ModelInputs, ...]] = {}
-        self._observed: list[Observed] = []  #: What has been simulated so far.
+        #: What each posterior counted so far, and no more of it: its rows are large.
+        self._calls: list[list[int]] = []
         if problem.has_unheard:  # what such muscles do would pass for noise of the others' EMG
             self._forget_noise()
 
@@ -86,12 +87,12 @@ class Family:
     @property
     def evaluations(self) -> int:
         """Simulations with derivatives so far, of all recordings together."""
-        return sum(observed.simulated for observed in self._observed) // len(self.inputs)
+        return sum(simulated for simulated, _ in self._calls) // len(self.inputs)
 
     @property
     def capped(self) -> int:
         """Descents so far that ended at a cap."""
-        return sum(observed.calls[1] for observed in self._observed)
+        return sum(capped for _, capped in self._calls)
 
     def possible(self, groups: Sequence[str]) -> tuple[str, ...]:
         """Those of the groups of which something is not ruled out."""
@@ -155,7 +156,7 @@ class Family:
         made = LogPosterior(
             problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz, rest=rest
         )
-        self._observed.append(made.observed)
+        self._calls.append(made.observed.calls)
         return made
 
     def like(self, of: LogPosterior, groups: Sequence[str]) -> LogPosterior:

@@ -117,11 +117,6 @@ class Observed:
         self._seen = [deque[tuple[bytes, _Seen]](maxlen=_KEPT) for _ in self._inputs]
         self.anew()
 
-    @property
-    def simulated(self) -> int:
-        """How many recordings were simulated with derivatives so far."""
-        return self.calls[0]
-
     def anew(self) -> None:
         """Begin a descent: what latents add is that of its first point from now on."""
         self._added = [None for _ in self._inputs]
