@@ -85,7 +85,6 @@ def test_a_richer_leg_is_found_with_its_laboratory(whole, fitted):
 def test_it_says_how_it_was_found(fitted):
     fast, slow = fitted.found.starts
     assert (fast.initial["tau_rel"], slow.initial["tau_rel"]) == pytest.approx((0.4, 4.0))
-    assert fast.values.keys() == slow.values.keys()  # of one valley or of two
     assert min(fast.iterations, slow.iterations) > 5
     assert 1 <= fitted.found.agreeing <= 2
     assert {start.outcome for start in fitted.found.starts} <= {"converged", "iteration limit"}

@@ -313,12 +313,10 @@ def expect(
     """
     trajectory = as_trajectory(protocol)
     if perturbing(trajectory.angle, trajectory.settings.rate_hz):
-        name = trajectory.settings.profile
-        made = name if name in TELLING else "prbs, pralds or multisine, whichever it is,"
+        made = n if (n := trajectory.settings.profile) in TELLING else "prbs, pralds or multisine"
         raise InputError(
-            f"{name}: small random perturbations do not show what a model of muscles needs; surae "
-            f"protocol {made} says what surae impedance will find"
-        )
+            f"{n}: small random perturbations do not show what a model of muscles needs; surae "
+            f"protocol {made} says what surae impedance will find")  # fmt: skip
     settings, options = parted(ExpectSettings, {"model": model, **keywords})
     rate_hz = trajectory.settings.rate_hz
     who, level = requested_legs(settings, fit, settings.legs, options, rate_hz)

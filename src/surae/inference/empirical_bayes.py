@@ -60,14 +60,8 @@ def learnt(
             sizes = {source: min(told[source], _MOST[source]) for source in SOURCES}
         noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
         post = post.having(noise=noise, sizes=sizes, latents=latents)
-        moved = post.descend(
-            point.z,
-            point.c,
-            point.w,
-            evaluations=evaluations,
-            tolerance=tolerance,
-            damping=point.damping,
-        )
+        moved = post.descend(point.z, point.c, point.w, tolerance=tolerance,
+                             evaluations=evaluations, damping=point.damping)  # fmt: skip
         sd = np.sqrt(np.diag(post.covariance(moved)))
         if np.all(np.abs(moved.z - point.z) < _AT_REST * sd):
             return post, moved
