@@ -24,7 +24,6 @@ import surae
 from surae.measures import measures_of_values
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
-from surae_cohort.runner import Engine
 
 GROUPS = ("healthy", "patient")
 FULL = Protocol(
@@ -87,7 +86,7 @@ def main() -> None:
             alone = time.perf_counter() - begin
             print(f"{given.legs} legs fitted alone in {alone:.0f} s", flush=True)
             begin, before = time.perf_counter(), sum(os.times()[:4])
-            told = surae.cohort(table, refit=True, engine=Engine("processes", given.workers))
+            told = surae.cohort(table, refit=True, workers=given.workers)
             seconds, work = time.perf_counter() - begin, sum(os.times()[:4]) - before
         memory = [
             resource.getrusage(who).ru_maxrss / 1024

@@ -40,7 +40,7 @@ def test_all_settings_reach_the_protocol(run, tmp_path) -> None:
             task="active",
             chirp_amplitude=0.1,
             chirp_rate=0.3,
-            range_of_motion=(-0.7, 0.4),
+            angle_range=(-0.7, 0.4),
             duration=20.0,
             rate_hz=128.0,
         )

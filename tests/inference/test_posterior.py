@@ -63,8 +63,8 @@ def test_inflated_noise_widens_posterior_and_covariance_alike(one):
 
 @pytest.mark.slow
 def test_a_whole_fit_is_the_same_on_any_number_of_cores(fitted, tmp_path):
-    first = sample(fitted, cores=1, **FEW)
-    again = sample(fitted, cores=2, **FEW)
+    first = sample(fitted, workers=1, **FEW)
+    again = sample(fitted, workers=2, **FEW)
     assert np.array_equal(first.draws, again.draws)
     assert first.draws.shape == (250, 15)
     assert first.status == "reliable", first.message

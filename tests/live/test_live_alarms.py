@@ -21,7 +21,7 @@ def made(leg=1, profile="multiple-holds", task="active", seconds=20.0):
     """A trial as it is measured after some rest: request, and signals of shape (n, 6)."""
     settings = Protocol(
         profile=profile, task=task, duration=seconds, rate_hz=RATE, device=DEVICE,
-        range_of_motion=SPAN,
+        angle_range=SPAN,
     )  # fmt: skip
     asked, who = generate(settings), virtual_subject(leg)
     channels = virtual_recording(

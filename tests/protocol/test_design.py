@@ -148,9 +148,9 @@ def test_what_a_device_cannot_do_is_said_with_what_to_give_up() -> None:
         surae.design(20.0, device=weak, **QUICK)
     with pytest.raises(InputError, match="choose a stronger device"):
         surae.design(20.0, device=Device("toy", max_torque=1.0), **QUICK)
-    short = Device("short", max_velocity=1.0, range_of_motion=(-0.5, 0.3))
+    short = Device("short", max_velocity=1.0, angle_range=(-0.5, 0.3))
     with pytest.raises(InputError, match=r"short reaches -0.5 … 0.3 rad.*--range -0.5:0.3"):
-        surae.design(20.0, device=short, range=(-0.9, 0.6), **QUICK)
+        surae.design(20.0, device=short, angle_range=(-0.9, 0.6), **QUICK)
     slow = Device("slow", max_velocity=0.01)
     made = surae.design(20.0, device=slow, **QUICK)
     assert any("% of the range is used" in note for note in made.notes)
@@ -168,7 +168,7 @@ def test_a_search_goes_on_from_a_ready_protocol() -> None:
 
 def test_effort_is_lowered_to_the_torque_of_the_device() -> None:
     mild = Device("mild", max_velocity=1.5, max_torque=30.0)
-    made = surae.design(20.0, device=mild, range=(-0.7, 0.2), **QUICK)
+    made = surae.design(20.0, device=mild, angle_range=(-0.7, 0.2), **QUICK)
     assert max(map(abs, made.expectation.torque)) <= 30.0
     assert made.expectation.load == load_of(made.trajectory)  # one number, whoever asks
     assert any("Efforts are lowered" in note for note in made.notes)
@@ -185,15 +185,15 @@ def test_a_design_without_effort_asks_for_none() -> None:
 
 
 def test_a_range_nobody_gave_is_the_device_s_and_patients_are_asked_for_it() -> None:
-    short = Device("short", max_velocity=1.0, range_of_motion=(-0.5, 0.8))
+    short = Device("short", max_velocity=1.0, angle_range=(-0.5, 0.8))
     made = surae.design(15.0, device=short, **{**QUICK, "evaluations": 1})
-    assert made.trajectory.settings.range_of_motion == pytest.approx((-0.5, 0.6))
+    assert made.trajectory.settings.angle_range == pytest.approx((-0.5, 0.6))
     with pytest.raises(InputError, match="a patient's range"):
         surae.design(15.0, population="patient", **QUICK)
 
 
 def test_patients_have_a_range_of_their_own() -> None:
-    made = surae.design(20.0, range=(-0.5, 0.1), population="patient", **QUICK)
+    made = surae.design(20.0, angle_range=(-0.5, 0.1), population="patient", **QUICK)
     assert made.trajectory.angle.min() >= -0.5
     assert made.trajectory.angle.max() <= 0.1
 
@@ -201,7 +201,8 @@ def test_patients_have_a_range_of_their_own() -> None:
 @pytest.mark.parametrize(
     "change",
     [
-        {"duration": 1.0}, {"duration": 5000.0}, {"range": (0.5, 0.4)}, {"range": (-0.02, 0.02)},
+        {"duration": 1.0}, {"duration": 5000.0}, {"angle_range": (0.5, 0.4)},
+        {"angle_range": (-0.02, 0.02)},
         {"effort": "much"}, {"aim": "nothing"}, {"aim": "passive_stiffness@xdeg"},
         {"device": "other"}, {"device": "missing.toml"}, {"rate_hz": 1.0}, {"evaluations": 0},
     ],
@@ -219,8 +220,8 @@ def test_devices_are_data(tmp_path) -> None:
     )
     mine = read_device(tmp_path / "d.toml")
     assert (mine.name, mine.max_velocity, mine.max_torque) == ("mine", 2.0, 50.0)
-    assert mine.range_of_motion == (-0.7, 0.4)
-    made = surae.design(15.0, device=tmp_path / "d.toml", range=(-0.7, 0.4), **QUICK)
+    assert mine.angle_range == (-0.7, 0.4)
+    made = surae.design(15.0, device=tmp_path / "d.toml", angle_range=(-0.7, 0.4), **QUICK)
     assert made.device == mine
 
 
@@ -246,7 +247,7 @@ def test_a_trajectory_of_no_device_is_not_exported_either(tmp_path) -> None:
     from surae.protocol import write_protocol
 
     still = np.zeros(20)
-    settings = Given(profile="x", task="passive", range_of_motion=(-0.1, 0.1), rate_hz=10.0)
+    settings = Given(profile="x", task="passive", angle_range=(-0.1, 0.1), rate_hz=10.0)
     trial = Trajectory(settings, np.arange(20) / 10.0, still, still, still, np.zeros((20, 4)))
     with pytest.raises(InputError, match="no device"):
         write_protocol(trial, tmp_path / "p.csv")

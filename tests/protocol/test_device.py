@@ -51,7 +51,7 @@ def test_limits_hold_after_adaptation(name, amplitude, rate, velocity, accelerat
     assert 0.0 < trajectory.adaptation.span <= 1.0 + 1e-9
 
 
-SHORT = Device("short", range_of_motion=(-0.5, 0.3))
+SHORT = Device("short", angle_range=(-0.5, 0.3))
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ SHORT = Device("short", range_of_motion=(-0.5, 0.3))
         (ACHILLES, (-1.2, 0.1), (-1.2, 0.1)),
         (SHORT, None, (-0.5, 0.3)),
         (SHORT, (-0.4, 0.2), (-0.4, 0.2)),
-        (Device("up", range_of_motion=(0.7, 0.9)), None, (0.7, 0.9)),
+        (Device("up", angle_range=(0.7, 0.9)), None, (0.7, 0.9)),
     ],
 )
 def test_the_range_is_what_was_asked_for_or_what_the_device_reaches(device, asked, allowed):
@@ -74,7 +74,7 @@ def test_a_range_beyond_the_device_s_is_refused(asked):
     with pytest.raises(InputError, match=r"reaches|must be below"):
         allowed_range(SHORT, asked)
     with pytest.raises(InputError, match=r"reaches|must be below"):
-        Protocol(profile="sine", range_of_motion=asked, device=SHORT)
+        Protocol(profile="sine", angle_range=asked, device=SHORT)
 
 
 @EVERY

@@ -31,13 +31,13 @@ def noisy(trajectory, seed, noise=0.5):
 def weak():
     """A fit of a short trial that tells little of the tibialis' tissue."""
     settings = Protocol(profile="multiple-holds", duration=35.0, device=DEVICE,
-                        chirp_amplitude=0.1, rate_hz=64.0, range_of_motion=(-0.7, 0.5))  # fmt: skip
+                        chirp_amplitude=0.1, rate_hz=64.0, angle_range=(-0.7, 0.5))  # fmt: skip
     motion = generate(settings)
     return fit_inputs([noisy(motion, 4, 2.0)], surae.FitSettings("muscle", starts=1))
 
 
 def test_the_answer_is_a_trial_that_helps(weak, tmp_path) -> None:
-    answer = surae.measure_next(weak, range=(-0.9, 0.6))
+    answer = surae.measure_next(weak, angle_range=(-0.9, 0.6))
     unsure = [n for n, p in weak.parameters.items() if p.verdict != "identified"]
     assert unsure
     assert set(answer.gains) == set(unsure)
@@ -61,7 +61,7 @@ def test_the_information_of_a_fit_is_its_covariance(weak) -> None:
 
 
 def test_more_trials_never_make_it_worse_and_counts_are_kept(weak) -> None:
-    answer = surae.measure_next(weak, range=(-0.9, 0.6))
+    answer = surae.measure_next(weak, angle_range=(-0.9, 0.6))
     for name, times in answer.repetitions.items():
         before, after = answer.gains[name]
         assert after <= before * (1 + 1e-9)

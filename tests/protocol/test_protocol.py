@@ -23,7 +23,7 @@ AMPLITUDE = pytest.mark.parametrize("amplitude", [0.0, 0.2])
 def test_never_leaves_the_range_of_motion_and_spans_it(name, amplitude, rate, low, rom):
     protocol = Protocol(
         profile=name, chirp_amplitude=amplitude, chirp_rate=rate,
-        range_of_motion=(low, low + rom), rate_hz=2000.0,
+        angle_range=(low, low + rom), rate_hz=2000.0,
     )  # fmt: skip
     angle = generate(protocol).angle
     assert angle.min() >= low - 1e-9
@@ -97,7 +97,7 @@ def test_another_duration_plays_the_profile_slower():
         ({"chirp_amplitude": float("nan")}, "chirp amplitude nan rad"),
         ({"chirp_rate": 0.0}, "chirp rate 0 Hz/s: use more than 0"),
         ({"chirp_rate": 5.0}, r"ends at 175 Hz, .* use a rate above 350 Hz"),
-        ({"range_of_motion": (0.6, -0.9)}, "full plantarflexion must be below dorsiflexion"),
+        ({"angle_range": (0.6, -0.9)}, "full plantarflexion must be below dorsiflexion"),
         ({"duration": -1.0}, "duration -1 s"),
         ({"duration": 10.0}, r"passive to 11 s, the whole of 10 s; use a longer duration"),
         ({"rate_hz": 0.0}, "rate 0 Hz"),

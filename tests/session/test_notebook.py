@@ -244,7 +244,7 @@ def test_everything_that_is_given_back_says_in_a_few_lines_what_it_is(fit, trial
         surae.prepare(trial, prepared=True), fit.predict(trial), surae.export(fit, to="osim"),
         surae.profile(fit, ["m"], workers=1), surae.posterior(fit, draws=20, evaluations=600),
         surae.expect("sine", "muscle", legs=3), surae.change(fit, leg_again(fit)),
-        surae.design(20.0, evaluations=5), surae.measure_next(fit, range=(-0.9, 0.6)),
+        surae.design(20.0, evaluations=5), surae.measure_next(fit, angle_range=(-0.9, 0.6)),
     ]  # fmt: skip
     for answer in answers:
         text = repr(answer)

@@ -67,7 +67,7 @@ def test_there_are_fourteen_at_most(subjects):
 def test_every_leg_is_richer_than_the_models():
     many = [member for seed in range(20) for member in make_cohort(seed)]
     for member in many:
-        low, high = member.range_of_motion
+        low, high = member.angle_range
         assert -0.95 <= low <= -0.80
         assert 0.45 <= high <= 0.60
         assert member.subject.tendons.keys() == {"dlt_tri", "dlt_tib", "pt_tri", "pt_tib"}

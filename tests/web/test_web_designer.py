@@ -80,7 +80,7 @@ def test_nothing_is_exported_beyond_limits_or_without_a_device_but_for_a_reason(
         given = browser.post("/api/protocols/csv", json=body | {"reason": "a simulation"})
         assert given.content.startswith(b"# without limits: a simulation\n")
     gentle = {**SETTINGS, "profile": "sine", "task": "passive", "chirp_amplitude": 0.0,
-              "range_of_motion": [-0.6, 0.2], "device": "achilles"}  # fmt: skip
+              "angle_range": [-0.6, 0.2], "device": "achilles"}  # fmt: skip
     allowed = browser.post("/api/protocols/csv", json={"settings": gentle})
     assert allowed.status_code == 200
     assert allowed.content.startswith(b"time_s")
@@ -91,7 +91,7 @@ def test_nothing_is_exported_beyond_limits_or_without_a_device_but_for_a_reason(
     [
         {"profile": "other"},
         {"device": "other"},
-        {"range_of_motion": [0.5, 0.4]},
+        {"angle_range": [0.5, 0.4]},
         {"chirp_amplitude": 2.0},
         {"duration": 600.0, "rate_hz": 2000.0, "profile": "sine"},
         {"rate_hz": 1e-3},
@@ -117,7 +117,7 @@ def test_a_protocol_of_an_older_project_keeps_its_range(browser, server) -> None
     old = {"name": "old", "settings": {"profile": "sine", "task": "passive", "range": [-0.6, 0.2]}}
     id_ = server.bench.database.add("protocol", old)
     kept = {p["id"]: p["settings"] for p in browser.get("/api/protocols").json()["protocols"]}[id_]
-    assert kept["range_of_motion"] == [-0.6, 0.2]
+    assert kept["angle_range"] == [-0.6, 0.2]
     assert kept["rate_hz"] == Protocol(profile="sine").rate_hz
     assert browser.post("/api/protocols/csv", json={"settings": kept, "reason": "x"}).is_success
     browser.delete(f"/api/protocols/{id_}")
@@ -137,8 +137,8 @@ def test_a_kept_protocol_is_the_command_lines_file(browser, tmp_path) -> None:
 
 
 def test_a_protocol_is_designed_in_the_browser(browser) -> None:
-    asked = {"device": "achilles", "range": [-0.6, 0.3], "rate_hz": 64.0, "durations": [10, 12],
-             "evaluations": 15, "aim": "mean", "population": "healthy"}  # fmt: skip
+    asked = {"device": "achilles", "angle_range": [-0.6, 0.3], "rate_hz": 64.0,
+             "durations": [10, 12], "evaluations": 15, "aim": "mean", "population": "healthy"}  # fmt: skip
     job = browser.job(browser.post("/api/protocols/design", json=asked))
     assert job["state"] == "done", job
     assert "largest error" in job["message"]
@@ -148,7 +148,7 @@ def test_a_protocol_is_designed_in_the_browser(browser) -> None:
     shown = browser.post("/api/protocols/preview", json={"settings": made["settings"]}).json()
     assert shown["seconds"] == 12.0
     assert not any(limit["exceeded"] for limit in shown["limits"])
-    told = surae.design(12.0, range=(-0.6, 0.3), rate_hz=64.0, aim="mean", evaluations=15,
+    told = surae.design(12.0, angle_range=(-0.6, 0.3), rate_hz=64.0, aim="mean", evaluations=15,
                         population="healthy", noise=0.5)  # fmt: skip
     exported = browser.post("/api/protocols/csv", json={"settings": made["settings"]})
     lines = exported.text.splitlines()
@@ -160,7 +160,7 @@ def test_a_protocol_is_designed_in_the_browser(browser) -> None:
 
 @pytest.mark.slow
 def test_a_design_that_is_stopped_keeps_the_best_so_far(browser) -> None:
-    asked = {"device": "achilles", "range": [-0.6, 0.3], "rate_hz": 64.0, "durations": [11.0],
+    asked = {"device": "achilles", "angle_range": [-0.6, 0.3], "rate_hz": 64.0, "durations": [11.0],
              "evaluations": 12000}  # fmt: skip
     job, end = browser.post("/api/protocols/design", json=asked).json(), time.monotonic() + PATIENCE
     while not ((job["progress"] or {}).get("done") or 0) > 0:
@@ -182,7 +182,7 @@ def test_a_plan_that_breaks_the_limits_is_told_and_not_exported(browser) -> None
     plan = {"name": "wild", "seconds": 10.0, "origin": 0.0, "blend": 0.1,
             "ramps": [[1.0, 1.0, 9.0]], "shakes": [], "bursts": []}  # fmt: skip
     settings = {"profile": "designed", "device": "achilles", "plan": plan,
-                "range_of_motion": [-0.9, 0.6], "limits": [-0.9, 0.6, 1e3, 1e3],
+                "angle_range": [-0.9, 0.6], "limits": [-0.9, 0.6, 1e3, 1e3],
                 "rate_hz": 64.0}  # fmt: skip
     shown = browser.post("/api/protocols/preview", json={"settings": settings}).json()
     assert [x for x in shown["limits"] if x["exceeded"] and "velocity" in x["text"]]

@@ -7,7 +7,7 @@ from surae.base.progress import Progress
 from surae.base.setting import takes
 from surae_cohort.members import measured, read_table, refitted
 from surae_cohort.pooled import Cohort, borrowed, pool
-from surae_cohort.runner import Engine
+from surae_cohort.runner import engine_of
 from surae_cohort.settings import CohortSettings
 
 
@@ -15,7 +15,8 @@ from surae_cohort.settings import CohortSettings
 def cohort(
     table: PathLike,
     *,
-    engine: Engine | None = None,
+    workers: int | None = None,
+    dask: str | None = None,
     progress: Progress | None = None,
     **keywords: Any,
 ) -> Cohort:
@@ -27,8 +28,10 @@ def cohort(
         A CSV with the columns ``fit`` (a FIT.json or the folder of a session, from where the table
         is), ``subject``, and as far as there are ``side``, ``group``, ``session``; every other
         column is a clinical scale.
-    engine : Engine, optional
-        Where the work is done; by default in one process.
+    workers : int, optional
+        Processes at a time, by default one.
+    dask : str, optional
+        Address of the scheduler of a Dask cluster to run on instead.
     progress : callable, optional
         Called with legs done and all legs.
     {settings}
@@ -47,7 +50,7 @@ def cohort(
     --------
     >>> surae.cohort("legs.csv").save("cohort.json")
     """
-    settings, where = CohortSettings(**keywords), engine or Engine("threads", 1)
+    settings, where = CohortSettings(**keywords), engine_of(dask, workers if dask else workers or 1)
     rows = read_table(table)
     members = measured(rows, settings.angles, where, progress=progress)
     pooled = pool(members)

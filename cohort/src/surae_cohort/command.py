@@ -7,11 +7,12 @@ from typing import Any
 import click
 
 from surae import api
+from surae.base.threads import cores
 from surae.cli.options import settings_options, workers_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_answer, show_files
-from surae_cohort.options import DASK, engine_of
+from surae_cohort.options import DASK
 from surae_cohort.settings import CohortSettings
 
 
@@ -32,7 +33,6 @@ def command(
     as there are side, group and session; other columns are clinical scales. Every leg counts as
     much as its interval allows; legs left out, and why, are listed.
     """
-    engine = engine_of(dask, workers)
     check_outputs({"--output": output, "--report": report}, [table], spare_fits=True)
 
     api.check_report(report)
@@ -40,7 +40,8 @@ def command(
         from surae_cohort.cohort import cohort as cohort_of
 
         cohort = cohort_of(
-            table, **options, engine=engine, progress=partial(progress.parts, "legs"),
+            table, **options, dask=dask, workers=workers if dask else workers or cores(),
+            progress=partial(progress.parts, "legs"),
         )  # fmt: skip
 
     if output is not None:

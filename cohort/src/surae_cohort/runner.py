@@ -16,6 +16,7 @@ from queue import SimpleQueue
 from typing import Any
 
 from surae.base.errors import ComputationError, InputError, SuraeError
+from surae.base.threads import cores
 from surae.processes import Child, Plain, function, one_line, without_interrupt
 
 #: What there is.
@@ -49,6 +50,16 @@ class Engine:
             raise InputError(f"engine {self.kind!r} is not known; use one of: {', '.join(KINDS)}")
         if self.workers < 1:
             raise InputError(f"workers is {self.workers}; give at least 1")
+
+
+def engine_of(dask: str | None, workers: int | None) -> Engine:
+    """Where the work is done: a Dask cluster, or so many processes."""
+    if dask is None:
+        count = workers or cores()
+        return Engine("processes" if count > 1 else "threads", count)
+    if workers is not None:
+        raise InputError("--dask brings workers of its own; give it without --workers")
+    return Engine("dask", address=dask)
 
 
 @dataclass(frozen=True, slots=True)

@@ -92,7 +92,7 @@ def _stretches(draw: np.random.Generator, width: float, fastest: float) -> Float
 
 
 def telling(
-    name: str, device: Device | None, range_of_motion: tuple[float, float], rate_hz: float,
+    name: str, device: Device | None, angle_range: tuple[float, float], rate_hz: float,
     seed: int = 1,
 ) -> Trajectory:  # fmt: skip
     """A perturbation or a series of stretches, within a device's limits.
@@ -103,7 +103,7 @@ def telling(
         What it is.
     device : Device or None
         Whose limits it keeps.
-    range_of_motion : (float, float)
+    angle_range : (float, float)
         Perturbations go about its middle, stretches from near its one end to the other [rad].
     rate_hz : float
         Sampling rate [Hz].
@@ -115,7 +115,7 @@ def telling(
     InputError
         The device is too slow for stretches at two speeds.
     """
-    low, high = range_of_motion
+    low, high = angle_range
     draw = np.random.default_rng(seed)
     if name in PERTURBATIONS:
         half = min(0.5 * SIZE, 0.5 * (high - low))
@@ -131,9 +131,7 @@ def telling(
     velocity = np.gradient(angle, 1.0 / _FINE)
     motion, adaptation = (angle, velocity, np.gradient(velocity, 1.0 / _FINE)), None
     if device is not None:
-        fitted = fit_device(
-            device, motion, rate_hz=_FINE, highest_hz=0.0, range_of_motion=(low, high)
-        )
+        fitted = fit_device(device, motion, rate_hz=_FINE, highest_hz=0.0, angle_range=(low, high))
         before, after = peaks(motion), peaks(fitted.motion)
         adaptation = Adaptation(
             device.name, (0.0, 0.0), 0.0, fitted.cutoff_hz, (before[0], after[0]),
@@ -144,7 +142,7 @@ def telling(
     at = np.arange(len(angle)) / _FINE
     angle, velocity, acceleration = (np.interp(time, at, each) for each in motion)
     given = Given(
-        profile=name, task="passive", range_of_motion=range_of_motion, rate_hz=rate_hz,
+        profile=name, task="passive", angle_range=angle_range, rate_hz=rate_hz,
         device=device,
     )  # fmt: skip
     effort = np.zeros((len(time), 4))

@@ -6,14 +6,16 @@ from typing import Any
 
 from surae.api import Fit
 from surae.base.progress import Progress
+from surae.base.renamed import renamed
 from surae.base.setting import takes
 from surae.inference.assessment import variance_inflation
 from surae_posterior.sample import Posterior, sample
 from surae_posterior.settings import PosteriorSettings
 
 
+@renamed(fitted="fit", cores="workers")
 @takes(PosteriorSettings)
-def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any) -> Posterior:
+def posterior(fit: Fit, *, progress: Progress | None = None, **settings: Any) -> Posterior:
     """Draws from the posterior of a named model: what recordings and priors say together.
 
     A fit of ``auto`` is a posterior already. Draws of the Laplace approximation are weighted by the
@@ -23,7 +25,7 @@ def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any)
 
     Parameters
     ----------
-    fitted : Fit
+    fit : Fit
         The fit.
     progress : callable, optional
         Called now and then with (evaluations done, all that are allowed).
@@ -45,9 +47,9 @@ def posterior(fitted: Fit, *, progress: Progress | None = None, **settings: Any)
     """
     request, reason = PosteriorSettings(**settings), "given"
     if request.variance_inflation is None:
-        common = median(variance_inflation(fitted.assessment).values())
+        common = median(variance_inflation(fit.assessment).values())
         request = replace(request, variance_inflation=common)
-        reason = fitted.assessment.interval_note
+        reason = fit.assessment.interval_note
         if common != 1.0:
             reason = f"{reason}; the median over the parameters"
-    return sample(fitted.result, **asdict(request), inflation_reason=reason, progress=progress)
+    return sample(fit.result, **asdict(request), inflation_reason=reason, progress=progress)

@@ -6,6 +6,7 @@ from typing import Any
 
 from surae.api import Fit
 from surae.base.progress import NamedProgress
+from surae.base.renamed import renamed
 from surae.base.setting import takes
 from surae.inference.assessment import variance_inflation
 from surae_posterior.one_profile import profiled
@@ -13,9 +14,10 @@ from surae_posterior.profiles import Profiles, profiles
 from surae_posterior.settings import ProfileSettings
 
 
+@renamed(fitted="fit")
 @takes(ProfileSettings)
 def profile(
-    fitted: Fit,
+    fit: Fit,
     names: str | Sequence[str] | None = None,
     *,
     progress: NamedProgress | None = None,
@@ -25,7 +27,7 @@ def profile(
 
     Parameters
     ----------
-    fitted : Fit
+    fit : Fit
         The fit.
     names : str or sequence of str, optional
         Parameters that it estimated; all of them by default.
@@ -48,13 +50,13 @@ def profile(
     >>> surae.profile(surae.load("fit.json"), "f0")["f0"].interval
     """
     request = ProfileSettings(**settings)
-    wanted = profiled(fitted.result) if names is None else names
+    wanted = profiled(fit.result) if names is None else names
     wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
     reason = "given"
     if request.variance_inflation is None:
-        reason, factors = fitted.assessment.interval_note, variance_inflation(fitted.assessment)
+        reason, factors = fit.assessment.interval_note, variance_inflation(fit.assessment)
         own = {n: factor for n, factor in factors.items() if n in wanted}
         request = replace(request, variance_inflation=own)
     return profiles(
-        fitted.result, wanted, **asdict(request), inflation_reason=reason, progress=progress
+        fit.result, wanted, **asdict(request), inflation_reason=reason, progress=progress
     )

@@ -206,7 +206,7 @@ def sample(
     priors: Mapping[str, tuple[float, float]] | None = None,
     variance_inflation: float = 1.0,
     inflation_reason: str = "",
-    cores: int | None = None,
+    workers: int | None = None,
     progress: Progress | None = None,
 ) -> Posterior:
     """Draw from the posterior of a fit's free parameters.
@@ -230,7 +230,7 @@ def sample(
     begin = time.perf_counter()
     problem = result.problem
     target = Target(result, priors, variance_inflation)
-    densities = [target.density() for _ in range(cores or os.cpu_count() or 1)]
+    densities = [target.density() for _ in range(workers or os.cpu_count() or 1)]
     size = evaluations // _ROUNDS
     weighted = weighted_draws(
         densities, len(problem.free), rounds=_ROUNDS, size=size, seed=seed, progress=progress

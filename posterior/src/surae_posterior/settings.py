@@ -61,4 +61,4 @@ class PosteriorSettings(Request):
         above=0.0, metavar="F",
         help=_INFLATION,
     )  # fmt: skip
-    cores: int | None = _at_once("Evaluations")
+    workers: int | None = _at_once("Evaluations")

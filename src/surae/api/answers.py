@@ -13,6 +13,7 @@ from surae.api.recordings import as_in_fit
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.plugins import plugins
+from surae.base.renamed import renamed
 from surae.base.requests import ChangeSettings
 from surae.base.setting import takes
 from surae.inference.validation import Prediction, predict_others
@@ -134,8 +135,9 @@ def _file_of(place: PathLike) -> Path:
     return fit_in(path) if path.is_dir() else path
 
 
+@renamed(fitted="fit")
 def validate(
-    fitted: Fit,
+    fit: Fit,
     recordings: AnyRecording | Sequence[AnyRecording],
     *,
     prepared: bool | None = None,
@@ -145,7 +147,7 @@ def validate(
 
     Parameters
     ----------
-    fitted : Fit
+    fit : Fit
         Where the parameters come from.
     recordings : Recording, ModelInputs or path, or sequence of them
         With their measured torque.
@@ -164,6 +166,6 @@ def validate(
     --------
     >>> surae.validate(surae.load("fit.json"), ["other.csv"])[0].adequacy.grade
     """
-    inputs = as_in_fit(fitted.result.problem, several(recordings), prepared)
+    inputs = as_in_fit(fit.result.problem, several(recordings), prepared)
     counted = inputs if weights is None else weighted(inputs, weights)
-    return predict_others(fitted.result, counted, fitted.assessment.uncertainty)
+    return predict_others(fit.result, counted, fit.assessment.uncertainty)

@@ -10,6 +10,7 @@ from surae.base.files import PathLike
 from surae.base.names import EFFORTS, TELLING
 from surae.base.plugins import plugins
 from surae.base.progress import SearchProgress
+from surae.base.renamed import renamed
 from surae.base.requests import DesignSettings, ExpectSettings, LegSettings
 from surae.base.setting import Setting, checked, settings_of, takes
 from surae.model import ModelOptions
@@ -44,6 +45,7 @@ _EVALUATIONS, _EVALUATIONS_COMPLIANT = 8000, 10_000
 _SEARCH_SEEDS = -500_000
 
 
+@renamed(range="angle_range")
 @takes(DesignSettings, ModelOptions)
 def design(
     duration: float = 35.0,
@@ -106,7 +108,7 @@ def design(
         seconds=float(duration),
         rate_hz=rate_hz,
         device=limits,
-        range_of_motion=_range_of(limits, settings.range, settings.population, who),
+        angle_range=_range_of(limits, settings.angle_range, settings.population, who),
         legs=legs,
         unseen=unseen,
         noise=level,
@@ -125,12 +127,13 @@ def design(
 _TRIALS, _PLANNED = {"active": "compliant-35", "passive": "relaxed-35"}, 8
 
 
+@renamed(range="angle_range")
 def plan_session(
     minutes: float = 10.0,
     *,
     device: str | PathLike | Device | None = "achilles",
     population: str | None = None,
-    range: tuple[float, float] | None = None,
+    angle_range: tuple[float, float] | None = None,
     effort: str = EFFORTS[0],
     noise: float | None = None,
 ) -> SessionPlan:
@@ -148,7 +151,7 @@ def plan_session(
         What is to move the leg.
     population : {"healthy", "patient"}, optional
         Whose legs; by default as many of each.
-    range : (float, float), optional
+    angle_range : (float, float), optional
         The subject's full plantarflexion and dorsiflexion [rad]; required for patients.
     effort : {"levels", "none"}
         What the subject can do.
@@ -175,7 +178,7 @@ def plan_session(
     asked = LegSettings(population=population, noise=noise)
     legs, level = requested_legs(asked, None, _PLANNED, ModelOptions(), 256.0)
     limits = as_device(device)
-    through = _range_of(limits, range, population, None)
+    through = _range_of(limits, angle_range, population, None)
     trials = {
         kind: ready_protocols()[name].trajectory(limits, through, 256.0, legs)
         for kind, name in _TRIALS.items()
@@ -184,12 +187,13 @@ def plan_session(
     return best_session(trials, legs, level, minutes)
 
 
+@renamed(range="angle_range")
 def measure_next(
     fit: Fit,
     *,
     device: str | PathLike | Device | None = "achilles",
     duration: float = 60.0,
-    range: tuple[float, float] | None = None,
+    angle_range: tuple[float, float] | None = None,
     wanted: Sequence[str] | None = None,
     noise: float | None = None,
 ) -> NextTrial:
@@ -205,7 +209,7 @@ def measure_next(
         What is to move the leg.
     duration : float
         Longest trial that may be proposed [s].
-    range : (float, float), optional
+    angle_range : (float, float), optional
         The subject's full plantarflexion and dorsiflexion [rad]; by default what the fit's
         recordings reached.
     wanted : sequence of str, optional
@@ -231,7 +235,7 @@ def measure_next(
     limits = as_device(device)
     return measure_next_of(
         fit, legs, noise=level, device=limits,
-        range_of_motion=_range_of(limits, range, None, fit), longest=duration, wanted=wanted,
+        angle_range=_range_of(limits, angle_range, None, fit), longest=duration, wanted=wanted,
     )  # fmt: skip
 
 
@@ -247,12 +251,12 @@ def _range_of(
     if fit is not None:
         angles = [i.angle for i in fit.result.problem.inputs]
         low, high = min(float(a.min()) for a in angles), max(float(a.max()) for a in angles)
-        reach = (low, high) if device is None else device.range_of_motion or (low, high)
+        reach = (low, high) if device is None else device.angle_range or (low, high)
         return allowed_range(device, (max(low, reach[0]), min(high, reach[1])))
     if population == "patient":
         raise InputError(
             "a patient's range is not that of a healthy leg: measure it, and give it as --range "
-            "LOW:HIGH in rad (range= in Python)"
+            "LOW:HIGH in rad (angle_range= in Python)"
         )
     return allowed_range(device)
 
@@ -354,19 +358,19 @@ def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:
 
 
 def ready_trajectory(
-    name: str, device: Device | None, range_of_motion: tuple[float, float], rate_hz: float
+    name: str, device: Device | None, angle_range: tuple[float, float], rate_hz: float
 ) -> Trajectory:
     """A designed protocol that comes with surae, on a device whose torque no leg exceeds."""
     ready = ready_protocols()[name]
     legs = population_legs(ready.model, None, _CHECKED)
-    return ready.trajectory(device, range_of_motion, rate_hz, legs)
+    return ready.trajectory(device, angle_range, rate_hz, legs)
 
 
 def telling(
-    name: str, device: Device | None, range_of_motion: tuple[float, float], rate_hz: float
+    name: str, device: Device | None, angle_range: tuple[float, float], rate_hz: float
 ) -> Trajectory:
     """A movement that tells tissue from nerve, by the distribution that estimates from it."""
-    made: Trajectory = _of_nerve("telling")(name, device, range_of_motion, rate_hz)
+    made: Trajectory = _of_nerve("telling")(name, device, angle_range, rate_hz)
     return made
 
 

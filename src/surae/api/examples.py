@@ -46,7 +46,7 @@ def _held(degrees: int) -> Trajectory:
     still, angle = np.zeros(len(time)), np.radians(degrees)
     around = (angle - 0.01, angle + 0.01)
     return Trajectory(
-        settings=Given(profile="hold", task="passive", range_of_motion=around, rate_hz=_RATE),
+        settings=Given(profile="hold", task="passive", angle_range=around, rate_hz=_RATE),
         time=time, angle=still + angle, velocity=still, acceleration=still,
         effort=np.zeros((len(time), 4)),
     )  # fmt: skip

@@ -75,7 +75,7 @@ class ExpectSettings(LegSettings):
 class DesignSettings(LegSettings):
     """What a protocol is searched for; see `surae.design`."""
 
-    range: tuple[float, float] | None = _range("the fit's, or ")
+    angle_range: tuple[float, float] | None = _range("the fit's, or ")
     aim: str = setting(
         "worst", '``"worst"``: the largest relative standard error; ``"mean"``: the mean of their '
         "logarithms; or names of parameters and measures with commas between, e.g. "
@@ -132,7 +132,7 @@ class MotionSettings:
         "factors are converted by `surae.protocol.chirp_rate`.", least=0.0, most=100.0, metavar="R",
         label=N_("Chirp rate [Hz/s]"), help="Rise of its frequency, in Hz/s.",
     )  # fmt: skip
-    range_of_motion: tuple[float, float] = setting(
+    angle_range: tuple[float, float] = setting(
         (-0.9, 0.6), "The subject's angles of full plantarflexion and full dorsiflexion [rad], "
         "within the device's.", option="range", metavar="LOW:HIGH",
         help="Full plantarflexion and dorsiflexion of the subject, in rad or as 20deg.  "

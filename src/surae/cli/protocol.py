@@ -60,7 +60,7 @@ def command(
     own = sorted(
         f"--{flag_of(each, record)}"
         for each, record in settings_of(MotionSettings)
-        if each.name in options and each.name not in ("range_of_motion", "rate_hz")
+        if each.name in options and each.name not in ("angle_range", "rate_hz")
     )
     own += ["--chirp-factor"] * (chirp_factor is not None)
     if chirp_factor is not None:
@@ -74,14 +74,14 @@ def command(
     check_outputs({"--output": output, "--figure": figure}, [])
 
     limits = api.as_device(limiting)
-    options["range_of_motion"] = api.allowed_range(limits, options.get("range_of_motion"))
+    options["angle_range"] = api.allowed_range(limits, options.get("angle_range"))
     if name in api.ready_protocols() or name in TELLING:
         if own:
             raise InputError(
                 f"{own[0]}: {name} was designed as a whole; leave {', '.join(own)} out, or "
                 "design your own: surae design"
             )
-        how = limits, options["range_of_motion"], options.get("rate_hz", MotionSettings().rate_hz)
+        how = limits, options["angle_range"], options.get("rate_hz", MotionSettings().rate_hz)
         if name in TELLING:
             trajectory = api.telling(name, *how)
             table = api.telling_words(trajectory)
@@ -144,7 +144,7 @@ def _table(
 ) -> list[str]:
     """What the protocol asks for, in a few lines."""
     adaptation = trajectory.adaptation
-    low, high = settings.range_of_motion
+    low, high = settings.angle_range
     least, most = float(trajectory.angle.min()), float(trajectory.angle.max())
     velocity, acceleration = api.peaks(
         (trajectory.angle, trajectory.velocity, trajectory.acceleration)

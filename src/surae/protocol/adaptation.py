@@ -76,11 +76,11 @@ def peaks(motion: Motion) -> tuple[float, float]:
 
 def fit_device(
     device: Device, motion: Motion, *, rate_hz: float, highest_hz: float,
-    range_of_motion: tuple[float, float],
+    angle_range: tuple[float, float],
 ) -> AdaptedMotion:  # fmt: skip
     """The motion filtered until the device can follow it, still over the whole range if it can.
 
-    The motion spans `range_of_motion` [rad]; where `highest_hz`, the highest frequency in it, is
+    The motion spans `angle_range` [rad]; where `highest_hz`, the highest frequency in it, is
     above the device's bandwidth, it is filtered at that. What the device follows stays as it is;
     else it is filtered with the highest cut-off that will do and stretched to the range again, or
     with the lowest and shrunk about mid-range until the limits hold.
@@ -88,7 +88,7 @@ def fit_device(
     if _excess(device, motion) <= 1.0 and highest_hz <= device.bandwidth:
         return AdaptedMotion(motion)
 
-    spectrum, (low, high) = spectrum_of(motion[0]), range_of_motion
+    spectrum, (low, high) = spectrum_of(motion[0]), angle_range
 
     def filtered(cutoff_hz: float) -> AdaptedMotion:
         angle, velocity, acceleration = low_pass(spectrum, cutoff_hz, rate_hz)
@@ -109,7 +109,7 @@ def fit_device(
                 best, cutoff = candidate, candidate.cutoff_hz
             else:
                 too_high = candidate.cutoff_hz
-    times, middle = max(1.0, _excess(device, best.motion)), sum(range_of_motion) / 2
+    times, middle = max(1.0, _excess(device, best.motion)), sum(angle_range) / 2
     angle, velocity, acceleration = best.motion
     shrunk = (middle + (angle - middle) / times, velocity / times, acceleration / times)
     return AdaptedMotion(shrunk, best.cutoff_hz, best.gain / times)

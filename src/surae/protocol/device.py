@@ -13,12 +13,14 @@ from surae.base.files import PathLike, shown
 from surae.base.formatting import named
 from surae.base.plugins import Extended, plugins
 from surae.base.records import OrInfinite, from_file, read_toml
+from surae.base.renamed import renamed
 
 
+@renamed(range_of_motion="angle_range")
 @filed(
     strict=True, max_velocity="max_velocity_rad_s", max_acceleration="max_acceleration_rad_s2",
     max_torque="max_torque_Nm", bandwidth="bandwidth_Hz", inertia="inertia_kg_m2",
-    chirp_amplitudes="chirp_amplitudes_rad", range_of_motion="range_rad",
+    chirp_amplitudes="chirp_amplitudes_rad", angle_range="range_rad",
 )  # fmt: skip
 @dataclass(frozen=True, slots=True)
 class Device:
@@ -34,7 +36,7 @@ class Device:
     inertia: float = 3.0 * 0.15**2
     #: Largest chirp amplitude [rad] of profiles that have one of their own.
     chirp_amplitudes: tuple[tuple[str, float], ...] = ()
-    range_of_motion: tuple[float, float] | None = None  #: Angles that it can reach [rad].
+    angle_range: tuple[float, float] | None = None  #: Angles that it can reach [rad].
     sources: tuple[str, ...] = ()  #: Where the limits are from.
 
     def __post_init__(self) -> None:
@@ -79,7 +81,7 @@ def read_device(path: PathLike) -> Device:
         raise InputError(f"{where}: chirp_amplitudes_rad must be a table of profile = rad")
     plain = {**toml, "chirp_amplitudes_rad": list(amplitudes.items())}
     device = from_file(Device, path, plain)
-    span = device.range_of_motion
+    span = device.angle_range
     if span is not None and not span[0] < span[1]:
         raise InputError(f"{where}: range_rad: low must be below high")
     return device
@@ -133,7 +135,7 @@ def allowed_range(
     InputError
         The requested range is none of an ankle, or beyond the device's.
     """
-    reach = None if device is None else device.range_of_motion
+    reach = None if device is None else device.angle_range
     if requested is None:
         low, high = TYPICAL_RANGE
         if reach is not None:

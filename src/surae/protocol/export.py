@@ -155,5 +155,5 @@ def read_protocol(path: PathLike) -> Trajectory:
     span = float(angle.min()), float(angle.max())
     made_for = [line.rpartition(_LEGS)[2].strip() for line in source.head() if _LEGS in line]
     legs = made_for[0] if made_for and made_for[0] in FITTED else Protocol.legs
-    given = Given(profile=shown(path), task=task, range_of_motion=span, rate_hz=rate_hz, legs=legs)
+    given = Given(profile=shown(path), task=task, angle_range=span, rate_hz=rate_hz, legs=legs)
     return Trajectory(given, time - time[0], angle, velocity, acceleration, effort)

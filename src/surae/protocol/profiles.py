@@ -211,14 +211,14 @@ def chirp(
 
 
 def base_range(
-    fraction: FloatArray, added: FloatArray, range_of_motion: tuple[float, float]
+    fraction: FloatArray, added: FloatArray, angle_range: tuple[float, float]
 ) -> tuple[float, float]:
     """Range on which the profile is mapped so that profile + chirp spans the range of motion.
 
     `fraction` is the profile, 0…1, `added` the chirp [rad], smaller than half the range; low +
-    (high − low)·fraction + added then has the extremes `range_of_motion`, to 1e-12 rad.
+    (high − low)·fraction + added then has the extremes `angle_range`, to 1e-12 rad.
     """
-    plantarflexed, dorsiflexed = range_of_motion
+    plantarflexed, dorsiflexed = angle_range
     amplitude = float(np.abs(added).max())
     # From the range that is safe whatever the phases, each end is moved out by the room that is
     # left. That room shrinks at every step: the sum follows `high` where the profile is near 1.

@@ -9,6 +9,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.frozen import as_read_only, read_only
+from surae.base.renamed import renamed
 from surae.base.requests import MotionSettings
 from surae.base.setting import documented
 from surae.base.units import FloatArray
@@ -24,6 +25,7 @@ _FINE_RATE = 2000.0
 _MOST_SAMPLES = 1_200_000
 
 
+@renamed(range_of_motion="angle_range")
 @documented
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Protocol(MotionSettings):
@@ -55,7 +57,7 @@ class Protocol(MotionSettings):
         object.__setattr__(self, "turns", tuple(self.turns))  # a list serves too
         task, seconds, rate = self.effort_task, self.seconds, self.rate_hz
         amplitude, rise = self.chirp_amplitude, self.chirp_rate
-        low, high = allowed_range(self.device, self.range_of_motion)
+        low, high = allowed_range(self.device, self.angle_range)
         chirps = amplitude > 0.0
         for wrong, what in (
             (not 0.0 <= amplitude < 0.5 * (high - low),
@@ -96,7 +98,7 @@ class Given:
     profile: str
     task: str
     #: The subject's angles of full plantarflexion and full dorsiflexion [rad].
-    range_of_motion: tuple[float, float]
+    angle_range: tuple[float, float]
     rate_hz: float  #: Sampling rate [Hz].
     device: Device | None = None  #: Whose limits it keeps; None where nothing is known of them.
     legs: str = "muscle"  #: Model of the virtual legs by which its torque is judged.
@@ -183,11 +185,11 @@ def _times(grid: _Grid) -> FloatArray:
 
 def _motion(settings: Protocol, grid: _Grid, fine: _Grid) -> Motion:
     """Profile and chirp, with derivatives; on the fine grid both together span the range."""
-    low, high = settings.range_of_motion
+    low, high = settings.angle_range
     how = {"amplitude": settings.chirp_amplitude, "rate": settings.chirp_rate}
     if settings.chirp_amplitude > 0.0:
         fraction = _position(settings.profile, settings.seconds, fine)
-        low, high = base_range(fraction, chirp(_times(fine), **how)[0], settings.range_of_motion)
+        low, high = base_range(fraction, chirp(_times(fine), **how)[0], settings.angle_range)
     position, speed, speeding = _profile(settings.profile, settings.seconds, grid)
     added, added_speed, added_speeding = chirp(_times(grid), **how)
     gain = high - low
@@ -239,10 +241,10 @@ def _adapted(settings: Protocol, device: Device, fine: _Grid) -> tuple[Motion, A
     motion = wanted if used == settings else _motion(used, fine, fine)
     fitted = fit_device(
         device, motion, rate_hz=fine[1], highest_hz=end_hz,
-        range_of_motion=settings.range_of_motion,
+        angle_range=settings.angle_range,
     )  # fmt: skip
     before, after = peaks(wanted), peaks(fitted.motion)
-    low, high = settings.range_of_motion
+    low, high = settings.angle_range
     span = (float(fitted.motion[0].max()) - float(fitted.motion[0].min())) / (high - low)
     return fitted.motion, Adaptation(
         device.name, (settings.chirp_amplitude, amplitude), amplitude * fitted.response(end_hz),

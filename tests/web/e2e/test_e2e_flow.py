@@ -265,7 +265,12 @@ def test_a_design_that_is_stopped_keeps_the_best_so_far(desk: Desk) -> None:
 
 @pytest.mark.slow
 def test_a_design_that_is_stopped_before_it_began_keeps_nothing(desk: Desk) -> None:
-    first = {"device": "achilles", "range": [-0.9, 0.6], "durations": [20], "evaluations": 12000}
+    first = {
+        "device": "achilles",
+        "angle_range": [-0.9, 0.6],
+        "durations": [20],
+        "evaluations": 12000,
+    }
     page = design_for_long(desk, first)
     said = page.locator("#search-said")
     expect(said).to_have_text("Waiting, 1 in line")

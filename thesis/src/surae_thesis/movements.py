@@ -72,7 +72,7 @@ def span(_: None) -> Ruling:
     """Every profile's part of the range."""
     spans = []
     for done in [*map(basic, NAMES), *map(chirped, CHOSEN)]:
-        low, high = done.settings.range_of_motion
+        low, high = done.settings.angle_range
         spans.append(float(np.ptp(done.angle)) / (high - low))
     least = min(spans)
     return Ruling(least >= 1 - 2 * _REACHED, f"{100 * least:.2f} % of the range at least")
@@ -153,7 +153,7 @@ def drawings() -> tuple[Drawing, ...]:
     time = np.arange(0.0, 30.0, 1e-3)
     added = chirp(time, amplitude=0.2, rate=chirp_rate(0.3))[0]
     eighth = chirped("multiple-holds", 0.2, 0.3)
-    low, high = eighth.settings.range_of_motion
+    low, high = eighth.settings.angle_range
     part = (eighth.angle - 0.5 * (low + high)) / (0.5 * (high - low))
     names = NAMES[1:]
     basics = [
@@ -199,7 +199,7 @@ def drawings() -> tuple[Drawing, ...]:
 
 def _position(done: Trajectory, title: str, *, last: bool = True) -> Panel:
     """Angle from full plantarflexion, as the thesis draws it."""
-    low, high = done.settings.range_of_motion
+    low, high = done.settings.angle_range
     at = {"ylim": (-0.06, high - low + 0.06), "yticks": [0.0, 0.5, 1.0, 1.5]}
     lines = [PlotLine(done.time, done.angle - low)]
     return Panel("Ankle angle\n[rad]", lines, "Time [s]" if last else "", title, at)

@@ -79,7 +79,7 @@ class Design(Tabular, Comparable):
 
 def make_design(
     *, name: str, seconds: float, rate_hz: float, device: Device | None,
-    range_of_motion: tuple[float, float], legs: Legs, unseen: Legs, noise: float, aim: str,
+    angle_range: tuple[float, float], legs: Legs, unseen: Legs, noise: float, aim: str,
     effort: bool, evaluations: int, seed: int, known: FloatArray | None = None,
     told: Mapping[str, Any] = FrozenDict(),
     start: Ready | None = None, progress: SearchProgress | None = None,
@@ -91,7 +91,7 @@ def make_design(
     cannot do it, the message says what to give up.
     """
     begin = time.perf_counter()
-    limits = limits_of(device, range_of_motion)
+    limits = limits_of(device, angle_range)
     genes = Genes(name, seconds, limits, highest_hz(device), effort)
     torque = math.inf if device is None else device.max_torque
     relaxed = eased(genes.plan(genes.start()), 0.0)

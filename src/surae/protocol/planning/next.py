@@ -98,7 +98,7 @@ def known_from(fit: AssessedFit, legs: Legs) -> FloatArray:
 
 def measure_next_of(
     fit: AssessedFit, legs: Legs, *, noise: float, device: Device | None,
-    range_of_motion: tuple[float, float], longest: float, wanted: Sequence[str] | None = None,
+    angle_range: tuple[float, float], longest: float, wanted: Sequence[str] | None = None,
     rate_hz: float = 256.0,
 ) -> NextTrial:  # fmt: skip
     """The ready trial that adds most to a fit.
@@ -133,7 +133,7 @@ def measure_next_of(
             if ready.seconds > longest:
                 continue
             try:
-                trajectory = ready.trajectory(device, range_of_motion, rate_hz, legs)
+                trajectory = ready.trajectory(device, angle_range, rate_hz, legs)
             except InputError:
                 continue
             adds = np.nanmean(shared(information(trajectory, legs, noise), legs).matrices, axis=0)

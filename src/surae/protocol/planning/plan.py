@@ -42,9 +42,9 @@ class Limits(NamedTuple):
     acceleration: float
 
 
-def limits_of(device: Device | None, range_of_motion: tuple[float, float]) -> Limits:
+def limits_of(device: Device | None, angle_range: tuple[float, float]) -> Limits:
     """What a movement over this range must keep on a device."""
-    low, high = allowed_range(device, range_of_motion)
+    low, high = allowed_range(device, angle_range)
     if high - low < 0.05:
         raise InputError(f"range {low:g} … {high:g} rad is too narrow to move in; widen it")
     velocity, acceleration, _ = UNKNOWN
@@ -113,7 +113,7 @@ class Plan:
         angle, velocity, acceleration = (x[::times] for x in self.motion(fine, limits))
         time, task = np.arange(n) / rate_hz, "designed" if self.bursts else "passive"
         settings = Given(
-            profile=self.name, task=task, range_of_motion=(limits[0], limits[1]), rate_hz=rate_hz,
+            profile=self.name, task=task, angle_range=(limits[0], limits[1]), rate_hz=rate_hz,
             device=device, legs=legs,
         )  # fmt: skip
         effort = burst_effort(time, self.bursts)

@@ -47,11 +47,11 @@ class Ready(Comparable):
     genes: FloatArray  #: As `Genes` reads them, shape (d,).
 
     def trajectory(
-        self, device: Device | None, range_of_motion: tuple[float, float], rate_hz: float,
+        self, device: Device | None, angle_range: tuple[float, float], rate_hz: float,
         legs: Legs,
     ) -> Trajectory:  # fmt: skip
         """The protocol on a device: within its limits, and its torque for these legs."""
-        limits = limits_of(device, range_of_motion)
+        limits = limits_of(device, angle_range)
         genes = Genes(self.name, self.seconds, limits, highest_hz(device), self.effort)
         carried = genes.carried(self.genes, self.counts)  # a slow device has time for fewer ramps
         plan, limits, _ = within_torque(genes.plan(carried), limits, legs, device)

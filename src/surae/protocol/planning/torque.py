@@ -46,7 +46,7 @@ class ProfilePlan:
         settings = self.settings
         fastest = _PER_PERIOD * settings.chirp_rate * settings.seconds
         times = max(math.ceil(fastest / rate_hz), 1) if settings.chirp_amplitude > 0.0 else 1
-        moved = _moved(replace(settings, range_of_motion=limits[:2], rate_hz=times * rate_hz))
+        moved = _moved(replace(settings, angle_range=limits[:2], rate_hz=times * rate_hz))
         return replace(moved, effort=self.effort(moved.time))
 
     def effort(self, time: FloatArray) -> FloatArray:
@@ -215,8 +215,8 @@ def requested_limits(trajectory: Trajectory) -> tuple[AskedLimit, ...]:
         ("acceleration", np.abs(trajectory.acceleration), device.max_acceleration, "rad/s²"),
         ("torque", torque, device.max_torque, "Nm"),
     ]
-    if device.range_of_motion is not None:
-        for end, sign in zip(device.range_of_motion, (-1.0, 1.0), strict=True):
+    if device.angle_range is not None:
+        for end, sign in zip(device.angle_range, (-1.0, 1.0), strict=True):
             reached = sign * trajectory.angle
             way = "plantarflexion" if sign < 0 else "dorsiflexion"
             demands.append((way, reached, sign * end, "rad"))
@@ -259,7 +259,7 @@ def held_to_torque(settings: Protocol) -> tuple[Trajectory, tuple[Message, ...]]
     bursts = task_bursts(settings.effort_task, float(trajectory.time[-1]))
     whole = ProfilePlan(settings, tuple(bursts))
     legs = population_legs("muscle", None, _LEGS)
-    limits = Limits(*settings.range_of_motion, math.inf, math.inf)
+    limits = Limits(*settings.angle_range, math.inf, math.inf)
     plan, limits_held, notes = within_torque(whole, limits, legs, settings.device)
-    trajectory = generate(replace(settings, range_of_motion=limits_held[:2]))
+    trajectory = generate(replace(settings, angle_range=limits_held[:2]))
     return replace(trajectory, effort=plan.effort(trajectory.time)), notes

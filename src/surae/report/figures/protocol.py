@@ -37,7 +37,7 @@ def _angle(axes: Axes, trajectory: Trajectory) -> None:
     figures.dress(axes, "Angle [rad]")
     settings = trajectory.settings
     figures.heading(axes, f"{settings.profile}, ankle angle, dorsiflexion positive")
-    for end in settings.range_of_motion:
+    for end in settings.angle_range:
         axes.axhline(end, color=GREY, linewidth=0.9, linestyle=(0, (4, 2)))
     figures.trace(axes, trajectory.time, trajectory.angle, color=INK, linewidth=0.9)
     figures.dress_degrees(axes)

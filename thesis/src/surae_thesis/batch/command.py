@@ -15,7 +15,8 @@ from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_line, show_table
 from surae.settings import FitSettings
-from surae_cohort.options import DASK, engine_of
+from surae_cohort.options import DASK
+from surae_cohort.runner import engine_of
 
 #: The models of the thesis.
 _MODELS = "1.0,2.0,2.1,2.2"

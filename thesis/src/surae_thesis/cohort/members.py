@@ -89,7 +89,7 @@ class CohortSubject:
     sex: Literal["male", "female"]
     age: int
     subject: VirtualSubject
-    range_of_motion: tuple[float, float]
+    angle_range: tuple[float, float]
     imperfections: CohortImperfections
     level_variation: float
     completed: tuple[str, ...]
@@ -186,7 +186,7 @@ def _member(
         sex=sex,
         age=age,
         subject=subject,
-        range_of_motion=(
+        angle_range=(
             uniform("plantarflexion", -0.95, -0.80),
             uniform("dorsiflexion", 0.45, 0.60),
         ),
@@ -198,7 +198,7 @@ def _member(
 
 
 def cohort_protocol(
-    name: str, range_of_motion: tuple[float, float], rate_hz: float, *, measured: bool = True
+    name: str, angle_range: tuple[float, float], rate_hz: float, *, measured: bool = True
 ) -> Protocol:
     """One of the three protocols as the thesis's device could do it (4.1.5).
 
@@ -217,7 +217,7 @@ def cohort_protocol(
     passive = name == PASSIVE_PROTOCOL
     task, amplitude = ("passive", 0.0) if passive else ("part-passive", 0.2)
     asked = protocol(name, task, amplitude, rate_hz=rate_hz, device="achilles")
-    asked = replace(asked, range_of_motion=range_of_motion)
+    asked = replace(asked, angle_range=angle_range)
     if not measured:
         return asked
     relaxed = None if passive else PASSIVE_SECONDS

@@ -37,9 +37,7 @@ def cohort_recording(member: CohortSubject, protocol: str, repetition: int) -> R
     if protocol not in member.completed:
         did = ", ".join(member.completed)
         raise InputError(f"cohort: {member.id} did not complete {protocol!r}; completed: {did}")
-    settings = cohort_protocol(
-        protocol, member.range_of_motion, RECORDED_HZ, measured=member.measured
-    )
+    settings = cohort_protocol(protocol, member.angle_range, RECORDED_HZ, measured=member.measured)
     limit = settings.device.max_torque if settings.device else None
     trial = 10 * list(COMPLETED).index(protocol) + repetition
     for attempt in range(_ATTEMPTS):

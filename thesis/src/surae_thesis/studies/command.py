@@ -11,7 +11,8 @@ from surae.cli.options import workers_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_line
-from surae_cohort.options import DASK, engine_of
+from surae_cohort.options import DASK
+from surae_cohort.runner import engine_of
 from surae_thesis import studies
 
 #: Reasons of failures that `status` lists.

@@ -280,8 +280,9 @@ def together(
     """Fit all trials of the session jointly, as `surae.fit` does by itself.
 
     The fit goes to `output`, and what to measure next to `target`; `efforts` are as of `judge`,
-    `device` and `span` as ``device`` and ``range`` of `surae.measure_next`. Said are grade, vaf,
-    reasons, parameters, measures; and next, sentences on what to measure next, which is `proposed`.
+    `device` and `span` as ``device`` and ``angle_range`` of `surae.measure_next`. Said are grade,
+    vaf, reasons, parameters, measures; and next, sentences on what to measure next, which is
+    `proposed`.
     """
     fit = _session(recordings, efforts).fit()
     fit.save(output)
@@ -323,7 +324,7 @@ def _next(
     """What to measure next, in sentences, and what the trial is called; its target is written."""
     try:
         following = api.measure_next(
-            fit, device=device, range=None if span is None else (span[0], span[1])
+            fit, device=device, angle_range=None if span is None else (span[0], span[1])
         )
     except SuraeError as error:
         return {"next": [str(error)], "proposed": None}

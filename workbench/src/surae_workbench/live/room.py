@@ -160,7 +160,7 @@ class Room:
                 )
             elif path is None:
                 settings = Protocol(
-                    device=self.device, range_of_motion=self.range, rate_hz=_RATE, **protocol
+                    device=self.device, angle_range=self.range, rate_hz=_RATE, **protocol
                 )
                 trajectory, given_up = _held(settings)
                 name = f"{profile} {protocol.get('task', '')}".strip()
@@ -366,7 +366,7 @@ def _maximum(allowed: tuple[float, float]) -> Trajectory:
         for muscle in muscles:
             effort[:, MUSCLES.index(muscle)] = level
     around = (level_angle - 0.01, level_angle + 0.01)
-    settings = Given(profile=MAXIMUM, task="maximal", range_of_motion=around, rate_hz=_RATE)
+    settings = Given(profile=MAXIMUM, task="maximal", angle_range=around, rate_hz=_RATE)
     return Trajectory(
         settings=settings,
         time=read_only(time),

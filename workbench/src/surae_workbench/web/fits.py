@@ -70,7 +70,7 @@ def keep_designs(bench: "Workbench", job: Entry, end: Mapping[str, Any]) -> str 
         name = unique_name(bench.database.all("protocol"), design["name"], 120)
         settings = {
             "profile": "designed", "device": task["device"], "rate_hz": task["rate_hz"],
-            "range_of_motion": task["range"] or design["limits"][:2], "limits": design["limits"],
+            "angle_range": task["angle_range"] or design["limits"][:2], "limits": design["limits"],
             "plan": design["plan"] | {key: task[key] for key in ("model", "population")},
         }  # fmt: skip
         id_ = bench.database.add("protocol", {"name": name, "settings": settings})

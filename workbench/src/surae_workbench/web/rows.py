@@ -189,8 +189,9 @@ def entry(kind: str, id_: object, created: object, text: object) -> Entry:
         try:
             form.model_validate(content)
             if kind == "protocol":
-                if "range" in (settings := content["settings"]):  # an older surae's
-                    settings["range_of_motion"] = settings.pop("range")
+                settings = content["settings"]
+                for old in settings.keys() & {"range", "range_of_motion"}:  # an older surae's
+                    settings["angle_range"] = settings.pop(old)
                 content["settings"] = ProtocolSettings(**settings).model_dump(mode="json")
         except ValidationError as error:
             first = error.errors()[0]

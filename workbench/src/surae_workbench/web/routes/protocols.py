@@ -112,7 +112,7 @@ def post_preview(body: ProtocolPreview) -> dict[str, Any]:
 def post_design(body: ProtocolDesign, bench: Bench, browser: Browser) -> Job:
     """Search a protocol of each duration; the answer is the job, which keeps them."""
     device = None if body.device is None else api.named_device(body.device)
-    api.allowed_range(device, body.range)
+    api.allowed_range(device, body.angle_range)
     lengths = ", ".join(f"{seconds:g}" for seconds in body.durations)
     task = body.model_dump(mode="json")
     return bench.jobs.submit("design", f"design of {lengths} s", browser, task, None)
@@ -157,7 +157,7 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
     """The trajectory of some settings: a designed protocol, or a profile of the thesis."""
     device = None if settings.device is None else api.named_device(settings.device)
     if settings.plan is not None:
-        limits = settings.limits or (*settings.range_of_motion, 1e6, 1e6)
+        limits = settings.limits or (*settings.angle_range, 1e6, 1e6)
         api.allowed_range(device, limits[:2])
         plan = settings.plan.model_dump(exclude={"model", "population"})  # whom it is for
         designed = from_plain(api.Plan, plan)
@@ -165,7 +165,7 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
             limits, settings.rate_hz, device=device, legs=settings.plan.model
         )
     if settings.profile in api.ready_protocols():
-        reached = settings.range_of_motion
+        reached = settings.angle_range
         return api.ready_trajectory(settings.profile, device, reached, settings.rate_hz)
     protocol = api.Protocol(profile=settings.profile, device=device, **settings.motion)
     return api.generate(protocol)

@@ -35,7 +35,7 @@ function entered() {
     ...(kept ?? {}),
     task: byId("task").value,
     device: byId("device").value || null,
-    range_of_motion: [Number(byId("low").value), Number(byId("high").value)],
+    angle_range: [Number(byId("low").value), Number(byId("high").value)],
     adapt: byId("adapt").checked,
   };
   for (const { path: [key] } of numbers()) settings[key] = byId(key).value === "" ? null : Number(byId(key).value);
@@ -47,7 +47,7 @@ function fill({ settings, model, population, noise, film }) {
   showKept();
   for (const key of ["profile", "task", ...numbers().map(({ path }) => path[0])]) byId(key).value = settings[key] ?? "";
   byId("device").value = settings.device ?? "";
-  [byId("low").value, byId("high").value] = settings.range_of_motion;
+  [byId("low").value, byId("high").value] = settings.angle_range;
   byId("adapt").checked = settings.adapt;
   if (model) byId("model").value = model;
   if (population) byId("population").value = population;
@@ -191,7 +191,7 @@ byId("search").addEventListener("click", () => {
   attempt(box, async () => {
     const { settings, model, population, noise, film } = entered();
     const durations = byId("durations").value.split(",").map(Number).filter((value) => value > 0);
-    watch(await post("/api/protocols/design", { device: settings.device, range: settings.range_of_motion, rate_hz: settings.rate_hz, model, population, noise, film, durations, aim: byId("aim").value.trim(), effort: byId("effort").value, evaluations: Number(byId("evaluations").value) }));
+    watch(await post("/api/protocols/design", { device: settings.device, angle_range: settings.angle_range, rate_hz: settings.rate_hz, model, population, noise, film, durations, aim: byId("aim").value.trim(), effort: byId("effort").value, evaluations: Number(byId("evaluations").value) }));
   });
 });
 
