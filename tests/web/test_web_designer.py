@@ -138,7 +138,8 @@ def test_a_kept_protocol_is_the_command_lines_file(browser, tmp_path) -> None:
 
 def test_a_protocol_is_designed_in_the_browser(browser) -> None:
     asked = {"device": "achilles", "angle_range": [-0.6, 0.3], "rate_hz": 64.0,
-             "durations": [10, 12], "evaluations": 15, "aim": "mean", "population": "healthy"}  # fmt: skip
+             "durations": [10, 12], "evaluations": 15, "aim": "mean",
+             "population": "healthy"}  # fmt: skip
     job = browser.job(browser.post("/api/protocols/design", json=asked))
     assert job["state"] == "done", job
     assert "largest error" in job["message"]

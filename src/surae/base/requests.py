@@ -12,11 +12,6 @@ from surae.base.words import N_
 _MOST_FITS, _MOST_WORKERS = 1_000_000, 1000
 
 
-def _seed(what: str, most: int | None = None) -> Any:
-    text = f"Seed of the {what}; the numbers depend on nothing else that is random."
-    return setting(0, text, least=0, most=most, help=f"Seed of the {what}.")
-
-
 def _model(default: str, what: str) -> Any:
     text = f'{what} ``"auto"``: muscles on compliant tendons with all that the laboratory cannot '
     return setting(
@@ -29,15 +24,6 @@ def _film() -> Any:
         "", 'Muscles whose fascicles would be filmed: ``"tib"``, ``"gm"``, ``"gl"``, ``"sol"``.',
         type="str or sequence of str", metavar="MUSCLE,…",
         help="Fascicles that are filmed: tib, gm, gl, sol.",
-    )  # fmt: skip
-
-
-def _range(whose: str = "") -> Any:
-    return setting(
-        None, "The subject's full plantarflexion and dorsiflexion [rad]; by default what the fit's "
-        "recordings reached, or -0.9 … 0.6 rad, as far as the device reaches. Required for "
-        "patients.", metavar="LOW:HIGH", help="Full plantarflexion and dorsiflexion of the subject "
-        f"in rad, or as 20deg; required for patients.  [default: {whose}-0.9:0.6, or the device's]",
     )  # fmt: skip
 
 
@@ -75,7 +61,13 @@ class ExpectSettings(LegSettings):
 class DesignSettings(LegSettings):
     """What a protocol is searched for; see `surae.design`."""
 
-    angle_range: tuple[float, float] | None = _range("the fit's, or ")
+    angle_range: tuple[float, float] | None = setting(
+        None, "The subject's full plantarflexion and dorsiflexion [rad]; by default what the fit's "
+        "recordings reached, or -0.9 … 0.6 rad, as far as the device reaches. Required for "
+        "patients.", option="range", metavar="LOW:HIGH", help="Full plantarflexion and "
+        "dorsiflexion of the subject in rad, or as 20deg; required for patients.  [default: the "
+        "fit's, or -0.9:0.6, or the device's]",
+    )  # fmt: skip
     aim: str = setting(
         "worst", '``"worst"``: the largest relative standard error; ``"mean"``: the mean of their '
         "logarithms; or names of parameters and measures with commas between, e.g. "
