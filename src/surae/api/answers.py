@@ -13,9 +13,8 @@ from surae.api.recordings import as_in_fit
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.plugins import plugins
-from surae.base.renamed import renamed
 from surae.base.requests import ChangeSettings
-from surae.base.setting import takes
+from surae.base.setting import renamed, takes
 from surae.inference.validation import Prediction, predict_others
 from surae.measures.change import Change, compare_sessions
 from surae.measures.compared import common_end, quantities

@@ -10,9 +10,8 @@ from surae.base.files import PathLike
 from surae.base.names import EFFORTS, TELLING
 from surae.base.plugins import plugins
 from surae.base.progress import SearchProgress
-from surae.base.renamed import renamed
 from surae.base.requests import DesignSettings, ExpectSettings, LegSettings
-from surae.base.setting import Setting, checked, settings_of, takes
+from surae.base.setting import Setting, checked, renamed, settings_of, takes
 from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
 from surae.protocol import (

@@ -1,8 +1,10 @@
 """One record for each setting: option, form, schema, keyword and documentation are made from it."""
 
 import math
+import warnings
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
+from functools import wraps
 from inspect import Parameter, signature
 from numbers import Integral, Real
 from types import NoneType, UnionType
@@ -170,5 +172,27 @@ def takes(*requests: Any, defaults: bool = True) -> Callable[[F], F]:
         text = "\n".join(_described(each, keywords=True, without=there) for each in requests)
         function.__doc__ = docstring(function).replace("    {settings}", text)
         return function
+
+    return decorate
+
+
+def renamed(**words: str) -> Callable[[F], F]:
+    """Have a function, or a record, take keywords by the names that they had, until surae 0.4."""
+
+    def decorate(what: F) -> F:
+        called: Callable[..., Any] = vars(what)["__init__"] if isinstance(what, type) else what
+
+        @wraps(called)
+        def either(*args: Any, **keywords: Any) -> Any:
+            for old in words.keys() & keywords.keys():
+                now = words[old]
+                warnings.warn(f"{old} is called {now} now", DeprecationWarning, stacklevel=2)
+                keywords[now] = keywords.pop(old)
+            return called(*args, **keywords)
+
+        if not isinstance(what, type):
+            return either  # type: ignore[return-value]
+        type.__setattr__(what, "__init__", either)
+        return what
 
     return decorate

@@ -9,6 +9,7 @@ import numpy as np
 
 from surae.base.frozen import FrozenDict
 from surae.base.units import FloatArray
+from surae.base.words import N_
 from surae.model.joint import ANKLE, Value
 from surae.model.parameter import Added, Parameter
 from surae.model.prior import Prior
@@ -47,12 +48,18 @@ _TRAVEL = "for the muscles' larger travel by virtual work; spread assumed, no me
 _STRAINED = "Thelen 2003, times the slack length; its prior is that of the length"
 _REFLEX = "assumed: some Nm at a stretch of 3 rad/s; none known"
 
-_STRETCH_TRI = "stretch the relaxed triceps further: more dorsiflexion"
-_STRETCH_TIB = "stretch the relaxed tibialis further: more plantarflexion"
-_HOLD = "hold the stretched angle longer, with a passive part in the trial"
-_FORCE_TRI = "higher forces of the triceps, past the toe of its tendon"
-_FORCE_TIB = "higher forces of the tibialis, past the toe of its tendon"
-_STRAIN = "fix it, and let the strain factor vary instead"
+_STRETCH_TRI = N_("stretch the relaxed triceps further: more dorsiflexion")
+_STRETCH_TIB = N_("stretch the relaxed tibialis further: more plantarflexion")
+_HOLD = N_("hold the stretched angle longer, with a passive part in the trial")
+_FORCE_TRI = N_("ask for higher forces of the triceps, past the toe of its tendon")
+_FORCE_TIB = N_("ask for higher forces of the tibialis, past the toe of its tendon")
+_EFFORT = (
+    N_("ask for more effort of the tibialis"),
+    N_("ask for more effort of the gastrocnemius lateralis"),
+    N_("ask for more effort of the soleus"),
+    N_("ask for more effort of the gastrocnemius medialis"),
+)
+_STRAIN = N_("fix it, and let the strain factor vary instead")
 
 _P = Parameter
 #: The fifteen parameters of the muscle model (thesis Table 1, right), in the order of the thesis.
@@ -61,8 +68,8 @@ MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
        straight=True, drawn=_people((1.5, 2.7), (1.25, 2.0)), known=_people(
            Prior(2.0, 0.30, "foot 1.45 % of 50 … 100 kg (Winter 2009), footplate about 1 kg"),
            Prior(1.58, 0.30, "less than in health (van de Poll 2015, 2.5.4)")),
-       advice="move faster, with a chirp of more acceleration, or weigh foot and footplate and fix "
-       "it"),
+       advice=N_("move faster, with a chirp of more acceleration, or weigh foot and footplate and "
+                 "fix it")),
     _P("k_tri", "1/m", "stiffness coefficient, triceps surae", "passive", 150.0, 20.0, 600.0,
        known=_people(Prior(198.0, 0.20, _CHUNG), Prior(211.0, 0.20, _CHUNG)),
        drawn=_people((170.0, 230.0), (190.0, 235.0)),
@@ -86,7 +93,7 @@ MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
     *(
         _P(f"g{number}", "N/V", f"EMG weight, {muscle}", "active", 1e6, 0.0, 2e7, positive=False,
            wide=Prior(median, 1.0, _ELECTRODES_GIVE), drawn=_people(drawn),
-           advice=f"more effort of the {muscle.removesuffix(' anterior')}")
+           advice=_EFFORT[number - 1])
         for number, muscle, median, drawn in zip(
             (1, 2, 3, 4), MUSCLE_NAMES.values(), (6e5, 1e6, 1e6, 1e6),
             ((4e5, 8e5), (6e5, 1.2e6), (9e5, 1.7e6), (7e5, 1.3e6)), strict=True,
@@ -96,18 +103,18 @@ MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
        known=_people(Prior(0.0447, 0.20, _WARD), Prior(0.0378, 0.20, _SHORTER)),
        drawn=_people((0.040, 0.050), (0.034, 0.042)),
        travel=Value(0.080, 0.030, 0.20, 0.4, _TRAVEL),
-       advice="use more of the range of motion while the triceps is active"),
+       advice=N_("use more of the range of motion while the triceps is active")),
     _P("l0_tib", "m", "optimal length, tibialis anterior", "active", 0.080, 0.040, 0.130,
        known=_people(Prior(0.0794, 0.15, _WARD), Prior(0.0671, 0.15, _SHORTER)),
        drawn=_people((0.070, 0.090), (0.060, 0.075)),
        travel=Value(0.105, 0.040, 0.25, 0.4, _TRAVEL),
-       advice="use more of the range of motion while the tibialis is active"),
+       advice=N_("use more of the range of motion while the tibialis is active")),
     _P("f0", "Hz", "cut-off frequency of the activation filter", "active", 2.5, 0.3, 15.0,
        known=_people(Prior(1.96, 0.25, _FILTER)), drawn=_people((1.6, 2.4)),
-       advice="faster bursts of effort"),
+       advice=N_("ask for faster bursts of effort")),
     _P("beta", "-", "relative damping of the activation filter", "active", 1.0, 0.2, 4.0,
        known=_people(Prior(0.98, 0.25, _FILTER)), drawn=_people((0.8, 1.2)),
-       advice="faster bursts of effort, or fix it at 1, critical damping"),
+       advice=N_("ask for faster bursts of effort, or fix it at 1, critical damping")),
 )  # fmt: skip
 
 #: The tendons (thesis Table 2), after the fifteen; slack lengths matter to no torque and are
@@ -184,12 +191,12 @@ def _from_rest(inputs: "ModelInputs") -> FloatArray:
     return inputs.angle - JOINT_RESTS
 
 
-_GEOMETRY = "give the leg's own geometry"
-_LEVELS = "weak and strong efforts of the same muscle"
-_AXIS = "measure where the ankle lies from the device's axis, and fix it"
-_PLATE = "move the plate without the foot, and take its torque away"
-_ANGLES = "efforts at more angles and velocities"
-_REVERSALS = "turn the movement about under steady effort, fast and slowly"
+_GEOMETRY = N_("give the leg's own geometry")
+_LEVELS = N_("ask for weak and strong efforts of the same muscle")
+_AXIS = N_("measure where the ankle lies from the device's axis, and fix it")
+_PLATE = N_("move the plate without the foot, and take its torque away")
+_ANGLES = N_("ask for efforts at more angles and velocities")
+_REVERSALS = N_("turn the movement about under steady effort, fast and slowly")
 _M = _measurement
 #: What a model takes beside its own parameters: other drives of the muscles, and what the
 #: laboratory cannot rule out, by the name under which all of a group are freed. All are off at
@@ -200,19 +207,19 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
         _P("emd", "s", "electromechanical delay of the EMG", "active", 0.0, 0.0, 0.2,
            positive=False, straight=True, wide=Prior(
                0.03, 0.7, "20 to 100 ms with the surface EMG (Cavanagh and Komi 1979); assumed"),
-           advice="faster bursts of effort, or fix it at a measured delay"),
+           advice=N_("ask for faster bursts of effort, or fix it at a measured delay")),
     ),
     "reflex": (
         _P("reflex_tri", "N·s/m", "reflex gain, triceps surae", "active", 0.0, 0.0, 1e5, False,
            straight=True, wide=Prior(2e3, 1.5, _REFLEX),
-           advice="faster stretches of the relaxed triceps, at several speeds"),
+           advice=N_("stretch the relaxed triceps faster, and at several speeds")),
         _P("reflex_tib", "N·s/m", "reflex gain, tibialis anterior", "active", 0.0, 0.0, 1e5, False,
            straight=True, wide=Prior(2e3, 1.5, _REFLEX),
-           advice="faster stretches of the relaxed tibialis, at several speeds"),
+           advice=N_("stretch the relaxed tibialis faster, and at several speeds")),
         _P("reflex_delay", "s", "delay of the reflex", "active", 0.05, 0.02, 0.15, positive=False,
            straight=True,
            wide=Prior(0.05, 0.4, "short latency 40 ms and the muscle's own delay; assumed"),
-           advice="faster and shorter stretches at rest, held for half a second after each"),
+           advice=N_("stretch faster and shorter at rest, and hold for half a second after each")),
     ),
     "reflex_length": tuple(
         _M(f"reflex_length_{group}", "N/m", f"reflex to length beyond slack, {muscle}", 0.0, 1e6,
@@ -226,23 +233,23 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
     ),
     "crosstalk": tuple(
         _M(name, "-", f"crosstalk of {MUSCLES[of]} at {MUSCLES[hears]}", 0.0, 0.3,
-           "efforts of one muscle at a time, which show what the other electrodes hear of it")
+           N_("ask for efforts of one muscle at a time, which show what other electrodes hear"))
         for (hears, of), name in CROSSTALK.items()
     ),
     "emg_rest": tuple(
         _M(f"emg_rest_{at}", "V", f"EMG at rest, {muscle}", -1e-4, 1e-4,
-           "a part in which all muscles are at rest")
+           N_("include a part in which all muscles are at rest"))
         for at, muscle in MUSCLE_NAMES.items()
     ),
     "emg_shape": (_M("emg_shape", "-", "curvature of force over EMG", -5.0, 1.0, _LEVELS),),
     "torque_zero": (
         _M("torque_zero", "Nm", "zero of the torque", -30.0, 30.0,
-           "measure the zero of the torque's sensor, without a foot, and fix it",
+           N_("measure the zero of the torque's sensor, without a foot, and fix it"),
            Added("zero", _constant)),
     ),
     "angle_zero": (
         _M("angle_zero", "rad", "zero of the angle", -0.35, 0.35,
-           "measure the angle at which the foot is perpendicular to the shank, and fix it"),
+           N_("measure the angle at which the foot is perpendicular to the shank, and fix it")),
     ),
     "axis": (
         _M("axis_forward", "m", "ankle's axis before the device's", -0.03, 0.03, _AXIS),
@@ -258,18 +265,18 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
     ),
     "joint_spring": (
         _M("joint_stiffness", "Nm/rad", "stiffness of the joint beside the muscles", 0.0, 30.0,
-           "tare the empty plate, and move the relaxed ankle slowly over its whole range",
+           N_("tare the empty plate, and move the relaxed ankle slowly over its whole range"),
            Added("joint", _from_rest)),
         _M("joint_torque", "Nm", "torque of the joint's own tissue at −15°", -10.0, 10.0,
-           "tare the empty plate", Added("joint", _constant)),
+           N_("tare the empty plate"), Added("joint", _constant)),
     ),
     "joint_damper": (
         _M("joint_damping", "Nm·s/rad", "damping of the joint beside the muscles", 0.0, 5.0,
-           "move the relaxed ankle at several speeds", Added("joint", attrgetter("velocity"))),
+           N_("move the relaxed ankle at several speeds"), Added("joint", attrgetter("velocity"))),
     ),
     "plate_give": (
         _M("plate_give", "rad/Nm", "angle by which the foot plate gives way", 0.0, 4e-3,
-           "strap the foot tighter, or measure the angle at the ankle"),
+           N_("strap the foot tighter, or measure the angle at the ankle")),
     ),
     "arm": _both(
         _GEOMETRY,
@@ -301,16 +308,16 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
     "emg_power": (_M("emg_power", "-", "power of force over EMG, less one", -0.7, 1.0, _LEVELS),),
     "release": (
         _M("release", "s", "time by which force falls later than it rises", -0.05, 0.15,
-           "bursts of effort that end as fast as they begin"),
+           N_("ask for bursts of effort that end as fast as they begin")),
     ),
     "emg_lag": (
         _M("emg_lag", "s", "time constant by which envelopes lag the EMG", -0.05, 0.1,
-           "give the raw EMG, or envelopes of a filter that does not delay"),
+           N_("give the raw EMG, or envelopes of a filter that does not delay")),
     ),
     **{
         f"film_{at}": tuple(
             _M(f"film_{name}_{at}", unit, f"{meaning}, {muscle}", -limit, limit,
-               "film several places of the muscle")
+               N_("film several places of the muscle"))
             for name, unit, meaning, limit in (
                 ("scale", "-",
                  "filmed fascicle's changes of length over the muscle's, less one", 0.3),

@@ -13,7 +13,7 @@ from surae.base.files import PathLike, shown
 from surae.base.formatting import named
 from surae.base.plugins import Extended, plugins
 from surae.base.records import OrInfinite, from_file, read_toml
-from surae.base.renamed import renamed
+from surae.base.setting import renamed
 
 
 @renamed(range_of_motion="angle_range")

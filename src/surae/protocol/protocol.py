@@ -9,9 +9,8 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.frozen import as_read_only, read_only
-from surae.base.renamed import renamed
 from surae.base.requests import MotionSettings
-from surae.base.setting import documented
+from surae.base.setting import documented, renamed
 from surae.base.units import FloatArray
 from surae.protocol.adaptation import Adaptation, Motion, fit_device, peaks, refusal
 from surae.protocol.device import Device, allowed_range

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from surae.base.frozen import FrozenDict
+from surae.base.words import N_
 from surae.model import ModelSpec
 from surae.model.parameter import Parameter
 from surae.model.parameters import MUSCLE_PARAMETERS
@@ -23,9 +24,9 @@ PARAMETERS_2010: tuple[Parameter, ...] = (
     Parameter("b_tri", "N·s/m", "viscosity, triceps surae", "passive", 500.0, 0.0, 2e4,
        positive=False,
        wide=Prior(500.0, 1.5, "assumed, around the start of the model of 2010; none known"),
-       advice="stretch the relaxed triceps faster, and at several speeds"),
+       advice=N_("stretch the relaxed triceps faster, and at several speeds")),
     Parameter("F0", "N", "force shift, triceps surae", "passive", 0.0, -500.0, 500.0, False, True,
-       "add a passive part with the triceps slack: plantarflexion at rest"),
+       N_("add a passive part with the triceps slack: plantarflexion at rest")),
 )  # fmt: skip
 _NAMES = tuple(p.name for p in PARAMETERS_2010)
 _WEIGHTS = ("e1", "e2", "e3", "e4")
