@@ -13,8 +13,11 @@ ROOMS = {
     "inference": "Search, uncertainty and verdicts of a fit",
     "measures": "What is made of parameters, and what counts as a change",
     "trials": "What each trial of a session is",
+    "recording": "What a file is taken for, and when it is refused",
     "signals": "What is made of a recording before it is fitted",
-    "protocol/planning": "What a protocol will tell, and which tells most",
+    "model": "Equations, curves, and what a laboratory is taken to know",
+    "protocol": "Movements, devices, what a protocol will tell, and which tells most",
+    "studies": "Virtual legs",
 }
 #: What is longer is a table of its own, in letters.
 _LONGEST = 300
@@ -46,8 +49,8 @@ def _is_number(value: ast.expr) -> bool:
     parts = [n.value for n in ast.walk(value) if isinstance(n, ast.Constant)]
     numbers = [p for p in parts if isinstance(p, int | float) and not isinstance(p, bool)]
     calls = [n for n in ast.walk(value) if isinstance(n, ast.Call)]
-    plain = not any(isinstance(n, ast.Name) and n.id[:1].islower() and n.id != "np"
-                    for c in calls for n in ast.walk(c.func))  # fmt: skip
+    called = {n.id for c in calls for n in ast.walk(c.func) if isinstance(n, ast.Name)} - {"np"}
+    plain = not any(name == "Path" or name[:1].islower() for name in called)
     return bool(numbers) and plain and len(ast.unparse(value)) < _LONGEST
 
 

@@ -22,7 +22,7 @@ from surae.model.jit import jit
 
 IntArray = npt.NDArray[np.int64]
 
-# Terms of the series of φ2, and the norm below which it is summed: 14 terms at ½ leave 1e-19.
+#: Terms of the series of φ2, and the norm below which it is summed: 14 terms at ½ leave 1e-19.
 _TERMS = 14
 _SMALL = 0.5
 #: Where φ1 is summed, and the factors of its series: 12 terms at ¼ leave 1e-17.

@@ -19,7 +19,7 @@ from surae.model.options import ModelOptions
 from surae.model.parameters import OPTIONAL
 from surae.signals import ModelInputs, smooth_effort
 
-GRAVITY = 9.81
+GRAVITY = 9.81  #: Of the foot and the plate, as the thesis has it [m/s²].
 
 
 def inertia_torque(*, acceleration: FloatArray, distance: float = ANKLE.distance) -> FloatArray:

@@ -103,6 +103,7 @@ def _spanning(raw: PositionFunction, t: FloatArray, duration: float) -> FloatArr
     return (raw(t) - lowest) / (highest - lowest)
 
 
+#: To full dorsiflexion and to full plantarflexion, each held.
 RAMP_AND_HOLD = (Ramp(2.0, 1.0, 0.6), Ramp(10.0, 0.0, 0.6))
 
 
@@ -120,6 +121,7 @@ MULTIPLE_HOLDS = (
 )  # fmt: skip
 
 
+#: Two ramps with holds, while the subject is passive; then sines.
 MULTI_SINE_START = (Ramp(1.0, 1.0, 0.6), Ramp(7.0, 0.5, 0.25))
 
 

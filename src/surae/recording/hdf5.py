@@ -118,7 +118,7 @@ def write_text(item: Any, name: str, text: str) -> None:
 
 
 _MAGIC = b"surae recording 1, HDF5\n"
-_USER_BLOCK = 512
+_USER_BLOCK = 512  #: Before the HDF5, for our mark: the least of the format [bytes].
 #: Attributes of the file that are JSON; the others are texts.
 _JSON = ("fixed", "prepare", "device", "files")
 #: Rates are tried with so many decimals to find the one that gives the times to the last bit.
