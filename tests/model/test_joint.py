@@ -4,6 +4,7 @@ import ast
 import re
 from dataclasses import replace
 from datetime import datetime
+from functools import cache
 from html import unescape
 from pathlib import Path
 
@@ -123,8 +124,13 @@ UNREAD = {
 }  # fmt: skip
 
 
+@cache
 def literals_of(package):
     """File, line and text of every string of a package that documents nothing."""
+    return [*_literals_of(package)]
+
+
+def _literals_of(package):
     for path in sorted((Path(surae.__file__).parent / package).rglob("*.py")):
         if path.name == "joint.py" and package == "model":
             continue  # the ankle's own record
