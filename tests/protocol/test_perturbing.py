@@ -1,15 +1,21 @@
 """Perturbations and stretch series keep a device's limits, and tell what they are for."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import surae
+from perturbed_ankle import Ankle
+from surae.api.designing import as_trajectory
 from surae.base.errors import InputError
 from surae.base.names import TELLING
-from surae.protocol import named_device, write_protocol
+from surae.protocol import Protocol, generate, named_device, write_protocol
 from surae.protocol.device import Device
+from surae.protocol.planning.ready import ready_protocols
 from surae.quality.position import perturbing
-from surae_nerve.expected import USUAL, expected
+from surae_nerve.expected import _of_perturbation, series
+from surae_nerve.made import USUAL
 from surae_nerve.movements import PERTURBATIONS, REPEATS, telling
 
 
@@ -34,14 +40,30 @@ def test_a_slow_device_is_asked_for_less(name) -> None:
 
 
 @pytest.mark.parametrize("name", PERTURBATIONS)
-def test_a_perturbation_is_known_as_one_and_a_fit_is_not_expected_of_it(name, tmp_path) -> None:
+def test_a_perturbation_is_known_as_one_and_no_muscles_are_expected_of_it(name, tmp_path) -> None:
     movement = telling(name, None, (-0.5, 0.5), 256.0)
     assert perturbing(movement.angle, 256.0)
     write_protocol(movement, tmp_path / "p.csv", without_limits="a test")
-    with pytest.raises(InputError, match=f"{name}.* says"):  # a file does not say which it is
-        surae.expect(tmp_path / "p.csv")
-    with pytest.raises(InputError, match=f"surae protocol {name} says"):
-        surae.expect(movement)
+    for given in (tmp_path / "p.csv", movement):
+        with pytest.raises(InputError, match="leave model out"):
+            surae.expect(given, "muscle")
+        with pytest.raises(InputError, match="leave legs out"):
+            surae.expect(given, legs=3)
+        with pytest.raises(InputError, match="surae impedance"):
+            surae.expect(given, fit=tmp_path / "none.json")
+
+
+def test_series_of_stretches_are_known_and_other_ramps_are_not() -> None:
+    movement = telling("stretches", None, (-0.5, 0.5), 256.0)
+    assert series(movement)
+    assert not series(replace(movement, effort=np.ones_like(movement.effort)))
+    for profile in ("multiple-holds", "sine"):
+        assert not series(generate(Protocol(profile=profile, task="passive", duration=60.0)))
+
+
+@pytest.mark.slow
+def test_designed_protocols_are_no_series_of_stretches() -> None:
+    assert not any(series(as_trajectory(name)) for name in ready_protocols())
 
 
 def test_stretches_are_of_several_speeds_slow_ones_first() -> None:
@@ -57,15 +79,42 @@ def test_stretches_are_of_several_speeds_slow_ones_first() -> None:
         telling("stretches", Device("still", 0.1, 10.0, 80.0), (-0.5, 0.5), 256.0)
 
 
-def test_what_is_expected_grows_with_the_noise_of_time() -> None:
-    """Half of the record tells about 1.4 times less."""
-    movement = telling("prbs", None, (-0.5, 0.5), 256.0)
-    whole = expected(movement.time, movement.angle)
-    n = len(movement.time) // 2
-    half = expected(movement.time[:n], movement.angle[:n])
-    for name, value in (("intrinsic_stiffness", "stiffness"), ("reflex_gain", "gain")):
-        assert whole[name].value == USUAL[value]
-        ratio = np.ptp((half[name].low, half[name].high)) / np.ptp(
-            (whole[name].low, whole[name].high)
-        )
-        assert 1.0 < ratio < 2.2
+def test_stretches_are_expected_to_show_what_noise_does_not_hide() -> None:
+    movement = telling("stretches", named_device("achilles"), (-0.7, 0.5), 256.0)
+    told, noisy = surae.expect(movement), surae.expect(movement, noise=8.0)
+    assert all(each.seen == each.of > 0 for each in told.reflexes)
+    assert noisy.reflexes[0].seen < noisy.reflexes[0].of
+    assert all(each.without_emg == 0 for each in told.reflexes)  # it ends with the stretch
+    widths = [np.ptp(e.measures["neural_torque"].ci95) for e in (told, noisy)]
+    assert widths[0] < widths[1]
+    assert told.as_table().text().count("would be seen") == 3
+    with pytest.raises(InputError, match="usual leg"):
+        surae.expect(movement, fit="i.json")
+
+
+def test_a_reflex_in_too_much_noise_is_not_expected_to_be_seen() -> None:
+    movement = telling("multisine", None, (-0.5, 0.5), 256.0)
+    told = surae.expect(movement, noise=6.0)
+    assert told.reflexes[0].seen == 0
+
+
+@pytest.mark.slow
+def test_promised_widths_are_those_of_recordings_that_others_made() -> None:
+    """An ankle simulated apart: promised half-widths hold its errors, and are its intervals'."""
+    ankle = Ankle(seconds=60.0, rate=1000.0, branch=40.0, time=0.01, noise=0.15)
+    angle = ankle.moved(1)["angle"]
+    time = np.arange(len(angle)) / 1000.0
+    plain = telling("prbs", None, (-0.5, 0.5), 1000.0)
+    speed = np.gradient(angle, time)
+    movement = replace(plain, time=time, angle=angle, velocity=speed, acceleration=speed,
+                       effort=np.zeros((len(time), 4)))  # fmt: skip
+    own = {"stiffness": 60.0, "viscosity": 0.8, "inertia": 0.015}
+    measures, _ = _of_perturbation(movement, {**USUAL, **own}, 0.15)
+    names = {"intrinsic_stiffness": 60.0, "intrinsic_viscosity": 1.2, "inertia": 0.015}
+    found = [surae.impedance(ankle.recording(seed)).measures for seed in range(1, 6)]
+    for name, true in names.items():
+        promised = np.ptp(measures[name].ci95) / 2.0
+        real = np.median([np.ptp(each[name].ci95) / 2.0 for each in found])
+        assert 0.4 < promised / real < 2.5
+        errors = np.array([each[name].value - true for each in found])
+        assert np.abs(errors).max() < 1.5 * promised

@@ -16,7 +16,6 @@ from surae.protocol.adaptation import Adaptation, fit_device, peaks
 from surae.protocol.device import Device
 from surae.protocol.profiles import smooth_step
 from surae.protocol.protocol import Given, Trajectory
-from surae_nerve.expected import expected
 
 #: Length of a perturbation [s], and its size from end to end [rad].
 SECONDS, SIZE = 60.0, 0.03
@@ -150,16 +149,10 @@ def telling(
 
 
 def words(trajectory: Trajectory) -> list[str]:
-    """What a movement is for and will tell of a usual ankle, in lines."""
+    """What a movement is for, in lines; `expects` says what it will tell."""
     name, seconds = trajectory.settings.profile, trajectory.time[-1]
+    more = "surae expect says what it will tell."
     if name not in PERTURBATIONS:
         speeds = f"up to {math.degrees(abs(trajectory.velocity).max()):.0f} °/s"
-        return [f"{name}: {seconds:.0f} s, {speeds}, of the relaxed leg; then surae stretches."]
-    return [
-        f"{name}: {seconds:.0f} s about the middle of the range; then surae impedance. "
-        "Of a usual ankle with a reflex it tells, by noise alone:",
-        *(
-            f"  {measure} {own.value:g}: {own.low:.3g} to {own.high:.3g}"
-            for measure, own in expected(trajectory.time, trajectory.angle).items()
-        ),
-    ]
+        return [f"{name}: {seconds:.0f} s, {speeds}, relaxed; then surae stretches; {more}"]
+    return [f"{name}: {seconds:.0f} s about the middle of the range; then surae impedance; {more}"]

@@ -5,6 +5,7 @@ from types import FunctionType
 from typing import Any, TypeVar
 
 from surae.api.fitted import Fit
+from surae.api.fitting import load
 from surae.base.errors import InputError
 from surae.base.files import PathLike
 from surae.base.names import EFFORTS, TELLING
@@ -27,7 +28,7 @@ from surae.protocol import (
     read_protocol,
 )
 from surae.protocol.planning.design import Design, make_design
-from surae.protocol.planning.expectation import NOISE, Expectation, expected
+from surae.protocol.planning.expectation import NOISE, expected
 from surae.protocol.planning.information import filmed
 from surae.protocol.planning.legs import Legs, fit_legs, noise_of, population_legs
 from surae.protocol.planning.next import NextTrial, measure_next_of, told_by
@@ -279,13 +280,16 @@ def expect(
     protocol: str | PathLike | Trajectory,
     model: str = AUTO,
     *,
-    fit: Fit | None = None,
+    fit: Fit | PathLike | None = None,
     **keywords: Any,
-) -> Expectation:
+) -> Any:
     """Standard errors, intervals and verdicts that a protocol will give, over many legs.
 
     They come from the information matrix (the bound of Cramér and Rao), by exact sensitivities of
     the torque at virtual legs; no fit is made. What no model can describe is not in them.
+
+    Of small random perturbations, and of series of stretches where no model is named, it says what
+    `surae.impedance` and `surae.stretches` will find, by estimates from made recordings.
 
     Parameters
     ----------
@@ -295,15 +299,15 @@ def expect(
     model : str
         Name of a model; ``"auto"``: muscles on compliant tendons with all that the laboratory
         cannot rule out, under its priors.
-    fit : Fit, optional
+    fit : Fit or path, optional
         Instead of a population: one leg, as far as this fit knows it, which counts too; model and
-        noise are then the fit's.
+        noise are then the fit's. Of perturbations, what `surae.impedance` saved.
     {settings}
 
     Returns
     -------
-    Expectation
-        By parameter, and in all.
+    Expectation or NerveExpectation
+        By parameter, and in all; or by measure, and which reflexes would be seen.
 
     Raises
     ------
@@ -315,11 +319,16 @@ def expect(
     >>> surae.expect("sine", "muscle", legs=4).parameters["k_tib"].relative_sem
     """
     trajectory = as_trajectory(protocol)
-    if perturbing(trajectory.angle, trajectory.settings.rate_hz):
-        made = n if (n := trajectory.settings.profile) in TELLING else "prbs, pralds or multisine"
-        raise InputError(
-            f"{n}: small random perturbations do not show what a model of muscles needs; surae "
-            f"protocol {made} says what surae impedance will find")  # fmt: skip
+    small = perturbing(trajectory.angle, trajectory.settings.rate_hz)
+    series = plugins("movements", FunctionType).get("series")
+    if small or (series is not None and model == AUTO and series(trajectory)):
+        if model != AUTO or keywords.keys() - {"noise"}:
+            given = "model" if model != AUTO else min(keywords.keys() - {"noise"})
+            raise InputError(
+                f"{trajectory.settings.profile}: from perturbations and stretches no model of "
+                f"muscles is expected; leave {given} out")  # fmt: skip
+        return _of_nerve("expects")(trajectory, fit, **keywords)
+    fit = fit if fit is None or isinstance(fit, Fit) else load(fit)
     settings, options = parted(ExpectSettings, {"model": model, **keywords})
     rate_hz = trajectory.settings.rate_hz
     who, level = requested_legs(settings, fit, settings.legs, options, rate_hz)

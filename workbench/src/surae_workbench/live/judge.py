@@ -342,8 +342,13 @@ def _next_in(following: Mapping[str, Any], _: "Words") -> list[str]:
 
 
 def tells(protocol: str, fit: str | None = None) -> list[str]:
-    """What a trial will tell, as `surae.expect` says: of a fitted leg, else of healthy ones."""
-    expected = api.expect(protocol, fit=None if fit is None else api.load(fit))
+    """What a trial will tell, as `surae.expect` says: of a fitted leg, else of usual ones."""
+    expected = api.expect(protocol, fit=fit)
+    if not isinstance(expected, api.Expectation):  # of tissue and reflex
+        table = expected.as_table()
+        rows = (f"{name}, if it is {value} {unit}: {interval}"
+                for name, value, interval, unit, *_ in table.rows)  # fmt: skip
+        return [*table.above, *rows, *table.below]
     by: dict[str, list[str]] = {}
     for p in expected.parameters.values():
         width = "" if p.half_width is None else f" ± {100 * p.half_width:.2g} %"

@@ -27,7 +27,6 @@ from surae.api import (
     requested_limits,
     smooth_step,
     telling,
-    telling_words,
     write_protocol_csv,
 )
 from surae.base.cleaning import cleaned
@@ -194,9 +193,9 @@ class Room:
         """
         if self.trajectory is None:
             raise InputError("nothing is loaded; load a movement first")
-        if self.trajectory.settings.profile in TELLING:
-            return telling_words(self.trajectory)
-        fit = self.trials.file("joint.json") if self.trials.session.get("parameters") else None
+        of_muscles = self.trajectory.settings.profile not in TELLING
+        known = of_muscles and self.trials.session.get("parameters")
+        fit = self.trials.file("joint.json") if known else None
         arguments = {"protocol": str(self._file), "fit": None if fit is None else str(fit)}
         told: list[str] = self._expects.call("surae_workbench.live.judge:tells", arguments).result()
         return told
