@@ -10,7 +10,7 @@ from surae.base.names import DESIGNED, PROFILES, TELLING
 from surae.base.requests import ExpectSettings
 from surae.cli.options import completing, settings_options
 from surae.cli.paths import check_outputs
-from surae.cli.progress import compilation_notice
+from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_answer, show_files
 
 
@@ -31,7 +31,8 @@ def command(protocol: str, fitted: str | None, output: str | None, options: dict
     """
     check_outputs({"--output": output}, [fitted] if fitted is not None else [])
 
-    with compilation_notice():
+    with compilation_notice(), work() as progress:
+        progress.describe("estimating what to expect")
         expectation = api.expect(protocol, fit=fitted, **options)
     if output is not None:
         write_json(output, expectation.to_json())
