@@ -93,7 +93,9 @@ def test_the_contract_s_example(fit):
 
 
 def test_an_unknown_option_lists_the_known_ones(inputs, fit):
-    message = r"unknown option 'geometri' \(did you mean 'geometry'\?\); known options: geometry, "
+    message = (
+        r"option 'geometri' is not known \(did you mean 'geometry'\?\); use one of: geometry, "
+    )
     with pytest.raises(InputError, match=message):
         surae.fit(inputs, "muscle", geometri="thesis")
     with pytest.raises(InputError, match=message):

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 from surae.base import names
 from surae.base.errors import InputError
 from surae.base.file_form import filed
-from surae.base.formatting import listed, nearest
+from surae.base.formatting import check_known, listed
 from surae.base.frozen import FrozenDict
-from surae.base.setting import checked, documented, kind_of, setting, settings_of
+from surae.base.setting import Request, documented, setting
 from surae.base.words import N_
 from surae.model.knowledge import Knowledge
 from surae.model.options import ModelOptions, with_files
@@ -34,7 +34,7 @@ _OPTIONS = tuple(option.name for option in fields(ModelOptions))
 @filed(types="surae.signals")
 @documented
 @dataclass(frozen=True, slots=True)
-class FitSettings:
+class FitSettings(Request):
     """The settings of a fit; `of` makes them from keywords.
 
     Attributes
@@ -165,26 +165,7 @@ class FitSettings:
         from surae.model.laboratory import laboratory
         from surae.signals import Preparation
 
-        for each, record in settings_of(type(self)):
-            name, value, kind = each.name, getattr(self, each.name), kind_of(each)
-            if kind == "mapping" and not isinstance(value, Mapping):
-                raise InputError(f"{name} is {value!r}; give a mapping of names to values")
-            if isinstance(value, Mapping):
-                # A pair is a tuple; anything else is refused where it is used.
-                frozen = FrozenDict(
-                    (k, tuple(v) if isinstance(v, list) or hasattr(v, "__array__") else v)
-                    for k, v in value.items()
-                )
-                object.__setattr__(self, name, frozen)
-            elif kind in ("whole", "number") and value is not None:
-                whole = kind == "whole"
-                object.__setattr__(self, name, checked(name, value, record, whole=whole))
-            elif record.choices and each.default in (None, names.GEOMETRY_OF[0]) and value not in (
-                None, *record.choices
-            ):  # fmt: skip
-                # What else is to choose is refused by what reads it.
-                rule = f"use one of: {', '.join(record.choices)}"
-                raise InputError(f"{name} is {value!r}; {rule}")
+        Request.__post_init__(self)
         laboratory(self.beliefs)
         if self.geometry_of != names.GEOMETRY_OF[0] and isinstance(self.options.geometry, str):
             raise InputError("geometry_of has no effect without a geometry's file; give one")
@@ -231,12 +212,9 @@ class FitSettings:
             given |= _priors_of(given["priors"])
         if given.get("knowledge") is not None:
             given = _with_geometry(base, given, switches)
-        known = [f.name for f in fields(cls)]
+        known = (*_OPTIONS, *(f.name for f in fields(cls)))
         for name in given:
-            if name not in known:
-                others = ", ".join((*_OPTIONS, *known))
-                near = nearest(name, (*_OPTIONS, *known))
-                raise InputError(f"unknown option {name!r}{near}; known options: {others}")
+            check_known("option", known, name)
         return replace(base, **given, options=replace(options, **switches))
 
     @property

@@ -66,11 +66,11 @@ def test_settings_given_whole_yield_to_keywords():
 @pytest.mark.parametrize(
     ("asked", "says"),
     [
-        ({"geometri": 1}, "unknown option 'geometri'"),
+        ({"geometri": 1}, "option 'geometri' is not known"),
         ({"fixed": ["beta"]}, "give a mapping"),
         ({"starts": 0}, "starts is 0; give at least 1"),
         ({"starts": 2.5}, "whole number"),
-        ({"nuisances": "some"}, "use 'all', 'none'"),
+        ({"nuisances": "some"}, "use one of: all, none, or a mapping"),
         ({"nuisances": {"magic": (0, 1)}}, "no 'magic'"),
         ({"nuisances": {"zero": 3.0}}, "give mean and sd"),
         ({"seed": -1}, "at least 0"),

@@ -45,7 +45,7 @@ def test_defaults_are_the_thesis() -> None:
         ({"x_ref_tib": 0.0}, "x_ref_tib is 0.0; give more than 0"),
         (
             {"gravity": 9.81},
-            "unknown option 'gravity'; known options: geometry, tendon_strain, integrator, "
+            "option 'gravity' is not known; use one of: geometry, tendon_strain, integrator, "
             "theta_foot, vmax_factor, x_ref_tri, x_ref_tib, emg_ref, joint",
         ),
     ],

@@ -31,7 +31,7 @@ def vector(**changes: float) -> FloatArray:
 
 
 def test_unknown_model() -> None:
-    message = f"unknown model 'hill'; known models: {', '.join(MODELS)}"
+    message = f"model 'hill' is not known; use one of: {', '.join(MODELS)}"
     with pytest.raises(InputError, match=f"^{re.escape(message)}$"):
         get_model("hill")
 

@@ -161,7 +161,7 @@ def test_both_legs_leave_the_roles_open_until_the_side_is_said(tmp_path):
     left = inspect(path, side="left")
     assert left.roles["angle"].column == "ankle_angle_l"
     assert tomllib.loads(mapping_text(left, tmp_path))["side"] == "left"
-    with pytest.raises(InputError, match="side is 'both'; use one of: left, right"):
+    with pytest.raises(InputError, match="side 'both' is not known; use one of: left, right"):
         inspect(path, side="both")
 
 

@@ -44,7 +44,7 @@ def test_from_arrays():
         ({"acceleration": [0.1, 0.2, np.nan]}, "angular_acceleration, sample 3: nan"),
         ({"emg": np.zeros((4, 3))}, r"emg has shape \(4, 3\); it must be \(3, 4\).*ta, gl, sol"),
         ({"emg": np.full((3, 4), np.nan)}, "emg_ta, sample 1: nan"),
-        ({"emg_kind": "filtered"}, "'filtered'; use one of: raw, envelope"),
+        ({"emg_kind": "filtered"}, "'filtered' is not known; use one of: raw, envelope"),
     ],
 )
 def test_from_arrays_refuses(arguments, says):

@@ -151,7 +151,7 @@ def test_what_cannot_be_a_session(leg, tmp_path):
     ):
         with pytest.raises(InputError, match=says):
             surae.session(given)
-    with pytest.raises(InputError, match="effort of 'x': there is no such trial"):
+    with pytest.raises(InputError, match="effort of trial 'x' is not known"):
         surae.session(leg, efforts={"x": "passive"})
     with pytest.raises(InputError, match="use one of: passive, active, isometric, maximal"):
         surae.session(leg, efforts={"hold": "lazy"})

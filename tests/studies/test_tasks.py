@@ -84,7 +84,7 @@ def test_whatever_goes_wrong_is_an_outcome_with_its_reason() -> None:
     (task,) = tasks(TEXT)
     outcome = run_task(replace(task, population="martian"))
     assert outcome.status == "failed"
-    assert outcome.message.startswith("InputError: unknown population 'martian'")
+    assert outcome.message.startswith("InputError: population 'martian' is not known")
     assert (outcome.vaf, outcome.estimates) == (None, ())
 
 

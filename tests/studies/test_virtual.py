@@ -51,7 +51,7 @@ def test_passive_torque_of_the_population_is_that_of_the_literature():
 
 
 def test_an_unknown_population():
-    with pytest.raises(InputError, match=r"unknown population 'old'; .* healthy, patient"):
+    with pytest.raises(InputError, match=r"population 'old' is not known; .* healthy, patient"):
         virtual_subject(1, "old")
 
 

@@ -2,15 +2,14 @@
 
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass
 
 from surae.base.errors import InputError
 from surae.base.file_form import filed
-from surae.base.formatting import open_ends, significant
-from surae.base.progress import NamedProgress
+from surae.base.formatting import NO_NUMBER, significant
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.base.threads import cores, one_blas_thread
@@ -20,8 +19,17 @@ from surae.inference.assessment import described
 from surae_posterior.conditional import surface_of
 from surae_posterior.one_profile import ParameterProfile, check_profiled, profile, profiled
 
+#: Called with a parameter, how many profiles are done, and how many there are.
+NamedProgress = Callable[[str, int, int], None]
 #: How often to look for Ctrl-C where it does not end a wait [s].
 _LOOK = 0.5
+
+
+def open_ends(interval: Sequence[float | None] | None) -> str:
+    """An interval, either end of which may be open; a dash where there is none."""
+    if interval is None:
+        return NO_NUMBER
+    return " … ".join("open" if end is None else significant(end, 4) for end in interval)
 
 
 @filed(inflation_reason="variance_inflation_reason")

@@ -15,7 +15,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.file_form import filed
-from surae.base.formatting import NO_NUMBER, open_ends, significant
+from surae.base.formatting import NO_NUMBER, significant
 from surae.base.frozen import Comparable, read_only
 from surae.base.progress import Progress
 from surae.base.records import Saved
@@ -30,6 +30,7 @@ from surae.model.prior import Prior
 from surae.recording.frames import library
 from surae_posterior.density import Target
 from surae_posterior.importance import ENOUGH, Weighted, weighted_draws
+from surae_posterior.profiles import open_ends
 
 Status = Literal["reliable", "not reliable"]
 #: Width of a posterior, as a part of its prior's, from which the data are said to add little.

@@ -8,6 +8,7 @@ from surae.api.fitted import Fit
 from surae.api.fitting import load
 from surae.base.errors import InputError
 from surae.base.files import PathLike
+from surae.base.formatting import check_known
 from surae.base.names import EFFORTS, TELLING
 from surae.base.plugins import plugins
 from surae.base.progress import SearchProgress
@@ -173,8 +174,7 @@ def plan_session(
     >>> surae.plan_session(6.0).steps[0].name
     """
     minutes = checked("minutes", minutes, Setting(meaning="", above=0.0, most=240.0), whole=False)
-    if effort not in EFFORTS:
-        raise InputError(f"effort is {effort!r}; use one of: {', '.join(EFFORTS)}")
+    check_known("effort", EFFORTS, effort)
     asked = LegSettings(population=population, noise=noise)
     legs, level = requested_legs(asked, None, _PLANNED, ModelOptions(), 256.0)
     limits = as_device(device)

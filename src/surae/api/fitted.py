@@ -5,13 +5,14 @@ from dataclasses import dataclass
 from types import FunctionType
 from typing import TYPE_CHECKING, Any
 
-from surae.api.estimates import Estimates
 from surae.api.given import AnyRecording
 from surae.api.plots import Plots, numbered
 from surae.api.recordings import as_in_fit
 from surae.api.simulation import parts_of, tendon_of
-from surae.base.errors import InputError
+from surae.base.errors import InputError, UnknownNameError
 from surae.base.files import PathLike
+from surae.base.formatting import nearest
+from surae.base.frozen import FrozenDict
 from surae.base.plugins import plugins
 from surae.base.tables import Tabular, TextTable
 from surae.inference import AssessedFit
@@ -29,6 +30,24 @@ from surae.settings import FitSettings
 if TYPE_CHECKING:
     from surae.measures import Measures
     from surae.report.output import Report
+
+
+class Estimates(Tabular, FrozenDict[str, ParameterEstimate]):
+    """Parameters of a fit by name, which show themselves as a table."""
+
+    def __getitem__(self, name: str) -> ParameterEstimate:
+        if name not in self._entries:
+            raise UnknownNameError(
+                f"this fit has no parameter {name!r}{nearest(name, self._entries)}; it has: "
+                f"{', '.join(self._entries)}"
+            )
+        return self._entries[name]
+
+    def as_table(self) -> TextTable:
+        """A row for each: value, interval, unit, verdict."""
+        from surae.report.summary import estimates_table
+
+        return estimates_table(self.values())
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -6,8 +6,6 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import load
@@ -15,6 +13,7 @@ from surae.base.errors import InputError
 from surae.base.file_form import filed
 from surae.base.files import PathLike, shown, write_json, write_table
 from surae.base.frozen import FrozenDict
+from surae.base.packed import finite
 from surae.base.records import SESSION_FORMAT, from_plain, read_json, to_plain
 from surae.recording import SourceFile
 from surae.trials import Trial, TrialSet, common_errors
@@ -190,11 +189,6 @@ def _row(name: str, effort: str, fit: Fit) -> dict[str, Any]:
     return row
 
 
-def finite(value: float) -> float | None:
-    """A number, None where it is none."""
-    return float(value) if np.isfinite(value) else None
-
-
 def write_summary(result: SessionResult, root: Path) -> None:
     """Write index, tables and report; fits of earlier runs go to the trash."""
     set_aside(root, _results(result))
@@ -287,12 +281,10 @@ def load_session(folder: PathLike) -> SessionResult:
     data, where = read_json(root / INDEX), shown(root / INDEX)
     if data.get("format") != "surae session" or data.get("version") != SESSION_FORMAT:
         raise InputError(f"{where}: damaged, or of a newer surae")
-    try:
+    with InputError.within(where, "; damaged, or of a newer surae"):
         index = from_plain(_Index, data)
         session = from_plain(TrialSet, {**data, "mapping": None})
         result = from_plain(SessionResult, {**data, "session": session, "fits": {}, "joint": None})
-    except InputError as error:
-        raise InputError(f"{where}: {error}; damaged, or of a newer surae") from None
     return replace(
         result,
         fits={each.name: load(root / fit_name(each.name)) for each in index.trials if each.fit},

@@ -17,9 +17,10 @@ from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import fit_inputs, load
 from surae.api.recordings import checks_for, explained, in_set
-from surae.api.session_result import SessionResult, finite, write_index, write_summary
+from surae.api.session_result import SessionResult, write_index, write_summary
 from surae.base.errors import ComputationError, InputError
 from surae.base.files import PathLike
+from surae.base.packed import finite
 from surae.base.records import from_plain, to_plain
 from surae.base.threads import cores
 from surae.inference import Grade

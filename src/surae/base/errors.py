@@ -1,5 +1,8 @@
 """The errors of surae: one line each, saying what, where and what to do."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class SuraeError(Exception):
     """Base of every error that surae raises on purpose."""
@@ -11,6 +14,15 @@ class SuraeError(Exception):
 
 class InputError(SuraeError, ValueError):
     """A file, setting or argument is wrong; the message says which and how to mend it."""
+
+    @classmethod
+    @contextmanager
+    def within(cls, where: str, then: str = "") -> Iterator[None]:
+        """Have what is refused within say where it is, and what to do `then`."""
+        try:
+            yield
+        except InputError as error:
+            raise InputError(f"{where}: {error}{then}") from None
 
 
 class UnknownNameError(InputError, KeyError):

@@ -1,7 +1,7 @@
 """Numbers as text: as many digits as the standard error allows, powers of ten in print style."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
 from surae.base.errors import InputError
@@ -153,6 +153,13 @@ def signed(value: float, decimals: int) -> str:
     return _fixed(value, decimals) if math.isfinite(value) else NO_NUMBER
 
 
+def probability(value: float) -> str:
+    """A probability in percent that never claims to be certain, either way."""
+    if not 0.01 <= value <= 0.99:
+        return "< 1 %" if value < 0.01 else "> 99 %"
+    return f"{100 * value:.0f} %"
+
+
 def part(value: float | None) -> str:
     """A part in percent, to two digits."""
     if value is None:
@@ -181,17 +188,14 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f" (did you mean {near[0]!r}?)" if near else ""
 
 
-def named(what: str, known: Mapping[str, T], name: str) -> T:
-    """What has that name; another one is refused, and the nearest that there is named."""
+def check_known(what: str, known: Collection[str], name: object) -> None:
+    """Refuse a word that is none of those that are known, and say which is the nearest."""
     if name not in known:
-        raise InputError(
-            f"{what} {name!r} is not known{nearest(name, known)}; use one of: {', '.join(known)}"
-        )
+        near = nearest(str(name), known)
+        raise InputError(f"{what} {name!r} is not known{near}; use one of: {', '.join(known)}")
+
+
+def named(what: str, known: Mapping[str, T], name: str) -> T:
+    """What has that name; another one is refused as by `check_known`."""
+    check_known(what, known, name)
     return known[name]
-
-
-def open_ends(interval: Sequence[float | None] | None) -> str:
-    """An interval, either end of which may be open; a dash where there is none."""
-    if interval is None:
-        return NO_NUMBER
-    return " … ".join("open" if end is None else significant(end, 4) for end in interval)

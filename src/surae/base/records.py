@@ -125,10 +125,8 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 def from_file(kind: type[T], path: PathLike, plain: Mapping[str, Any]) -> T:
     """The record that a file has as plain data; what is wrong is said of the file."""
-    try:
+    with InputError.within(shown(path)):
         return from_plain(kind, plain)
-    except InputError as error:
-        raise InputError(f"{shown(path)}: {error}") from None
 
 
 def check_format(data: Mapping[str, Any], path: PathLike) -> None:

@@ -12,6 +12,7 @@ from typing import Any, TypeVar, get_args, get_origin
 
 from surae.base.docstrings import docstring
 from surae.base.errors import InputError
+from surae.base.frozen import FrozenDict
 from surae.base.names import Names
 
 T = TypeVar("T")
@@ -72,22 +73,33 @@ def kind_of(each: "Field[Any]") -> str:
 
 
 class Request:
-    """The settings alone: a value that one may not have is refused in a line."""
+    """The settings alone, mappings frozen; a value that one may not have is refused in a line."""
 
     __slots__ = ()
 
     def __post_init__(self) -> None:
         """Check each."""
         for each, record in settings_of(type(self)):
-            value = getattr(self, each.name)
-            if isinstance(value, Mapping) or (value is None and NoneType in parts_of(each.type)):
+            name, value, kind = each.name, getattr(self, each.name), kind_of(each)
+            parts = parts_of(each.type)
+            if value is None and NoneType in parts:
                 continue
-            of_file = record.file and is_dataclass(value)
-            if record.choices and not of_file and value not in record.choices:
+            if isinstance(value, Mapping):
+                # A pair is a tuple; anything else is refused where it is used.
+                value = FrozenDict(
+                    (k, tuple(v) if isinstance(v, list) or hasattr(v, "__array__") else v)
+                    for k, v in value.items()
+                )
+            elif kind == "mapping":
+                raise InputError(f"{name} is {value!r}; give a mapping of names to values")
+            elif kind in ("whole", "number"):
+                value = checked(name, value, record, whole=kind == "whole")
+            elif (record.choices and not (record.file and is_dataclass(value))
+                  and value not in record.choices):  # fmt: skip
                 known = ", ".join(record.choices) + ", or a file's path" * record.file
-                raise InputError(f"{each.name} is {value!r}; use one of: {known}")
-            if kind_of(each) in ("whole", "number"):
-                checked(each.name, value, record, whole=kind_of(each) == "whole")
+                known += ", or a mapping" * any(get_origin(part) is Mapping for part in parts)
+                raise InputError(f"{name} is {value!r}; use one of: {known}")
+            object.__setattr__(self, name, value)
 
 
 def checked(name: str, value: Any, record: Setting, *, whole: bool) -> Any:

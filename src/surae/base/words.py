@@ -5,7 +5,10 @@ import re
 from collections.abc import Callable
 from functools import cache
 from string import Formatter
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+if TYPE_CHECKING:
+    from importlib.resources.abc import Traversable
 
 
 def N_(message: str) -> str:
@@ -58,13 +61,18 @@ class Values(Formatter):
         return text if isinstance(value, str) else text.replace("-", "−")
 
 
+def catalogue(language: str) -> "Traversable":
+    """Where the sentences of a language are."""
+    from importlib.resources import files
+
+    return files("surae") / f"report/locale/{language}/LC_MESSAGES/surae.po"
+
+
 @cache
 def english() -> dict[str, str]:
     """Sentences in English by their codes."""
-    from importlib.resources import files
-
-    catalogue = files("surae") / "report/locale/en/LC_MESSAGES/surae.po"
-    pairs = re.findall(r'^msgid (".+")\nmsgstr (".+")$', catalogue.read_text("utf-8"), re.M)
+    text = catalogue("en").read_text("utf-8")
+    pairs = re.findall(r'^msgid (".+")\nmsgstr (".+")$', text, re.M)
     return {json.loads(code): json.loads(sentence) for code, sentence in pairs}
 
 

@@ -82,16 +82,14 @@ class _Lazy(click.Group):
             formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
 
 
-def _offered(name: str, distribution: str) -> click.Command | None:
+def _offered(name: str, distribution: str) -> click.Command:
     """The command that another distribution offers; `distribution` is where it should be."""
     from importlib.metadata import entry_points
 
     for point in entry_points(group="surae.commands", name=name):
         command: click.Command = point.load()
         return command
-    if distribution:
-        raise InputError(f'surae {name} is not installed; run pip install "{distribution}"')
-    return None
+    raise InputError(f'surae {name} is not installed; run pip install "{distribution}"')
 
 
 @click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})

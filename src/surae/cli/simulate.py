@@ -42,10 +42,8 @@ def command(
     spec = api.with_optional(api.get_model(model or source.model or "muscle"), source.values)
     settings = dict(source.options) | options
     known = api.ModelOptions.of(**settings)
-    try:
+    with InputError.within(shown(parameters)):
         values = spec.vector(source.values, known)
-    except InputError as error:
-        raise InputError(f"{shown(parameters)}: {error}") from None
     if source.emg_unit not in (None, inputs.emg_unit):
         raise InputError(
             f"{shown(recording)}: its EMG is in {inputs.emg_unit!r}, that of {shown(parameters)} "

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.base.errors import InputError
+from surae.base.formatting import check_known
 from surae.base.frozen import read_only
 from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
@@ -110,8 +110,7 @@ def fit_robust(
     Huber and Ronchetti, Robust Statistics (2009), chapter 7; Holland and Welsch, Robust regression
     using iteratively reweighted least-squares, Commun. Stat. A6 (1977).
     """
-    if loss not in LOSSES:
-        raise InputError(f"unknown loss {loss!r}; known losses: {', '.join(LOSSES)}")
+    check_known("loss", LOSSES, loss)
     begin = time.perf_counter()
     first = fit_problem(problem, starts=1, seed=seed, follow=follow)
     if first.status == "failed":

@@ -19,6 +19,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from surae.base.errors import InputError
+from surae.base.formatting import check_known
 from surae.base.names import POPULATIONS
 from surae.model import ModelOptions
 from surae.model.parameter import adapted
@@ -63,9 +64,7 @@ def population_priors(
     InputError
         The population is not known.
     """
-    if population not in POPULATIONS:
-        known = ", ".join(POPULATIONS)
-        raise InputError(f"no priors of population {population!r}; known populations: {known}")
+    check_known("population", POPULATIONS, population)
     table = adapted(PARAMETERS.values(), options or ModelOptions())
     believed = {name: p.known[population] for name, p in table.items() if p.known}
     return {name: (belief.median, belief.spread) for name, belief in believed.items()}

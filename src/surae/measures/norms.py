@@ -14,6 +14,7 @@ from importlib.resources import as_file, files
 from surae.base.errors import InputError
 from surae.base.file_form import filed
 from surae.base.files import PathLike
+from surae.base.formatting import probability
 from surae.base.normal import standard_error_of
 from surae.base.records import from_file, read_toml
 from surae.inference import Grade, Verdict
@@ -64,7 +65,7 @@ class Placed:
     @property
     def text(self) -> str:
         """The part below in percent, never none or all of a group of which some were measured."""
-        return _percent(self.below)
+        return probability(self.below)
 
     @property
     def ends(self) -> tuple[str, str] | None:
@@ -72,12 +73,7 @@ class Placed:
         if self.between is None:
             return None
         low, high = self.between
-        return _percent(low), _percent(high)
-
-
-def _percent(part: float) -> str:
-    percent = 100.0 * part
-    return "< 1 %" if percent < 1.0 else "> 99 %" if percent > 99.0 else f"{percent:.0f} %"
+        return probability(low), probability(high)
 
 
 def read_norms(path: PathLike | None = None, joint: Joint = ANKLE) -> tuple[Norm, ...]:

@@ -11,7 +11,7 @@ from typing import Any
 
 from surae.base.errors import InputError
 from surae.base.file_form import filed
-from surae.base.formatting import nearest
+from surae.base.formatting import check_known
 from surae.base.names import CHOICES
 from surae.base.setting import Request, documented, setting
 from surae.base.words import N_
@@ -123,11 +123,7 @@ class ModelOptions(Request):
         """
         known = [field.name for field in fields(cls)]
         for name in given:
-            if name not in known:
-                near = nearest(name, known)
-                raise InputError(
-                    f"unknown option {name!r}{near}; known options: {', '.join(known)}"
-                )
+            check_known("option", known, name)
         return cls(**with_files(given))
 
     @property

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from surae.base.errors import InputError
-from surae.base.formatting import nearest
+from surae.base.formatting import named, nearest
 from surae.base.frozen import Comparable
 from surae.base.names import ELSEWHERE
 from surae.base.plugins import Extended, plugins
@@ -224,10 +224,6 @@ def get_model(name: str) -> ModelSpec:
     InputError
         The name is unknown; the message lists the known ones.
     """
-    if name not in MODELS:
-        if name in ELSEWHERE:
-            raise InputError(f"model {name} is not installed; run pip install {ELSEWHERE[name]}")
-        raise InputError(
-            f"unknown model {name!r}{nearest(name, MODELS)}; known models: {', '.join(MODELS)}"
-        )
-    return MODELS[name]
+    if name in ELSEWHERE and name not in MODELS:
+        raise InputError(f"model {name} is not installed; run pip install {ELSEWHERE[name]}")
+    return named("model", MODELS, name)

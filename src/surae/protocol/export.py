@@ -14,9 +14,9 @@ from surae.recording.formats import open_table
 from surae.recording.source import open_source
 from surae.signals.resample import derivatives
 
-#: Column names: the position to follow and the effort to show to the subject.
 #: What a file says of the virtual legs by which its torque is judged, where they are others.
 _LEGS = "virtual legs: "
+#: Column names: the position to follow and the effort to show to the subject.
 COLUMNS = ("time_s", "angle_rad", *(f"emg_{muscle}" for muscle in MUSCLES))
 
 

@@ -12,7 +12,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from surae.base.errors import InputError
+from surae.base.formatting import check_known
 from surae.base.units import FACTORS, plain, spelled
+from surae.recording.recording import EMG_KINDS
 from surae.recording.roles import NAMES, TIMES
 from surae.recording.rows import Rows, is_clock, split
 from surae.recording.source import Source
@@ -22,7 +24,6 @@ from surae.recording.table import Column, Table, some
 DELIMITERS = ("\t", ";", ",")
 
 _NOTE = re.compile(r"#\s*(name|emg)\s*[:=]\s*(.*?)\s*")
-_EMG = ("raw", "envelope")
 
 #: Names of the time in files that are described by a mapping, beside our own.
 _OTHER_TIME = re.compile(
@@ -157,8 +158,7 @@ def _note(key: str, text: str, where: str) -> str:
     if key == "name":
         return text
     word = text.split()[0].casefold() if text.split() else ""
-    if word not in _EMG:
-        raise InputError(f"{where}: emg is {text!r}; use one of: {', '.join(_EMG)}")
+    check_known(f"{where}: emg", EMG_KINDS, word)
     return word
 
 

@@ -276,10 +276,8 @@ def _head(file: Any, where: str) -> _Head:
             attributes[name] = json.loads(attributes[name])
         except (ValueError, RecursionError):
             raise InputError(f"{where}: its attribute {name!r} is no JSON") from None
-    try:
+    with InputError.within(where):
         return from_plain(_Head, attributes)
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from None
 
 
 def _channel(group: Any, role: str, source: Source, clocks: dict[Any, FloatArray]) -> Channel:

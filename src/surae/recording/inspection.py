@@ -9,6 +9,7 @@ import numpy as np
 
 from surae.base.errors import InputError
 from surae.base.files import PathLike, paths_of, shown
+from surae.base.formatting import check_known
 from surae.base.frozen import FrozenDict
 from surae.base.units import FloatArray
 from surae.base.words import N_
@@ -66,8 +67,8 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
     --------
     >>> surae.inspect("lab.csv").roles["angle"].column
     """
-    if side is not None and side not in _SIDES:
-        raise InputError(f"side is {side!r}; use one of: {', '.join(_SIDES)}")
+    if side is not None:
+        check_known("side", _SIDES, side)
     every = [str(path) for path in paths_of(paths)]
     if not every:
         raise InputError("there is no file to inspect")

@@ -62,10 +62,8 @@ class Description:
     def of(cls, source: Source) -> "Description":
         """The mapping in a file, all of it checked."""
         source.require_text()
-        try:
+        with InputError.within(source.shown):
             description = cls(source, parse_toml("".join(source.lines())))
-        except InputError as error:
-            raise InputError(f"{source.shown}: {error}") from None
         if "channels" not in description.toml:
             raise InputError(
                 f"{source.shown}: no channels: a recording's TOML has [channels.angle] with file, "
@@ -127,10 +125,8 @@ class Description:
                 table[key] = table[key].isoformat()
             elif isinstance(table.get(key), str):
                 table[key] = " ".join(cleaned(table[key]).split()) or None
-        try:
+        with InputError.within(where):
             return from_plain(MappedRecording, table)
-        except InputError as error:
-            raise InputError(f"{where}: {error}") from None
 
     def _merged(self, own: Any, where: str) -> dict[str, Any]:
         """What differs in a trial, put into what holds for all."""
@@ -289,11 +285,9 @@ class _Reader:
     def _table(self, path: Path, own: MappedChannel, where: str) -> Table:
         """A data file's table that has the channel's column; errors say where it is named."""
         if path not in self.opened:
-            try:
+            with InputError.within(where):
                 source = open_source(path)
                 self.opened[path] = source, open_table(source, timed=False)
-            except InputError as error:
-                raise InputError(f"{where}: {error}") from None
         table = self.opened[path][1]
         count = table.names.count(own.column)
         if count > 1:

@@ -4,12 +4,12 @@ import re
 from collections.abc import Mapping, Sequence
 
 from surae.base.errors import InputError
+from surae.recording.recording import EMG_KINDS
 from surae.recording.rows import Rows
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, some
 
 _END = "endheader"
-_EMG = ("raw", "envelope")
 _ROWS = re.compile(r"(?:nRows|datarows)\s*[= ]\s*(\d{1,12})", re.IGNORECASE)
 
 #: Units of the rotational columns, by the header's ``inDegrees``.
@@ -49,7 +49,7 @@ def open_table(source: Source) -> Table:
                     f"{source.shown}: row {number}: inDegrees is {value!r}; use yes or no"
                 )
             units = _UNITS[value.casefold()]
-        elif key == "emg" and value in _EMG:  # as files of surae say
+        elif key == "emg" and value in EMG_KINDS:  # as files of surae say
             notes["emg"] = value
     header, line = next(((number, line) for number, line in lines if line.strip()), (0, ""))
     # Names may hold spaces where tabs separate them.

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from surae.base.errors import InputError
 from surae.base.files import shown
-from surae.base.formatting import nearest
+from surae.base.formatting import check_known, nearest
 from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.records import FileName
 from surae.base.units import SI, FloatArray, kind
@@ -27,6 +27,8 @@ MUSCLE_NAMES = {
 }
 MUSCLES = tuple(MUSCLE_NAMES)
 
+#: What the EMG of a recording may be.
+EMG_KINDS = ("raw", "envelope")
 #: Muscles whose fascicles are filmed: the tibialis, and those of the triceps.
 FILMED = ("tib", "gl", "sol", "gm")
 
@@ -319,8 +321,7 @@ class Recording:
             A shape is wrong, a sample is not finite, or time doesn't increase; the message names
             the array and the sample.
         """
-        if emg_kind not in ("raw", "envelope"):
-            raise InputError(f"{name}: emg_kind is {emg_kind!r}; use one of: raw, envelope")
+        check_known(f"{name}: emg_kind", EMG_KINDS, emg_kind)
         axis = _floats(time, name, "time")
         arrays = {"angle": angle, "torque": torque, "angular_velocity": velocity,
                   "angular_acceleration": acceleration}  # fmt: skip

@@ -11,7 +11,7 @@ from surae.measures.torque_curve import torque_curve
 from surae.report import block
 from surae.report.figures.leg import visits_figure
 from surae.report.language import MEASURES, Words, words_in
-from surae.report.leg import compared, visit_angle
+from surae.report.leg import angle_of, compared
 from surae.report.leg_cards import change_card, differing, light, reason_of, sides
 from surae.report.output import Report
 
@@ -26,7 +26,7 @@ def change_report(
     torque and stiffness are given at `angle` [deg].
     """
     _ = words_in(language, fits[1].result.problem.options.anatomy)
-    at = visit_angle(fits[1]) if angle is None else angle
+    at = angle_of(fits[1]) if angle is None else angle
     lead = compared(*fits, baselines=baselines, legs=change.legs)
     names = sides(change, _)
     worst = max(fits, key=lambda fit: list(Grade).index(fit.assessment.adequacy.grade)).assessment

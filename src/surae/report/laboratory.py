@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from surae.base.formatting import NO_NUMBER, estimate, significant
+from surae.base.formatting import NO_NUMBER, estimate, probability, significant
 from surae.inference import AssessedFit, FitResult, ParameterEstimate
 from surae.inference.adequacy import Grade
 from surae.inference.random_effects import trial_spread
@@ -127,8 +127,8 @@ def family_text(fit: AssessedFit) -> str:
     if chosen.weight < 0.5:
         better = "Several models fit these data about as well, the likeliest with"
     return (
-        f"{better} {departures} (probability {_chance(chosen.weight)}). The intervals include what "
-        "others would give."
+        f"{better} {departures} (probability {probability(chosen.weight)}). The intervals include "
+        "what others would give."
     )
 
 
@@ -152,9 +152,8 @@ def family_section(fit: AssessedFit) -> tuple[block.Section, ...]:
         ("Other sets of imperfections, in the intervals by their probability", variants),
     ):
         rows = block.rows(
-            (get_model(each.model).title,
-             _labels(fit.result, each) or "none",
-             _chance(each.weight))
+            (get_model(each.model).title, _labels(fit.result, each) or "none",
+             probability(each.weight))
             for each in candidates
         )  # fmt: skip
         if candidates:
@@ -201,10 +200,3 @@ def trials_section(fit: AssessedFit) -> tuple[block.Section, ...]:
     return (
         block.Section("From trial to trial", (block.Text(TRIALS), table), "trials", "together"),
     )
-
-
-def _chance(weight: float) -> str:
-    """A probability in percent that never claims to be certain."""
-    if weight > 0.99:
-        return "> 99 %"
-    return f"{100 * weight:.0f} %" if weight >= 0.01 else "< 1 %"

@@ -6,14 +6,11 @@ English messages stand in the source, in calls of `Words` that are named ``_``, 
 from collections.abc import Mapping, Sequence
 from functools import cache
 from gettext import NullTranslations
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from io import BytesIO
 
-from surae.base.errors import InputError
-from surae.base.formatting import ends, of_interval
+from surae.base.formatting import check_known, ends, of_interval
 from surae.base.names import LANGUAGES
-from surae.base.words import N_, Message, Values, english
+from surae.base.words import N_, Message, Values, catalogue, english
 from surae.model.joint import ANKLE, Joint
 from surae.quality.finding import KINDS, Finding
 
@@ -52,9 +49,7 @@ class Words:
     """
 
     def __init__(self, language: str = "en", joint: Joint = ANKLE) -> None:
-        if language not in LANGUAGES:
-            known = ", ".join(LANGUAGES)
-            raise InputError(f"no page in language {language!r}; use one of: {known}")
+        check_known("language", LANGUAGES, language)
         self.language, self._joint = language, joint
         self._decimal = "."
         self._messages = NullTranslations()
@@ -157,8 +152,3 @@ class _Values(Values):
 
 #: The messages of a language and a joint, read once.
 words_in = cache(Words)
-
-
-def catalogue(language: str) -> Traversable:
-    """Where the translations into a language are."""
-    return files("surae.report") / "locale" / language / "LC_MESSAGES" / "surae.po"

@@ -1,12 +1,13 @@
 """The first questions about a leg: how stiff, from what, whether it changed, can it be trusted."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import FunctionType
 
 import numpy as np
 
 from surae.base.plugins import plugins
+from surae.base.units import FloatArray
 from surae.inference import AssessedFit
 from surae.measures import Measures, measures
 from surae.measures.change import Change, compare_sessions
@@ -59,7 +60,7 @@ def leg_answers(
     fitted, `before` of an earlier visit; in `contradicted` parameters trials contradict each other.
     """
     holds, stretches = _measured(trials, fits)
-    of_fit, at = None, _angle(joint, holds, stretches)
+    of_fit, at = None, angle_of(joint, holds, stretches)
     known = read_norms(joint=ANKLE if joint is None else joint.result.problem.options.anatomy)
     if joint is not None:
         angles = {at, *ANGLES, *(_point(norm) for norm in known)}
@@ -68,10 +69,10 @@ def leg_answers(
     believed = m is not None and leg_cards.is_known(m) and not leg_cards.PASSIVE & set(contradicted)
     model = torque_curve(joint) if joint is not None and believed else None
     if joint is not None and model is not None:  # what was measured, as the curve and norms are
-        holds, stretches = _weightless(joint, holds, stretches)
+        result = joint.result
+        holds, stretches = _without(lambda at: weight_torque(result, at), holds, stretches)
     zero = 0.0 if model is None else _zero(model, holds, stretches)
-    holds = [replace(h, torque=h.torque - zero) for h in holds]
-    stretches = [Stretch(s.name, s.angle, s.loading - zero, s.unloading - zero) for s in stretches]
+    holds, stretches = _without(lambda _: zero, holds, stretches)
     slope = measured_slope(holds, stretches, at)
     follows = model is None or _follows(model, holds, slope)
     if m is not None and of_fit is not None and model is not None and follows:
@@ -138,11 +139,6 @@ def fixed_quantities(fit: AssessedFit, end: float) -> Quantities:
     return quantities(fit, ANGLES[:1], end, leg_cards.COMPARED)
 
 
-def visit_angle(fit: AssessedFit | None) -> float:
-    """Where visits are compared [deg]."""
-    return _angle(fit, (), ())
-
-
 def _measured(
     trials: Sequence[Trial], fits: Mapping[str, AssessedFit]
 ) -> tuple[list[HeldPoint], list[Stretch]]:
@@ -161,8 +157,8 @@ def _measured(
     return holds, stretches
 
 
-def _angle(
-    joint: AssessedFit | None, holds: Sequence[HeldPoint], stretches: Sequence[Stretch]
+def angle_of(
+    joint: AssessedFit | None, holds: Sequence[HeldPoint] = (), stretches: Sequence[Stretch] = ()
 ) -> float:
     """Where stiffness is given: 10°, or the nearest of every 5° that was measured."""
     ends = [h.angle for h in holds] + [float(a) for s in stretches for a in s.angle[[0, -1]]]
@@ -174,20 +170,16 @@ def _angle(
     return 5.0 * float(np.floor(near / 5.0) if near < AT else np.ceil(near / 5.0))
 
 
-def _weightless(
-    joint: AssessedFit, holds: Sequence[HeldPoint], stretches: Sequence[Stretch]
-) -> tuple[list[HeldPoint], list[Stretch]]:
-    """What was measured without the weight that the fit found."""
-    lighter = []
-    for each in stretches:
-        weight = weight_torque(joint.result, each.angle)
-        lighter.append(Stretch(each.name, each.angle, each.loading - weight,
-                               each.unloading - weight))  # fmt: skip
-    bare = [
-        replace(h, torque=h.torque - float(weight_torque(joint.result, np.array(h.angle))))
-        for h in holds
-    ]
-    return bare, lighter
+def _without(
+    torque: Callable[[FloatArray], FloatArray | float], holds: Sequence[HeldPoint],
+    stretches: Sequence[Stretch],
+) -> tuple[list[HeldPoint], list[Stretch]]:  # fmt: skip
+    """What was measured without a torque [Nm], a function of the angle [deg]."""
+    return (
+        [replace(h, torque=h.torque - float(torque(np.array(h.angle)))) for h in holds],
+        [replace(s, loading=s.loading - torque(s.angle), unloading=s.unloading - torque(s.angle))
+         for s in stretches],
+    )  # fmt: skip
 
 
 def _zero(model: TorqueCurve, holds: Sequence[HeldPoint], stretches: Sequence[Stretch]) -> float:

@@ -32,7 +32,7 @@ def fit_table(fit: AssessedFit, width: int = 100) -> TextTable:
     words = adequacy_words(assessment.adequacy)
     listed = estimates_table(shown_parameters(assessment))
     groups = [_notes(assessment), _helps(fit), _closing(fit)]
-    table = replace(
+    return replace(
         listed,
         above=(
             result.problem.spec.title,
@@ -41,9 +41,8 @@ def fit_table(fit: AssessedFit, width: int = 100) -> TextTable:
             *_leading(fit),
             *filter(None, [outdated(assessment)]),
         ),
-        below=tuple("\n".join(group) for group in groups if group),
+        below=tuple(_folded(filter(None, groups), width)),
     )
-    return replace(table, below=tuple(_folded(table.below, width)))
 
 
 def estimates_table(estimates: Iterable[ParameterEstimate]) -> TextTable:
@@ -67,11 +66,11 @@ def _leading(fit: AssessedFit) -> Iterator[str]:
             yield f"{in_a_line(m.name, m.value, m.ci95, m.unit)}, {span}: {m.verdict}"
 
 
-def _folded(groups: tuple[str, ...], width: int) -> Iterator[str]:
+def _folded(groups: Iterable[list[str]], width: int) -> Iterator[str]:
     """The lines of every group, an empty one between two."""
     for number, group in enumerate(groups):
         yield from [""] * (number > 0)
-        for line in group.splitlines():
+        for line in group:
             yield from textwrap.wrap(line, width, subsequent_indent="    ")
 
 

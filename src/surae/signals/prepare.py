@@ -72,10 +72,8 @@ def prepare(
     """
     if "angle" not in recording.channels:
         raise InputError(f"{recording.where}: there is no angle; add its column")
-    try:
+    with InputError.within(recording.where):
         settings = settings.updated(recording.prepare)
-    except InputError as error:
-        raise InputError(f"{recording.where}: {error}") from None
     rate_hz, time, signals, steps = (
         _as_they_are(recording) if prepared else _chain(recording, settings)
     )

@@ -85,7 +85,5 @@ class Preparation(Request):
             named("prepare: setting", known, name)
         optional = {each.name for each in fields(self) if NoneType in parts_of(each.type)}
         off = {name: None for name in optional if mapping.get(name) is False}
-        try:
+        with InputError.within("prepare"):
             return replace(self, **{**mapping, **off})
-        except InputError as error:
-            raise InputError(f"prepare: {error}") from None

@@ -25,7 +25,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from surae.base import names
-from surae.base.errors import InputError
+from surae.base.formatting import check_known
 from surae.model import ModelOptions, get_model
 from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
 from surae.model.registry import PARAMETERS
@@ -100,19 +100,12 @@ def virtual_subject(
     --------
     >>> surae.virtual_subject(seed=1).parameters
     """
-    check_population(population)
+    check_known("population", POPULATIONS, population)
     rng = np.random.default_rng([seed, list(POPULATIONS).index(population)])
     parameters = _drawn(POPULATIONS[population], rng)
     subject = VirtualSubject(population, seed, parameters)
     own = _drawn(TENDONS[population], stream(subject, "tendons"))
     return replace(subject, tendons=own) if tendons else subject
-
-
-def check_population(name: str) -> None:
-    """Refuse a population that there is not."""
-    if name not in POPULATIONS:
-        known = ", ".join(POPULATIONS)
-        raise InputError(f"unknown population {name!r}; known populations: {known}")
 
 
 def stream(subject: VirtualSubject, purpose: str, trial: int | None = None) -> np.random.Generator:

@@ -13,8 +13,8 @@ from string import digits
 
 import numpy as np
 
-from surae.base.errors import InputError
 from surae.base.file_form import filed
+from surae.base.formatting import check_known
 from surae.base.records import FileName
 from surae.inference.diagnosis import STILL
 from surae.quality.numeric import quantile, smooth
@@ -109,10 +109,8 @@ def sorted_trials(
     given = dict(efforts or {})
     names = [reading.name for reading in readings]
     for name, effort in given.items():
-        if name not in names:
-            raise InputError(f"effort of {name!r}: there is no such trial; trials: {names}")
-        if effort not in EFFORTS:
-            raise InputError(f"effort of {name} is {effort!r}; use one of: {', '.join(EFFORTS)}")
+        check_known("effort of trial", names, name)
+        check_known(f"effort of {name}:", EFFORTS, effort)
     levels: dict[str, dict[str, _Level]] = {}
     trials: list[Trial] = []
     steps: dict[str, tuple[str, str]] = {}

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.base.errors import InputError
+from surae.base.formatting import check_known
 from surae.base.frozen import Comparable, read_only
 from surae.base.units import FloatArray
 from surae.base.words import Message
@@ -17,7 +18,7 @@ from surae.model.laboratory import AUTO, COMPLIANT, EACH_TRIAL, NONE, group_of, 
 from surae.model.sources import Gaussian
 from surae.signals import emg_levels
 from surae.studies.leg import EMG_FULL, EMG_REST
-from surae.studies.populations import POPULATIONS, TENDONS, check_population, virtual_subject
+from surae.studies.populations import POPULATIONS, TENDONS, virtual_subject
 
 #: Largest deviation of a draw from a fit, as a factor's logarithm; and that of a parameter of
 #: which neither fit nor population says how far it may be off.
@@ -78,7 +79,7 @@ def population_legs(
     if options.anatomy != ANKLE:
         raise InputError("populations are known of the ankle alone; give a fit of the joint")
     if population is not None:
-        check_population(population)
+        check_known("population", POPULATIONS, population)
     names = list(POPULATIONS) if population is None else [population]
     spec, priors, free = _spec_of(model, nuisances)
     if not set(POPULATIONS["healthy"]) <= set(spec.names):
