@@ -11,7 +11,7 @@ from surae.inference import make_problem
 from surae.inference.banded import solve_band
 from surae.inference.empirical_bayes import BEGIN, learnt_sizes
 from surae.inference.family import Family
-from surae.inference.laplace import shifts_by_source
+from surae.inference.laplace import shifts_by_source, softened
 from surae.inference.latent import SOURCES
 from surae.inference.linearised import measured
 from surae.inference.noise import NoiseModel
@@ -110,8 +110,11 @@ def simulated(posterior: LogPosterior, sizes: dict[str, float], seed: int):
 @pytest.mark.parametrize(
     "true",
     [
-        {"gain": 0.1, "drift": 0.5, "misfit": 0.001},
-        pytest.param({"gain": 0.003, "drift": 0.02, "misfit": 0.05}, marks=pytest.mark.slow),
+        {"gain": 0.1, "drift": 0.5, "misfit": 0.001, "softening": 0.01},
+        pytest.param(
+            {"gain": 0.003, "drift": 0.02, "misfit": 0.05, "softening": 0.3},
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_known_sizes_are_learnt(true) -> None:
@@ -166,3 +169,27 @@ def test_a_banded_system_is_solved_as_a_dense_one() -> None:
     band = np.array([np.pad(np.diag(lower, -d), (0, d)) for d in range(4)])
     right = rng.normal(size=(9, 3))
     np.testing.assert_allclose(solve_band(band, right), np.linalg.solve(lower @ lower.T, right))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.35, -0.35])
+def test_tissue_that_softens_is_told_and_its_conditioned_state_is_read(share) -> None:
+    """Steady tissue, and such as becomes stiffer, is not said to soften."""
+    posterior, few = a_posterior(25.0), dict.fromkeys(SOURCES, 1e-06)
+    one, z, c = simulated(posterior, few, 3)
+    (latents,), at = posterior.latents, posterior.latents[0].slices["softening"]
+    c[at] = share * np.tile([0.0, 1.0, 0.0], 2)
+    more = posterior.observed.residual(z, c, np.zeros(0), 0)
+    more -= posterior.observed.residual(z, 0.0 * c, np.zeros(0), 0)
+    (recording,) = one.problem.inputs
+    torque = read_only(recording.torque + more)
+    problem = replace(one.problem, inputs=(replace(recording, torque=torque),))
+    one = LogPosterior(problem, one.priors, one.noise, [latents], BEGIN, beliefs=one.beliefs)
+    point = one.descend(z, evaluations=15, tolerance=0.1)
+    for _ in range(3):
+        one = one.having(sizes=learnt_sizes(one, point, BEGIN))
+        point = one.descend(point.z, point.c, evaluations=10, tolerance=0.1)
+    ((size, sd),) = softened(one, point, one.covariance(point))
+    assert (size > 3.0 * sd) == (share > 0.0)
+    apart = np.abs(point.z - z) / np.sqrt(np.diag(one.covariance(point)))
+    assert np.median(apart) < 1.0
+    assert apart[one.names.index("k_tri")] < 3.0

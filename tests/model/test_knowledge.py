@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from surae.base.errors import InputError
-from surae.model.knowledge import Knowledge, Plate, StatedAxis, StatedNumber
+from surae.model.geometry import moment_arm
+from surae.model.knowledge import Knowledge, Plate, StatedArm, StatedAxis, StatedNumber
 from surae.model.knowledge_file import known_from, read_knowledge, read_session_toml
 from surae.model.tare import tared, without
 from surae.settings import FitSettings
@@ -119,6 +120,8 @@ def said(tmp_path: Path, text: str) -> Path:
         ("[knowledge]\ngeometry_sd_percent = 3", "no effect without geometry"),
         ("[knowledge]\nheight_cm = 1.82", "at least 130"),
         ("[knowledge]\nfoot_mm = 250\ngeometry = 'g.csv'", "not both"),
+        ("[knowledge]\narm_tri_mm = 45", "arm_tri_mm"),
+        ("[knowledge]\narm_tri_mm = {value = 4.5, sd = 0.2}", "at least 25"),
         ("[knowledge]\nfoot_mm = 250\ngeometry_of = 'person'", "no effect without geometry"),
         ("[knowledge]\ngeometry = 'g.csv'\ngeometry_of = 'persn'", "did you mean 'person'"),
         ("[trials]\n'a.csv' = 'pasive'", "did you mean 'passive'"),
@@ -173,6 +176,21 @@ def test_arms_and_paths_go_with_the_foot_and_the_foot_with_the_height() -> None:
     assert "arm" in FitSettings.of(knowledge=tall).known
     assert "length" not in FitSettings.of(knowledge=tall).known
     assert FitSettings.of(knowledge={"height_cm": 190.0}).knowledge == tall
+
+
+def test_an_arm_by_excursion_is_that_of_the_model_at_neutral(tmp_path) -> None:
+    path = said(tmp_path, "[knowledge]\narm_tri_mm = {value = 42.0, sd = 1.5}\nheight_cm = 190\n")
+    settings = FitSettings.of(knowledge=path)
+    mean, sd = settings.beliefs["arm_scale_tri"]
+    assert moment_arm(np.zeros(1), 0)[0] * np.exp(mean) == pytest.approx(0.042)
+    assert sd == pytest.approx(1.5 / 42.0)
+    assert settings.beliefs["arm_scale_tib"] == (pytest.approx(np.log(190.0 / 175.0)), 0.08)
+    assert settings.knowledge.lines()[-1][:2] == (
+        "moment arm of the Achilles tendon", "42 ± 1.5 mm",
+    )  # fmt: skip
+    assert FitSettings.from_dict(settings.as_dict()) == settings
+    (name,) = Knowledge(arm_tib_mm=StatedArm(38.0, 2.0)).nuisances()  # the other as of any leg
+    assert name == "arm_scale_tib"
 
 
 def test_what_is_asked_goes_before_what_is_known() -> None:

@@ -20,7 +20,6 @@ from surae.inference.conflict import RARE
 from surae.inference.fascicles import fascicles_of
 from surae.inference.reasons import Reason, against
 from surae.inference.residual import centred_r2, counted
-from surae.inference.softening import softening
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.joint import Joint
 from surae.model.laboratory import group_of
@@ -53,6 +52,8 @@ _LEAVES = 2.0
 _BEYOND = 2.0
 #: Standard deviation [mm] from which on a filmed fascicle departs by more than trackers drift.
 _OFF_FILM = 2.5
+#: Least softening that matters, and its standard deviations from which it is no chance.
+_SOFTENS, _SURE = 0.06, 2.5
 #: Below this cut-off [Hz] EMG is taken for what the muscle makes of it.
 _ACTIVATION_HZ = 2.0
 
@@ -237,9 +238,9 @@ def _films(result: FitResult) -> Iterator[Reason]:
 
 def _softened(result: FitResult) -> Iterator[Reason]:
     """What is told is to hold for the leg as it stays: conditioned, as after several stretches."""
-    for each in softening(result):
-        if each.is_seen:
-            yield against("softened", trial=each.recording, stiffer=100.0 * each.size)
+    for recording, (size, sd) in zip(result.problem.inputs, result.found.softening, strict=False):
+        if size > max(_SOFTENS, _SURE * sd):
+            yield against("softened", trial=recording.name, stiffer=100.0 * size)
 
 
 def judge_prediction(

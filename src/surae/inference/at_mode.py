@@ -9,17 +9,11 @@ from surae.base.frozen import FrozenDict, read_only
 from surae.base.units import FloatArray
 from surae.base.versions import versions
 from surae.base.words import Message
+from surae.inference import laplace
 from surae.inference.conflict import FAR_ZERO, SAID, ZERO_NAME, Conflict, conflicts, with_zero
 from surae.inference.departures import Chosen
 from surae.inference.evidence import Subset
 from surae.inference.family import Family
-from surae.inference.laplace import (
-    UNSUPPORTED,
-    between_subsets,
-    between_trials,
-    dynamics,
-    shifts_by_source,
-)
 from surae.inference.least_squares import Outcome
 from surae.inference.posterior import LogPosterior, Point
 from surae.inference.problem import FitProblem
@@ -50,13 +44,13 @@ def summed(
     post, point, sets = chosen.posterior, chosen.mode, chosen.sets
     original, inputs = family.original, family.inputs
     blocks, V = point.blocks, post.covariance(point)
-    shifts = shifts_by_source(post, blocks, V)
-    departures = between_subsets(sets, chosen.names, post, V)
+    shifts = laplace.shifts_by_source(post, blocks, V)
+    departures = laplace.between_subsets(sets, chosen.names, post, V)
     beta = post.by_name(point.z).get("beta", 1.0)
-    shifts["model"] = np.concatenate([departures, dynamics(post, V, beta, unheard=False)])
+    shifts["model"] = np.concatenate([departures, laplace.dynamics(post, V, beta, unheard=False)])
     if original.has_unheard:
-        shifts["unheard"] = dynamics(post, V, beta, unheard=True)
-    shifts["trials"] = between_trials(blocks, V)
+        shifts["unheard"] = laplace.dynamics(post, V, beta, unheard=True)
+    shifts["trials"] = laplace.between_trials(blocks, V)
     against = _against(post, point, original)
     said = {g: c.probability for g, c in against.items() if c.probability < SAID}
     zero = against.pop(ZERO_NAME, None)
@@ -79,7 +73,7 @@ def summed(
     bound = [n for n in at_bounds(problem, values, TENDONS) if group_of(n) is None]
     status = "failed" if not finite else "at-bounds" if bound else "converged"
     best = min(cost for cost, _ in met)
-    kept = [sets[0], *(s for s in sets[1:6] if s.weight > UNSUPPORTED)]
+    kept = [sets[0], *(s for s in sets[1:6] if s.weight > laplace.UNSUPPORTED)]
     first, *others = (Candidate(COMPLIANT, s.groups, s.evidence, s.weight, {}) for s in kept)
     return FitResult(
         problem=problem,
@@ -109,6 +103,7 @@ def summed(
             contradicted=FrozenDict(said),
             gained=_gained(post, point),
             zero_wider=max(zero.ratio, 1.0) if zero else 1.0,
+            softening=tuple(laplace.softened(post, point, V)),
         ),
     )  # fmt: skip
 

@@ -29,9 +29,9 @@ _DRAWS = 16
 _SLOW, _EFFORT, _FEWEST = (0.3, 5.0), (0.1, 0.3), 50
 #: Standard deviations of the latents before anything is learnt, those above which parameters have
 #: to explain the torque, and those of none.
-BEGIN = {"gain": 0.03, "drift": 0.1, "misfit": 0.01}
-_MOST = {"gain": 0.15, "drift": 1.0, "misfit": 0.06}
-NEARLY_NONE = {"gain": 1e-3, "drift": 1e-2, "misfit": 1e-3}
+BEGIN = {"gain": 0.03, "drift": 0.1, "misfit": 0.01, "softening": 0.05}
+_MOST = {"gain": 0.15, "drift": 1.0, "misfit": 0.06, "softening": 0.5}
+NEARLY_NONE = {"gain": 1e-3, "drift": 1e-2, "misfit": 1e-3, "softening": 1e-3}
 #: Rounds in which noise and sizes are learnt at most, and the part of each standard deviation below
 #: which the mode rests.
 _ROUNDS, _AT_REST = 5, 0.1

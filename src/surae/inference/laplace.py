@@ -10,11 +10,12 @@ to its covariance.
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.linalg import cho_solve
 
 from surae.base.units import FloatArray
 from surae.inference.evidence import Subset, root
 from surae.inference.latent import SOURCES
-from surae.inference.posterior import Block, LogPosterior
+from surae.inference.posterior import Block, LogPosterior, Point
 from surae.model.laboratory import group_of
 from surae.model.sources import source_of
 
@@ -24,9 +25,15 @@ from surae.model.sources import source_of
 #: muscles are as these, 8 to 22 % where they are not (5 % held), 13 % where muscles let go slowly.
 DYNAMICS, ORDER, _RELEASED, _UNHEARD = ("f0", "beta"), 0.05, 0.10, 0.10
 #: What the latents are called among the sources.
-_CALLED = {"gain": "emg_gain", "drift": "torque_drift", "misfit": "left_out", "film": "film_drift"}
-#: Weight below which a set of departures is not looked at.
-UNSUPPORTED = 0.005
+_CALLED = {
+    "gain": "emg_gain",
+    "drift": "torque_drift",
+    "misfit": "left_out",
+    "softening": "softening",
+    "film": "film_drift",
+}
+#: Weight below which a set of departures is not looked at; rounding of a matrix's eigenvalues.
+UNSUPPORTED, _ROUNDING = 0.005, 1e-10
 
 
 def shifts_by_source(
@@ -55,6 +62,22 @@ def shifts_by_source(
             total = total + C
     shifts["noise"] = root(V - total)
     return shifts
+
+
+def softened(posterior: LogPosterior, point: Point, V: FloatArray) -> list[tuple[float, float]]:
+    """How much stiffer tissue was as each recording began, and its standard deviation.
+
+    Of the muscle group that tells it best, as a part of its torque.
+    """
+    found = []
+    for c, b, latents in zip(point.c, point.blocks, posterior.latents, strict=True):
+        at = latents.slices["softening"]
+        own = cho_solve(b.factor, np.eye(len(c)))[at, at] + b.solved[at] @ V @ b.solved[at].T
+        groups = np.repeat(np.eye(2), len(latents.softening), axis=1)  # all of it at no travel
+        size, sd = groups @ c[at], np.sqrt(np.diag(groups @ own @ groups.T))
+        best = int(np.argmax(size / sd))
+        found.append((float(size[best]), float(sd[best])))
+    return found
 
 
 def between_subsets(
@@ -104,13 +127,18 @@ def between_trials(blocks: Sequence[Block], V: FloatArray) -> FloatArray:
 
     What recording i pulls the common estimate by is V·gᵢ, of which the posterior expects the
     variance V·Hᵢ·V (Liang and Zeger 1986); few recordings tell the excess badly, so that it has the
-    factor n/(n − 1).
+    factor n/(n − 1). It is told along the principal axes of what is expected: stiffness and slack
+    length of tissue may both disagree where its torque does not.
     """
     n = len(blocks)
     if n < 2:
         return np.zeros((0, len(V)))
-    expected = sum((np.diag(V @ b.H @ V) for b in blocks), np.zeros(len(V)))
-    rows = np.stack([V @ b.g for b in blocks]) * np.sqrt(n / (n - 1.0))
+    scale = np.sqrt(np.diag(V))
+    expected = V @ np.sum([b.H for b in blocks], axis=0) @ V / np.outer(scale, scale)
+    sizes, axes = np.linalg.eigh(expected)
+    told = sizes > _ROUNDING * sizes[-1]
+    back = (axes[:, told] * np.sqrt(sizes[told])).T * scale
+    rows = np.stack([V @ b.g for b in blocks]) * np.sqrt(n / (n - 1.0)) / scale
+    rows = rows @ axes[:, told] / np.sqrt(sizes[told])
     seen = np.sum(rows**2, axis=0)
-    excess = np.sqrt(np.maximum(seen - expected, 0.0) / np.maximum(seen, 1e-300))
-    return np.asarray(rows * excess)
+    return np.asarray(rows * np.sqrt(np.maximum(seen - 1.0, 0.0) / np.maximum(seen, 1.0)) @ back)

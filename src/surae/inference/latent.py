@@ -1,11 +1,13 @@
 """What differs from moment to moment in one recording: slow gains, drift, and what no model has.
 
     T = T_model(z, E·exp(Σ c_g·hat)) + Σ c_d·hat + Σ c_m·hat(angle, velocity)·T_active
+        + Σ c_s·exp(−travel/settles)·T_tissue
 
 The gain of each electrode wanders within a trial, as skin and gel warm and muscles tire; so does
 the torque's zero; and what a model cannot express of a muscle's force is a smooth function of its
-length and velocity times that force. Each is a Gaussian process on hat functions, of a size that
-the data tell (`surae.inference.posterior`).
+length and velocity times that force. Tissue that has rested is stiffer for its first stretches
+(thixotropy): parameters are of tissue as it stays. All are Gaussian, of sizes that the data tell
+(`surae.inference.posterior`).
 """
 
 from collections.abc import Mapping
@@ -30,7 +32,9 @@ MOST, MOST_FAST = 40, 3000
 ANGLES, VELOCITIES = 5, 3
 #: Time [s] for which a change of the drive is followed.
 TAIL_S = 1.5
-SOURCES = ("gain", "drift", "misfit")
+SOURCES = ("gain", "drift", "misfit", "softening")
+#: Travel after which a softening has fallen to a third, in parts of the range that is moved.
+SETTLES = (0.5, 1.5, 4.5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +45,7 @@ class Latents:
     gain: FloatArray
     drift: FloatArray
     misfit: FloatArray
+    softening: FloatArray  #: What is left of it after each sample's travel, shape (k, n).
     muscles: tuple[int, ...]  #: Channels whose gain wanders.
     #: By source: where its values are, and the inverse of their correlation.
     slices: Mapping[str, slice]
@@ -64,7 +69,8 @@ class Latents:
         gain, at_gain = _hats_over_time(recording, seconds, GAIN_STEP_S)
         drift, at_drift = _hats_over_time(recording, seconds, DRIFT_STEP_S)
         misfit = _hats_over_movement(recording)
-        sizes = (len(muscles) * len(gain), len(drift), 2 * len(misfit))
+        softening = _left_to_soften(recording)
+        sizes = (len(muscles) * len(gain), len(drift), 2 * len(misfit), 2 * len(softening))
         ends = np.cumsum(sizes)
         slices = {
             source: slice(int(end - size), int(end))
@@ -75,6 +81,7 @@ class Latents:
             "gain": of_gain.astype(float),
             "drift": _inverse_correlation(at_drift, DRIFT_S),
             "misfit": np.eye(sizes[2]),
+            "softening": np.eye(sizes[3]),
         }
         films = views(recording)
         seen = slices_of(films, int(ends[-1]))
@@ -82,11 +89,17 @@ class Latents:
             slices["film"] = slice(seen[0].start, seen[-1].stop)
             inverses["film"] = block_diag(*(film.inverse for film in films))
         fast = Fast.of(recording, muscles)
-        return cls(gain, drift, misfit, muscles, slices, inverses, fast, films)
+        return cls(gain, drift, misfit, softening, muscles, slices, inverses, fast, films)
 
-    def of_active(self, *active: FloatArray) -> FloatArray:
-        """What each value of the misfit adds, of the groups' active torques [Nm], shape (30, n)."""
-        return np.concatenate([self.misfit * own for own in active])
+    def of_parts(self, active: FloatArray, tissue: FloatArray) -> FloatArray:
+        """What each value of misfit and softening adds, of the groups' torques [Nm], (36, n)."""
+        of_tissue = [self.softening * own for own in tissue]
+        return np.concatenate([*(self.misfit * own for own in active), *of_tissue])
+
+    @property
+    def of_model(self) -> slice:
+        """Where the values of misfit and softening are."""
+        return slice(self.slices["misfit"].start, self.slices["softening"].stop)
 
     def own_of_films(self) -> tuple[slice, ...]:
         """Where the latent values of each film are."""
@@ -228,6 +241,14 @@ def _hats_over_movement(recording: ModelInputs) -> FloatArray:
     over_speed = np.linspace(-1.0, 1.0, VELOCITIES)
     by_speed = hats(np.tanh(speed / fast), over_speed)
     return np.stack([a * v for a in hats(angle, over_angle) for v in by_speed])
+
+
+def _left_to_soften(recording: ModelInputs) -> FloatArray:
+    """What the travel before each sample leaves of a softening, shape (k, n)."""
+    angle = recording.angle
+    span = max(float(np.ptp(np.percentile(angle, [1.0, 99.0]))), 1e-6)
+    travel = np.append(0.0, np.cumsum(np.abs(np.diff(angle)))) / span
+    return np.asarray(np.exp(-travel / np.array(SETTLES)[:, None]))
 
 
 def _inverse_correlation(at: FloatArray, time: float) -> FloatArray:

@@ -155,12 +155,13 @@ class Observed:
         simulator, recording, latents, values = self._set(z, c, w, number)
         torque = simulator.torque(values)
         lift = c[latents.slices["drift"]] @ latents.drift
-        misfit, added = c[latents.slices["misfit"]], self._added[number]
-        if misfit.any():
+        own, added = c[latents.of_model], self._added[number]
+        if own.any():
             if added is None:
                 parts = simulator.parts(values)
-                added = latents.of_active(parts.neural_tri, parts.neural_tib)
-            lift = lift + misfit @ added
+                active = np.stack([parts.neural_tri, parts.neural_tib])
+                added = latents.of_parts(active, np.stack([parts.tissue_tri, parts.tissue_tib]))
+            lift = lift + own @ added
         if len(w) and self._noise[number]:
             noise = self._noise[number][0].lifted(w[:, None])[:, 0]
             if recording.weight is not None:
@@ -228,8 +229,8 @@ class Observed:
         own = whole[q:-1]
         added = self._added[number]
         if added is None:
-            added = self._added[number] = latents.of_active(*tangent.active)
-        own[latents.slices["misfit"]] = added
+            added = self._added[number] = latents.of_parts(tangent.active, tangent.tissue)
+        own[latents.of_model] = added
         own[latents.slices["drift"]] = latents.drift
         drift = latents.slices["drift"].start
         whole[-1] = tangent.torque - measured(recording) + c[drift:] @ own[drift:]

@@ -67,7 +67,7 @@ def marginal(
             value, scale = p.value, 1.0
             if not is_straight(name):
                 value, scale = np.log(max(p.value, 1e-300)), p.value
-            but = "path" if _by_path(name, problem) else ""
+            but = "path" if _by_path(name, problem) else "slack" if name == "x0_tri" else ""
             if budget.sd > _NARROWER * prior.sd * scale:
                 but = "no-better"
             elif abs(value - prior.mean) > _FAR * prior.sd and name not in problem.spec.weights:

@@ -127,6 +127,7 @@ class LeastSquares(_Found):
     contradicted: ClassVar[Mapping[str, float]] = FrozenDict()
     gained: ClassVar[tuple[float, ...]] = (1.0, 1.0)
     zero_wider: ClassVar[float] = 1.0
+    softening: ClassVar[tuple[tuple[float, float], ...]] = ()
     #: Parameters that may lie at their lower bound without being held by it.
     may_vanish: ClassVar[tuple[str, ...]] = ()
 
@@ -166,6 +167,9 @@ class PosteriorMode(_Found):
     gained: tuple[float, ...] = (1.0, 1.0)
     #: By how much wider the stated zero of the angle is taken, for the torque says another.
     zero_wider: float = 1.0
+    #: How much stiffer tissue was when each recording began, as a part of its torque, and its
+    #: standard deviation; of the muscle group that tells it best.
+    softening: tuple[tuple[float, float], ...] = ()
     outliers: ClassVar[None] = None  #: Its noise is learnt, and no loss is asked for.
     is_alone: ClassVar[bool] = False  #: The search goes on from the best start's end.
     #: A tendon that hardly stretches is a limit that a family reaches, and no end of its search.

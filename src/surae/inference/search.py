@@ -52,7 +52,8 @@ def resumed(result: FitResult) -> Reached:
         family = Family(result.problem)
         if found.sizes["gain"] == NEARLY_NONE["gain"]:
             family.hold_still()
-        post = family.posterior(found.candidates[0].groups, RATE_HZ, found.noise, found.sizes)
+        sizes = {**NEARLY_NONE, **found.sizes}  # older fits know of no softening
+        post = family.posterior(found.candidates[0].groups, RATE_HZ, found.noise, sizes)
         if len(found.films) != sum(len(own.films) for own in post.latents):
             raise InputError("this fit kept no noise of its films: fit again")
         noise = iter(found.films)

@@ -15,7 +15,7 @@ from surae.model.options import ModelOptions
 
 #: Offset [m] and slope [m/rad] of the moment arms of triceps and tibialis, equations (4) and (5)
 #: (Maganaris 1998, 1999).
-_ARMS = ((0.0480, -0.0104), (0.0393, 0.0171))
+ARMS = ((0.0480, -0.0104), (0.0393, 0.0171))
 #: l_m [m] and factor of the arm in equation (9).
 _LENGTHS = ((0.118, 1.67), (0.136, 1.56))
 #: Whether dorsiflexion lengthens the group, and the sign of its torque.
@@ -39,7 +39,7 @@ def moment_arm(angle: FloatArray, group: int) -> FloatArray:
     ndarray
         Arm [m], same shape.
     """
-    offset, slope = _ARMS[group]
+    offset, slope = ARMS[group]
     return offset + slope * angle
 
 
@@ -60,7 +60,7 @@ def muscle_length(
     slope : ndarray
         dx/dθ [m/rad].
     """
-    arm, (offset, bend) = moment_arm(angle, group), _ARMS[group]
+    arm, (offset, bend) = moment_arm(angle, group), ARMS[group]
     if options.geometry == "thesis":
         longest, factor = _LENGTHS[group]
         return longest - factor * arm, np.full_like(angle, -factor * bend)
@@ -101,7 +101,7 @@ def paths(
 def _assumed(options: ModelOptions, group: int, angle: FloatArray, velocity: FloatArray) -> Path:
     length, slope = muscle_length(angle, group, options)
     sign = _SIGNS[group]
-    arm_slope = sign * _ARMS[group][1]
+    arm_slope = sign * ARMS[group][1]
     # by virtual work the slope is the arm and bends with it; the printed product does not bend
     bends = options.geometry == "virtual-work"
     arm = sign * moment_arm(angle, group)

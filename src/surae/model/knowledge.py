@@ -51,6 +51,14 @@ class StatedNumber(Request):
 
 @filed(strict=True)
 @dataclass(frozen=True, slots=True)
+class StatedArm(StatedNumber):
+    """A moment arm with the foot perpendicular to the shank, by the tendon's excursion."""
+
+    value: float = _number("Excursion over the angle turned [mm/rad].", least=25.0, most=70.0)
+
+
+@filed(strict=True)
+@dataclass(frozen=True, slots=True)
 class StatedAxis(Request):
     """Where the ankle's axis lies from the device's, forward, or forward and up [mm]."""
 
@@ -106,8 +114,8 @@ class Plate:
 
 @filed(
     "table", strict=True, sparse=(
-        "geometry", "geometry_of", "geometry_sd_percent", "height_cm", "foot_mm", "crosstalk",
-        "crosstalk_of", "doubts",
+        "geometry", "geometry_of", "geometry_sd_percent", "height_cm", "foot_mm", "arm_tri_mm",
+        "arm_tib_mm", "crosstalk", "crosstalk_of", "doubts",
     ),
 )  # fmt: skip
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,6 +145,13 @@ class Knowledge(Request):
         None, "Length of the foot [mm], which goes before the height.", least=200.0, most=350.0,
         label=N_("Foot length [mm]"),
     )  # fmt: skip
+    arm_tri_mm: StatedArm | None = setting(
+        None, "Moment arm of the Achilles tendon, by its excursion [mm].",
+        label=N_("Arm of the Achilles tendon [mm]"),
+    )  # fmt: skip
+    arm_tib_mm: StatedArm | None = setting(
+        None, "That of the tibialis's tendon [mm].", label=N_("Arm of the tibialis’s tendon [mm]")
+    )
     #: Parts of another muscle's envelope that electrodes hear, by parameter, with their standard
     #: deviations, and the trial of one muscle at a time that shows them.
     crosstalk: Mapping[str, StatedNumber] = field(default_factory=FrozenDict)
@@ -152,8 +167,8 @@ class Knowledge(Request):
             near = nearest(self.geometry_of, GEOMETRY_OF)
             known = ", ".join(GEOMETRY_OF)
             raise InputError(f"geometry_of is {self.geometry_of!r}{near}; use one of: {known}")
-        if self.geometry and self.size:
-            raise InputError("give a geometry's file, or height and foot; not both")
+        if self.geometry and (self.size or self.arms):
+            raise InputError("give a geometry's file, or height, foot and arms; not both")
 
     def filled(self, other: "Knowledge") -> "Knowledge":
         """The same, with what it does not say from another."""
@@ -168,6 +183,12 @@ class Knowledge(Request):
         return (self.foot_mm or 10.0 * _FOOT * (self.height_cm or 0.0)) / (10.0 * _FOOT * _HEIGHT)
 
     @property
+    def arms(self) -> dict[str, StatedArm]:
+        """Moment arms that were measured, by group."""
+        arms = {"tri": self.arm_tri_mm, "tib": self.arm_tib_mm}
+        return {group: arm for group, arm in arms.items() if arm is not None}
+
+    @property
     def name(self) -> str:
         """What it is among other settings."""
         return "; ".join(f"{what} {how}" for what, how, _ in self.lines()) or "nothing"
@@ -176,12 +197,13 @@ class Knowledge(Request):
     def groups(self) -> frozenset[str]:
         """Groups of nuisances of which something is known: these are in every fit."""
         known = {"axis": self.axis_mm, "plate": self.plate, "crosstalk": self.crosstalk,
-                 "arm": self.geometry_sd_percent or self.size}  # fmt: skip
+                 "arm": self.geometry_sd_percent or self.size or self.arms}  # fmt: skip
         return frozenset(group for group, stated in known.items() if stated)
 
     def nuisances(self) -> dict[str, tuple[float, float]]:
         """Priors, mean and standard deviation, by parameter, in SI units."""
-        from surae.model.parameters import OPTIONAL  # NumPy, which help does without
+        from surae.model.geometry import ARMS  # NumPy, which help does without
+        from surae.model.parameters import OPTIONAL
 
         priors: dict[str, tuple[float, float]] = {}
         if self.axis_mm is not None:
@@ -198,6 +220,9 @@ class Knowledge(Request):
             scales = [n for n in OPTIONAL["arm"] if n.startswith(tuple(sds))]
             mean = math.log(self.size or 1.0)
             priors |= {name: (mean, sds[name[:-4]] / 100.0) for name in scales}
+        for group, own in self.arms.items():
+            assumed = 1e3 * ARMS[("tri", "tib").index(group)][0]
+            priors[f"arm_scale_{group}"] = math.log(own.value / assumed), own.sd / own.value
         return priors
 
     def lines(self) -> tuple[tuple[str, str, str], ...]:
@@ -221,6 +246,9 @@ class Knowledge(Request):
                 f"{self.size:.3g} times the assumed, ± {self.geometry_sd_percent or SCALED_SD:g} %"
             )
             rows.append(("moment arms", how, "height and foot"))
+        for group, arm in self.arms.items():
+            whose = {"tri": "of the Achilles tendon", "tib": "of the tibialis’s tendon"}[group]
+            rows.append((f"moment arm {whose}", f"{arm.value:g} ± {arm.sd:g} mm", "stated"))
         if self.crosstalk:
             largest = max(self.crosstalk.values(), key=lambda stated: stated.value)
             sds = sorted(stated.sd for stated in self.crosstalk.values())

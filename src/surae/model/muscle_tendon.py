@@ -86,7 +86,9 @@ class Tangent:
 
     torque: FloatArray  #: [Nm], shape (n,).
     jacobian: FloatArray  #: Its derivatives by the wanted columns, shape (c, n).
-    active: FloatArray  #: Torque of the contractile elements of both groups [Nm], shape (2, n).
+    #: `active`, `tissue`: torque of contractile elements and tissue of both groups [Nm], (2, n).
+    active: FloatArray
+    tissue: FloatArray
     lengths: FloatArray  #: Of both muscle groups [m], shape (2, n).
     length_jacobian: FloatArray  #: Their derivatives, (2, c, n); (2, 0, n) where not wanted.
     response: DriveResponse  #: To the muscles' drives.
@@ -192,7 +194,7 @@ class MuscleTendonSimulator(Simulator):
         arms = np.stack([muscle.arm for muscle in leg.muscles])
         return Tangent(
             into.torque, into.jacobian[:-1],
-            active=arms * (force - tissue), lengths=length,
+            active=arms * (force - tissue), tissue=arms * tissue, lengths=length,
             length_jacobian=np.empty((2, 0, n)) if seen is None else seen[:, :-1],
             response=self._response(p, linear, arms),
         )  # fmt: skip

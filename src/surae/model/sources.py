@@ -180,6 +180,10 @@ _SOURCES = (
         N_("record trials with other movements and efforts"),
         Fill("series-3", "|"), knowable=False),
     UncertaintySource(
+        "softening", "tissue that softens", "by how much tissue was stiffer in its first stretches",
+        N_("stretch the relaxed ankle ten times before the trial"), Fill("series-2", "/"),
+        fresh=True),
+    UncertaintySource(
         "film", "filmed fascicle", "how far the fascicle in the film differs from the whole muscle",
         N_("film a longer piece of the muscle, or several places of it"), Fill("series-1", "."),
         Nuisance(

@@ -17,8 +17,10 @@ function fill(element, props, children) {
     if (value === null || value === undefined || value === false) continue;
     if (name === "on") {
       for (const [event, listener] of Object.entries(value)) element.addEventListener(event, listener);
-    } else if (name === "value") element.value = value;
-    else if (name === "checked") element.checked = true;
+    } else if (name === "value") {
+      if (element.defaultValue !== undefined) element.defaultValue = value;
+      element.value = value;
+    } else if (name === "checked") element.checked = true;
     else element.setAttribute(name, value === true ? "" : String(value));
   }
   element.append(...children.flat(Infinity).filter((c) => c !== null && c !== undefined && c !== false));
@@ -27,7 +29,7 @@ function fill(element, props, children) {
 
 export const byId = (id) => document.getElementById(id);
 
-/** Put other children in the place of those an element has; the focus stays where it can. */
+/** Put other children in the place of those an element has; focus, and what is being typed, stay where they can. */
 export function replace(element, ...children) {
   const focused = element.contains(document.activeElement) ? document.activeElement : null;
   const key = focused?.id || focused?.dataset?.focus;
@@ -37,6 +39,10 @@ export function replace(element, ...children) {
       (e) => e.id === key || e.dataset.focus === key,
     );
     again?.focus();
+    if (again?.matches("input") && ![focused.defaultValue, again.value].includes(focused.value)) {
+      again.value = focused.value;
+      again.addEventListener("blur", () => again.dispatchEvent(new Event("change")), { once: true });
+    }
   }
 }
 

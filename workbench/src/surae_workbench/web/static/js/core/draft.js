@@ -25,9 +25,12 @@ export const draft = () => state?.draft ?? null;
 
 export const loadDraft = async () => settle(await get("/api/draft"));
 
-/** Change the draft; changes wait for one another. */
+/** Change the draft; changes wait for one another. One that builds on the draft is a function of it. */
 export function change(what, label, { merge = false } = {}) {
-  const done = queue.then(async () => settle(await patch("/api/draft", { change: what, label: label.slice(0, 120), merge })));
+  const done = queue.then(async () => {
+    const made = typeof what === "function" ? what(draft()) : what;
+    return settle(await patch("/api/draft", { change: made, label: label.slice(0, 120), merge }));
+  });
   queue = done.catch(() => null);
   return done;
 }

@@ -3,7 +3,7 @@
 import { field, h, replace, select } from "../core/dom.js";
 import { _ } from "../core/words.js";
 
-/** Draw the settings of a draft; `store(what, label)` keeps a change. */
+/** Draw the settings of a draft; `store(what, label)` keeps a change, made of the draft as it then is. */
 export function settingsForm(main, more, models, draft, store, recordings) {
   const shown = models.settings.filter((one) => inPlace(one, draft));
   const fields = (first) => shown.filter((one) => one.first === first).map((one) => setting(one, draft, store));
@@ -38,11 +38,8 @@ export function changeOf({ path, default: usual }, value, draft) {
 function setting(one, draft, store) {
   const now = valueOf(one, draft);
   const id = `set-${one.path.join("-")}`;
-  const keep = (value, label) => {
-    const change = changeOf(one, value, draft);
-    if (one.path[0] === "normalise" && value !== "mvc") change.mvc = [];
-    return store(change, label);
-  };
+  const more = (value) => (one.path[0] === "normalise" && value !== "mvc" ? { mvc: [] } : {});
+  const keep = (value, label) => store((now) => ({ ...changeOf(one, value, now), ...more(value) }), label);
   if (one.kind === "choice" || one.kind === "flag") {
     const flag = one.kind === "flag";
     const listed = one.choices.some(([value]) => value === now) || now === null ? now : one.default;
@@ -90,7 +87,7 @@ function stated(one, now, id, keep) {
 /** The empty device, which is recorded with the trials, or was taken away before. */
 function plate(draft, store) {
   const knob = select({ id: "set-knowledge-plate" }, [["", _("not known")], ["tared", _("taken away before (tared)")]], draft.knowledge?.plate ? "tared" : "");
-  knob.addEventListener("change", () => store(changeOf({ path: ["knowledge", "plate"] }, knob.value ? {} : null, draft), `${_("Empty device")}: ${knob.selectedOptions[0].textContent}`));
+  knob.addEventListener("change", () => store((now) => changeOf({ path: ["knowledge", "plate"] }, knob.value ? {} : null, now), `${_("Empty device")}: ${knob.selectedOptions[0].textContent}`));
   return field(_("Empty device"), knob);
 }
 
