@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.base.units import FloatArray
-from surae.model.jit import jit
+from surae.model.jit import inner, jit
 
 IntArray = npt.NDArray[np.int64]
 
@@ -36,7 +36,7 @@ _FACTORS = tuple(1.0 / math.factorial(j + 1) for j in range(11, -1, -1))
 _Element = tuple[float, float, float, float, float, float]
 
 
-@jit
+@inner
 def _times(x: _Element, y: _Element, beta: float) -> _Element:
     """Product of two functions of A, with its derivatives."""
     p, q, p_h, q_h, p_b, q_b = x
@@ -52,7 +52,7 @@ def _times(x: _Element, y: _Element, beta: float) -> _Element:
     )
 
 
-@jit
+@inner
 def _plus(x: _Element, constant: float) -> _Element:
     """Sum of x and constant·I."""
     return x[0] + constant, x[1], x[2], x[3], x[4], x[5]
@@ -257,7 +257,7 @@ def _steps(f0: float, beta: float, dt: float, late: float) -> tuple[FloatArray, 
     return steps, back
 
 
-@jit
+@inner
 def _four(row: FloatArray) -> tuple[float, float, float, float]:
     return row[0], row[1], row[2], row[3]
 
@@ -315,7 +315,7 @@ def _respond_with_derivatives(
         )
 
 
-@jit
+@inner
 def _phi1(z: float) -> tuple[float, float]:
     """φ1(z) = (e^z − 1)/z and its derivative, without the cancellation near zero, and fast."""
     if abs(z) > _NEAR:

@@ -22,7 +22,7 @@ from surae.base.units import FloatArray
 from surae.model.activation import IntArray
 from surae.model.contraction import FECC, MVSH, bridge_strain, force_length, force_velocity
 from surae.model.equilibrium import solve
-from surae.model.jit import jit
+from surae.model.jit import inner, jit
 from surae.model.rigid import K_REL, L0, TAU, X0, K
 from surae.model.tendon import tendon_curve, tendon_partials, tendon_shape
 
@@ -363,7 +363,7 @@ def drive_columns(
             out[c, t] = -arm[i] * linear[1, STIFFNESS, i] * x_n
 
 
-@jit
+@inner
 def advanced(row: FloatArray, v: float, w: float, before: float, now: float) -> float:
     """One state of the activation filter a step on, by a row of `filter_step`."""
     state: float = row[0] * v + row[1] * w + row[2] * before + row[3] * now

@@ -20,7 +20,7 @@ ends the muscle yields in a jump, which is what the equations say.
 import math
 
 from surae.model.contraction import MVSHL, bridge_strain, force_length, force_velocity
-from surae.model.jit import jit
+from surae.model.jit import inner, jit
 from surae.model.passive import elastic_force
 from surae.model.tendon import TendonCurve, tendon_force
 
@@ -39,7 +39,7 @@ Balance = tuple[float, float, float, float, float, float, float, float, float, f
 FREE = (0.0, 1.0, 0.0, 0.0)
 
 
-@jit
+@inner
 def balance(
     e: float, muscle: Muscle, curve: TendonCurve, step: Step, bridges: Bridges = FREE
 ) -> Balance:
@@ -140,7 +140,7 @@ def solve(
     return _search(tolerance, muscle, curve, step, bridges)
 
 
-@jit
+@inner
 def _curvature(here: Balance, step: Step, muscle: Muscle) -> float:
     """Second derivative of the residual, as far as it is the force-velocity curve's [N/m²]."""
     fl, fv, fv_v = here[6], here[8], here[9] * step[2]
@@ -150,7 +150,7 @@ def _curvature(here: Balance, step: Step, muscle: Muscle) -> float:
     return step[5] * fl * 2.0 * fv_v * fv_v / (top - fv)
 
 
-@jit
+@inner
 def _corrected(here: Balance, change: float, k: float) -> Balance:
     """The balance with its forces carried along the last Newton step."""
     force = max(here[2] + here[3] * change, 0.0)
@@ -161,7 +161,7 @@ def _corrected(here: Balance, change: float, k: float) -> Balance:
     )  # fmt: skip
 
 
-@jit
+@inner
 def _search(
     tolerance: float, muscle: Muscle, curve: TendonCurve, step: Step, bridges: Bridges
 ) -> tuple[bool, float, Balance]:

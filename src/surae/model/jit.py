@@ -32,7 +32,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 _PACKAGE = Path(__file__).resolve().parents[1]
 _KERNEL_FOLDERS = ("model", "inference", "protocol/planning")
 #: What a source that has kernels says; they may take constants from such sources only.
-_IMPORT = b"from surae.model.jit import jit\n"
+_IMPORT = b"from surae.model.jit import "
 #: So many folders are kept, and any that was used within so many days.
 _KEPT, _KEPT_DAYS = 3, 2.0
 
@@ -116,14 +116,19 @@ def on_compilation(notice: Callable[[], None]) -> Iterator[None]:
         yield
 
 
-def jit(function: F) -> F:
+def inner(function: F) -> F:
+    """As `jit`, of what kernels alone call: not to be called by Python spares its wrapper."""
+    return jit(function, no_cpython_wrapper=True)
+
+
+def jit(function: F, **more: bool) -> F:
     """Compile `function` with numba: no GIL, IEEE arithmetic, cached on disk."""
     config: Any = numba.config
     previous = config.CACHE_DIR
     config.CACHE_DIR = str(cache_folder())  # numba reads it when it decorates
     try:
         # Nobody calls them by address: to allow for that is a tenth of their compilation.
-        options: Any = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+        options: Any = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True, **more}
         compiled: Any = numba.njit(cache=True, **options)(function)
     finally:
         config.CACHE_DIR = previous
