@@ -1,6 +1,8 @@
 """What a fit costs beside the plain fit that a laboratory writes: processor time, in one run.
 
-Single trials of 35 s of virtual legs; one thread on both sides. Run it as
+Two forms of it: `baseline.py`, a torque as a function of the parameters and least squares within
+bounds; `lean.py`, with all that no parameter changes computed beforehand. Single trials of 35 s of
+virtual legs; one thread on both sides. Run it as
 
     OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 .venv/bin/python benchmarks/speed.py [--families a,c,h]
 
@@ -18,16 +20,18 @@ from pathlib import Path
 
 import surae
 
-from baseline import fit as plain_fit
+import baseline
+import lean
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "legs" / "src"))
 from ankle_legs.make import make
 
-ROWS = {
-    "one": "plain fit of a trial of 35 s, against one start of `muscle` with its assessment",
-    "eight": "the same, against eight starts",
-    "auto": "`auto`, against the plain fit",
+CALLS = {
+    "one start of `muscle` with its assessment": {"model": "muscle", "starts": 1},
+    "eight starts of `muscle`": {"model": "muscle", "starts": 8},
+    "`auto`": {},
 }
+PLAIN = {"`baseline.py`": baseline.fit, "`lean.py`": lean.fit}
 
 
 def seconds(call: Callable[[], object]) -> float:
@@ -37,19 +41,25 @@ def seconds(call: Callable[[], object]) -> float:
     return time.process_time() - begin
 
 
-def ratios(path: Path) -> dict[str, float]:
-    """What each costs as a ratio to the plain fit, which is timed before and after."""
+def ratios(path: Path) -> dict[tuple[str, str], float]:
+    """By form and call: the plain fit, timed before and after, as a ratio to what surae takes."""
     problem = surae.fit(path, model="muscle", starts=1, quality=()).result.problem
     surae.fit(path, quality=())  # kernels are loaded
 
-    def fit(**keywords: object) -> float:
-        return seconds(lambda: surae.fit(problem.inputs, quality=(), **keywords))
+    def plain() -> dict[str, float]:
+        return {name: seconds(lambda fit=fit: fit(problem)) for name, fit in PLAIN.items()}
 
-    before = seconds(lambda: plain_fit(problem))
-    one, eight = fit(model="muscle", starts=1), fit(model="muscle", starts=8)
-    auto = fit()
-    plain = 0.5 * (before + seconds(lambda: plain_fit(problem)))
-    return {"one": plain / one, "eight": plain / eight, "auto": auto / plain}
+    before = plain()
+    own = {
+        name: seconds(lambda asked=asked: surae.fit(problem.inputs, quality=(), **asked))
+        for name, asked in CALLS.items()
+    }
+    after = plain()
+    return {
+        (form, name): 0.5 * (before[form] + after[form]) / cost
+        for form in PLAIN
+        for name, cost in own.items()
+    }
 
 
 def main() -> None:
@@ -64,10 +74,10 @@ def main() -> None:
             ratios(make(family, given.seed, Path(folder), (1,))[0])
             for family in given.families.split(",")
         ]
-    for name, text in ROWS.items():
-        each = [ratio[name] for ratio in found]
-        spread = f"{min(each):.1f}–{max(each):.1f}"
-        print(f"| {text} | {statistics.median(each):.1f} × ({spread}) | `benchmarks/speed.py` |")
+    for form, name in found[0]:
+        each = [ratio[form, name] for ratio in found]
+        middle, low, high = (f"{f(each):.2g}" for f in (statistics.median, min, max))
+        print(f"| plain fit of 35 s, {form}, against {name} | {middle} × ({low}–{high}) |")
 
 
 if __name__ == "__main__":
