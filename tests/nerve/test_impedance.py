@@ -9,6 +9,7 @@ import pytest
 from scipy import signal
 
 import surae
+from perturbed_ankle import Ankle
 from surae.base.errors import InputError
 from surae.recording import Recording
 from surae_nerve.identify import Number
@@ -56,6 +57,22 @@ def test_a_torque_of_the_other_sign_is_turned_and_that_is_said(ankle) -> None:
     turned = surae.impedance(Recording.from_arrays(**moved | {"torque": -moved["torque"]}))
     assert turned.measures == plain.measures
     assert "sign was turned" in turned.recordings[0].notes[0]
+
+
+@pytest.mark.parametrize("samples", [0, 6, 10, 15])
+def test_a_torque_that_is_late_is_moved_back_and_no_other(samples) -> None:
+    """By 12 to 30 ms of a leg with a strong reflex; one that is not late stays, also turned."""
+    own = Ankle(seconds=30.0, gain=8.0).moved()
+    torque = own["torque"]
+    own["torque"] = np.concatenate([np.full(samples, torque[0]), torque[: len(torque) - samples]])
+    moved, _ = turned(usable("x", *own.values()))
+    if samples:
+        assert f"{2 * samples} ms later" in moved.notes[-1]
+        assert not any("turned" in note for note in moved.notes)
+    else:
+        assert not moved.notes
+        own["torque"] = -torque
+        assert "turned" in turned(usable("x", *own.values()))[0].notes[-1]
 
 
 def test_a_sign_is_not_turned_by_inertia_alone(ankle) -> None:

@@ -35,6 +35,9 @@ DIRECTIONS = {1: "dorsiflexion", -1: "plantarflexion"}
 #: By how many of its deviations torque may stay behind at its ends: of 24 legs (qa to qj) at most
 #: 0.08; 0.3 to 0.9 where a fifth of it or more was limited, and then filtered.
 BEHIND = 0.15
+#: Latenesses of the torque [s] that are tried beyond those that are estimated (± 8 ms), where it
+#: would else be of the other sign.
+LATER = (0.016, 0.03)
 #: Half-widths of intervals, as parts of the value, up to which it is identified and weak.
 IDENTIFIED, WEAK = 0.1, 1.0
 
@@ -344,6 +347,9 @@ def turned(samples: Samples) -> tuple[Samples, list[Piece]]:
     problem = Problem(pieces, noise_of(pieces, [p.bins(p.torque) for p in pieces]))
     judged = Judged(problem, problem.fit(PLAIN, {}))
     both = [judged.number(name, INTRINSIC[name]) for name in ("intrinsic_stiffness", "inertia")]
+    below = [n.high < 0.0 for n in (*both, judged.number("", INTRINSIC["intrinsic_viscosity"]))]
+    if any(below) and (moved := _moved_back(samples, problem)) is not None:
+        return moved, moved.pieces()
     if all(n.low < 0.0 for n in both) and any(n.high < 0.0 for n in both):
         named = " and ".join(
             name for name, n in zip(("stiffness", "inertia"), both, strict=True) if n.high < 0.0
@@ -355,3 +361,32 @@ def turned(samples: Samples) -> tuple[Samples, list[Piece]]:
         turned = replace(samples, torque=-samples.torque, notes=(*samples.notes, note))
         return turned, turned.pieces()
     return samples, pieces
+
+
+def _moved_back(samples: Samples, as_it_is: Problem) -> Samples | None:
+    """The torque moved back where it comes later than the search of its lateness reaches.
+
+    Late by 20 ms, inertia at 25 Hz bends the torque as if its sign were wrong. It is moved only
+    where that leaves less than half of what any reflex beside tissue leaves of it as it is.
+    """
+
+    def best(problem: Problem) -> Fitted:
+        fits = (problem.fit(replace(PLAIN, direction=d), {}) for d in (0, 1, -1))
+        return min(fits, key=lambda fitted: fitted.loss)
+
+    least, found = 0.5 * best(as_it_is).loss, None
+    for late in LATER:
+        n = round(late * samples.rate_hz)
+        torque = np.concatenate([samples.torque[n:], np.full(n, samples.torque[-1])])
+        moved = replace(samples, torque=torque)
+        fitted = best(Problem(moved.pieces(), as_it_is.noise))
+        if fitted.loss < least and min(fitted.values[n] for n in ("stiffness", "inertia")) > 0.0:
+            least, found = fitted.loss, (late + fitted.values["late"], moved)
+    if found is None:
+        return None
+    late, moved = found
+    note = (
+        f"The torque comes {1e3 * late:.0f} ms later than the angle: it was moved back. Look at "
+        "its filter and its clock; delays count from the torque of tissue."
+    )
+    return replace(moved, notes=(*samples.notes, note))
