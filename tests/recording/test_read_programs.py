@@ -85,6 +85,8 @@ def test_a_matrix_gives_its_channels_whichever_way_it_lies(tmp_path, by_rows, ve
     assert inspection.roles["emg_sol"].column == "emg: SOL"
     opened = table(path.read_bytes())
     assert opened.load(["emg: SOL"])["emg: SOL"].values == pytest.approx(files.EMG[:, 2])
+    with pytest.raises(InputError, match=r"'emg: TA', .*: EMG by name, but not called emg_ta_V"):
+        read(path)  # left out, its muscles would pass for silent ones
 
 
 def test_a_matrix_without_names_is_open_and_never_fixed_at_0(tmp_path):

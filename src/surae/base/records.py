@@ -141,6 +141,16 @@ def check_format(data: Mapping[str, Any], path: PathLike) -> None:
         )
 
 
+class Plain:
+    """What is given as plain data."""
+
+    __slots__ = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """Give all of it as plain data."""
+        return dict(to_plain(self))
+
+
 class Saved:
     """What is saved as a JSON file of its plain data."""
 

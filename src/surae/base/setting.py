@@ -102,6 +102,11 @@ class Request:
             object.__setattr__(self, name, value)
 
 
+def is_number(value: object) -> bool:
+    """Whether it is a number, NumPy's too; true, false and NaN are none."""
+    return isinstance(value, Real) and not isinstance(value, bool) and not math.isnan(value)
+
+
 def checked(name: str, value: Any, record: Setting, *, whole: bool) -> Any:
     """A number, of NumPy's too, that a setting may have."""
     kind: Any

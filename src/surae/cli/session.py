@@ -87,14 +87,11 @@ def _tell(progress: Work, step: "api.Step") -> None:
     if not step.outcome:
         progress.parts(step.what, step.done, step.total)
         return
-    left = "" if step.left_s is None or step.done == step.total else f"; about {_span(step.left_s)}"
+    left = ""
+    if step.left_s is not None and step.done < step.total:
+        minutes = f"{round(step.left_s / 60)} min"
+        left = f"; about {minutes if step.left_s >= 90 else f'{max(round(step.left_s), 1)} s'} left"
     click.echo(f"[{step.done}/{step.total}] {step.what}: {step.outcome}{left}", err=True)
-
-
-def _span(seconds: float) -> str:
-    if seconds < 90:
-        return f"{max(round(seconds), 1)} s left"
-    return f"{round(seconds / 60)} min left"
 
 
 def _show(result: "api.SessionResult", output: str) -> None:

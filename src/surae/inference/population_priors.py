@@ -21,6 +21,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.formatting import check_known
 from surae.base.names import POPULATIONS
+from surae.base.setting import is_number
 from surae.model import ModelOptions
 from surae.model.parameter import adapted
 from surae.model.prior import Prior
@@ -37,8 +38,7 @@ def checked_prior(name: str, pair: object, free: Sequence[str], source: str = ""
         raise InputError(f"prior of {name} is {pair!r}; give its median and its spread")
     median, spread = pair
     for value in (median, spread):
-        number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-        if not number or not 0 < value < np.inf:
+        if not is_number(value) or not 0 < value < np.inf:
             raise InputError(f"prior of {name} is {pair!r}; median and spread must be above zero")
     return Prior(float(median), float(spread), source)
 

@@ -244,12 +244,10 @@ def _check_reflex(free: Sequence[str], values: Mapping[str, float]) -> None:
 
 def _check_prescribed(recording: ModelInputs, spec: ModelSpec) -> None:
     """Refuse what a recording's own description fixes wrongly, naming its file."""
-    try:
+    with InputError.within(f"{recording.where}: fixed"):
         check_names(recording.fixed, spec)
         for name, value in recording.fixed.items():
             check_value(spec.parameters[spec.names.index(name)], value, spec)
-    except InputError as error:
-        raise InputError(f"{recording.where}: fixed: {error}") from None
 
 
 def _agreed_fixed(

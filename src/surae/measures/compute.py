@@ -10,6 +10,7 @@ import numpy as np
 from surae.base.errors import ComputationError, InputError
 from surae.base.frozen import FrozenDict
 from surae.base.plugins import plugins
+from surae.base.setting import is_number
 from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference import AssessedFit, FitResult, Grade, Verdict
@@ -75,8 +76,7 @@ class Evaluated:
 def points(angles: Sequence[float] = ANGLES, end: float = math.inf) -> tuple[MeasurePoint, ...]:
     """All measures at their points; `end` [deg] is that of the range, if not each fit's own."""
     for angle in angles:
-        number = isinstance(angle, int | float | np.number) and not isinstance(angle, bool)
-        if not (number and abs(float(angle)) <= _MOST):
+        if not (is_number(angle) and abs(float(angle)) <= _MOST):
             raise InputError(f"angle {angle!r}: give degrees from −{_MOST:g} to {_MOST:g}")
     distinct = tuple(dict.fromkeys(float(angle) for angle in angles))
     return tuple(

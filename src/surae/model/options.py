@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from importlib import import_module
-from numbers import Real
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from surae.base.errors import InputError
 from surae.base.file_form import filed
 from surae.base.formatting import check_known
 from surae.base.names import CHOICES
-from surae.base.setting import Request, documented, setting
+from surae.base.setting import Request, documented, is_number, setting
 from surae.base.words import N_
 from surae.model.geometry_table import GeometryTable
 from surae.model.joint import ANKLE, Joint
@@ -81,8 +80,8 @@ class ModelOptions(Request):
         if self.emg_ref is not None:
             given: object = self.emg_ref
             levels: list[Any] = list(given) if isinstance(given, list | tuple) else []
-            numbers = (isinstance(v, Real) and not isinstance(v, bool) for v in levels)
-            if len(levels) != 4 or not all(numbers) or not all(0 <= v < math.inf for v in levels):
+            numbers = all(map(is_number, levels)) and all(0 <= v < math.inf for v in levels)
+            if len(levels) != 4 or not numbers:
                 rule = "give four levels in V, of TA, GL, SOL, GM"
                 raise InputError(f"emg_ref is {self.emg_ref!r}; {rule}")
             object.__setattr__(self, "emg_ref", tuple(map(float, levels)))

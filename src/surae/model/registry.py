@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib import import_module
-from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from surae.base.formatting import named, nearest
 from surae.base.frozen import Comparable
 from surae.base.names import ELSEWHERE
 from surae.base.plugins import Extended, plugins
+from surae.base.setting import is_number
 from surae.base.units import FloatArray
 from surae.model.geometry_table import GeometryTable
 from surae.model.options import ModelOptions
@@ -167,9 +167,7 @@ def check_value(parameter: Parameter, value: float, spec: ModelSpec) -> None:
     InputError
         It is no finite number, or of a sign that it cannot have.
     """
-    untyped: object = value
-    number = isinstance(untyped, Real) and not isinstance(untyped, bool)
-    if not number or not np.isfinite(value):
+    if not is_number(value) or not np.isfinite(value):
         raise InputError(f"{spec.name}: {parameter.name} is {value!r}; give a finite number")
     if not parameter.signed and (value < 0 or (parameter.positive and value == 0)):
         rule = "above zero" if parameter.positive else "zero or more"

@@ -112,8 +112,7 @@ def unfit(recording: Recording) -> str | None:
     slowest = min(c.rate_hz for c in channels.values())
     if slowest < _SLOWEST:
         return f"A channel has {slowest:.2g} samples a second: too few to look at."
-    start = max(float(c.time[0]) for c in channels.values())
-    end = min(float(c.time[-1]) for c in channels.values())
+    start, end = recording.shared
     shared = min(
         int(np.count_nonzero((c.time >= start) & (c.time <= end))) for c in channels.values()
     )

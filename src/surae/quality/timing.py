@@ -106,8 +106,7 @@ def _name(channel: Channel) -> str:
 
 def too_short(recording: Recording) -> Iterator[Finding]:
     """Trials in which the relaxation of tau_rel cannot show."""
-    start = max(float(c.time[0]) for c in recording.signals.values())
-    end = min(float(c.time[-1]) for c in recording.signals.values())
+    start, end = recording.shared
     seconds = end - start
     if seconds >= SHORT:
         return

@@ -137,8 +137,7 @@ def signals_of(recording: Recording) -> Signals:
     """Signals at the instants of one axis, averaged over its step."""
     channels = recording.signals
     rate = min(RATE, *(c.rate_hz for c in channels.values()))
-    start = max(float(c.time[0]) for c in channels.values())
-    end = min(float(c.time[-1]) for c in channels.values())
+    start, end = recording.shared
     time = start + np.arange(max(int((end - start) * rate), 1) + 1) / rate
     kind = emg_kind(recording)
     angle = to_radians(channels["angle"]) * sampled(channels["angle"], time, rate)

@@ -23,8 +23,7 @@ def used(
     are cut off, within it they are bridged, so that no check sees what is in them.
     """
     signals = recording.signals.values()
-    start = max(float(c.time[0]) for c in signals)
-    end = min(float(c.time[-1]) for c in signals)
+    start, end = recording.shared
     inside = []
     for first, last, *_ in sorted(map(tuple, left_out)):
         if first <= start:

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from surae.base.files import shown
-from surae.base.records import to_plain
+from surae.base.records import Plain
 from surae.base.tables import Tabular, TextTable
 from surae.recording.emg_kind import Look
 from surae.recording.recording import MUSCLES
@@ -45,7 +45,7 @@ class InspectedChannel:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Inspection(Tabular):
+class Inspection(Tabular, Plain):
     """What data files hold; `surae.recording.mapping_text` writes it as a mapping."""
 
     channels: tuple[InspectedChannel, ...]  #: Every channel, file by file.
@@ -117,10 +117,6 @@ class Inspection(Tabular):
         if role is None and len(left) == len(MUSCLES) and all(r.startswith("emg_") for r in left):
             return "emg_?"
         return role or " or ".join(f"{each}?" for each in left) or "–"
-
-    def to_json(self) -> dict[str, Any]:
-        """Give all of it as plain data."""
-        return dict(to_plain(self))
 
 
 def _number(value: float | None, digits: int) -> str:

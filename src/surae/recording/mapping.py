@@ -106,13 +106,8 @@ class Description:
 
     def mapped(self, trial: str | None = None) -> MappedRecording:
         """The mapped recording of a trial, or of every one."""
-        if trial is None:
-            if not self._whole:
-                self._whole.append(self._mapped(None))
+        if trial is None and self._whole:
             return self._whole[0]
-        return self._mapped(trial)
-
-    def _mapped(self, trial: str | None) -> MappedRecording:
         where, table = self.source.shown, dict(self.toml)
         if trial is not None:
             table.pop("name", None)
@@ -126,7 +121,10 @@ class Description:
             elif isinstance(table.get(key), str):
                 table[key] = " ".join(cleaned(table[key]).split()) or None
         with InputError.within(where):
-            return from_plain(MappedRecording, table)
+            made = from_plain(MappedRecording, table)
+        if trial is None:
+            self._whole.append(made)
+        return made
 
     def _merged(self, own: Any, where: str) -> dict[str, Any]:
         """What differs in a trial, put into what holds for all."""

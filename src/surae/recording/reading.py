@@ -12,7 +12,7 @@ from surae.recording.described import MappedRecording
 from surae.recording.formats import open_table
 from surae.recording.mapping import Description, recognises
 from surae.recording.recording import Recording, SourceFile
-from surae.recording.roles import NAMES, TIMES, role_and_unit
+from surae.recording.roles import NAMES, TIMES, guess_role, role_and_unit
 from surae.recording.source import Source, open_source
 from surae.recording.table import Table, some
 
@@ -141,6 +141,17 @@ def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = 
         units[role] = settle_unit(table, role, column, unit, where)
     if "angle" not in columns_of:
         raise InputError(_no_angle(table))
+    unread = {name: guess_role(name) for name in table.names if name not in columns_of.values()}
+    emg = [
+        name for name, guess in unread.items()
+        if guess is not None and guess.confidence != "likely" and guess.roles[0].startswith("emg_")
+        and not columns_of.keys() & {*guess.roles}
+    ]  # fmt: skip
+    if emg:  # left out, these muscles would pass for silent ones
+        raise InputError(
+            f"{table.file}: {some(emg)}: EMG by name, but not called emg_ta_V, …; rename it, or "
+            "write a TOML mapping, which `surae inspect FILE --output MAP.toml` begins"
+        )
     columns = table.load(tuple(columns_of.values()))
     return Recording(
         name=table.notes.get("name", name),

@@ -207,6 +207,12 @@ class Recording:
         return {role: each for role, each in self.channels.items() if not each.filmed}
 
     @property
+    def shared(self) -> tuple[float, float]:
+        """Begin and end of the time that all signals share [s]; a negative span where none."""
+        spans = [(float(c.time[0]), float(c.time[-1])) for c in self.signals.values()]
+        return max(begin for begin, _ in spans), min(end for _, end in spans)
+
+    @property
     def films(self) -> Mapping[str, Channel]:
         """What a film shows: fascicles' lengths and pennation."""
         return {role: each for role, each in self.channels.items() if each.filmed}

@@ -174,15 +174,14 @@ class Rows:
                 cells = split(line, self.delimiter)
             except csv.Error as error:
                 raise InputError(f"{where}: {error}") from None
-            if len(cells) < len(self.names):
+            if len(cells) != len(self.names):
+                lost = self.names[len(cells) :]
+                at = f"none for column {some(lost, 1)}" if lost else (
+                    f"the last is column {some(self.names[-1:])}"
+                )  # fmt: skip
                 raise InputError(
                     f"{where}: {len(cells)} cells where the header names {len(self.names)} "
-                    f"columns; none for column {some(self.names[len(cells) :], 1)}"
-                )
-            if len(cells) > len(self.names):
-                raise InputError(
-                    f"{where}: {len(cells)} cells where the header names {len(self.names)} "
-                    f"columns; the last is column {some(self.names[-1:])}"
+                    f"columns; {at}"
                 )
             for values, index in zip(columns, wanted, strict=True):
                 try:

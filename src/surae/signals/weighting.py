@@ -11,7 +11,7 @@ from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.base.names import ACTIVITIES
 from surae.base.records import OrInfinite, OrMinusInfinite
-from surae.base.setting import Request, documented, setting
+from surae.base.setting import Request, documented, is_number, setting
 from surae.base.units import FloatArray
 from surae.base.words import N_, Message
 from surae.recording import MUSCLES
@@ -63,7 +63,7 @@ class Weighting(Request):
         Request.__post_init__(self)
         for window in self.windows:
             if not (
-                isinstance(window, Sequence) and len(window) == 3 and all(map(_number, window))
+                isinstance(window, Sequence) and len(window) == 3 and all(map(is_number, window))
             ):
                 raise InputError(f"window {window!r}: give a start, an end [s] and a weight")
             start, end, weight = window
@@ -192,8 +192,3 @@ def _scaled(level: FloatArray, rate_hz: float, mask: npt.NDArray[np.bool_]) -> F
 def _span(start: float, end: float) -> str:
     first = "the beginning" if start == -math.inf else f"{start:g}"
     return f"{first} … {'the end' if end == math.inf else f'{end:g} s'}"
-
-
-def _number(value: object) -> bool:
-    real = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-    return real and not math.isnan(value)  # type: ignore[arg-type]

@@ -41,8 +41,7 @@ def _pieces(recording: Recording) -> list[tuple[float, float]]:
         gaps += [(float(channel.time[i]), float(channel.time[i + 1])) for i in where]
     if not gaps:
         return []
-    spans = [(float(c.time[0]), float(c.time[-1])) for c in recording.signals.values()]
-    at, last = max(first for first, _ in spans), min(end for _, end in spans)
+    at, last = recording.shared
     pieces = []
     for begin, end in [*sorted(gaps), (last, last)]:
         if begin - at >= _SHORTEST:

@@ -13,7 +13,7 @@ from surae.base.files import PathLike
 from surae.base.formatting import part
 from surae.base.frozen import Comparable, FrozenDict
 from surae.base.progress import SearchProgress
-from surae.base.records import to_plain
+from surae.base.records import Plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
 from surae.base.words import Message
@@ -35,7 +35,7 @@ _MISSED = 1e-6
 
 @filed("trajectory", "device", "aimed", "curve", "seconds", "stopped")
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Design(Tabular, Comparable):
+class Design(Tabular, Comparable, Plain):
     """A designed protocol and what it will tell."""
 
     plan: Plan  #: The protocol as ramps, perturbations and bursts.
@@ -59,10 +59,6 @@ class Design(Tabular, Comparable):
         aimed = [f"standard error of what was aimed at: {', '.join(aims)}"] if aims else []
         below = (*table.below, *self.notes, *aimed, f"{found}; {self.seconds:.0f} s")
         return replace(table, below=below)
-
-    def to_json(self) -> dict[str, Any]:
-        """Give as plain data the plan, what it keeps, and what it will tell."""
-        return dict(to_plain(self))
 
     def write(self, path: PathLike, *, without_limits: str | None = None) -> None:
         """Write the protocol for a device: CSV, or MATLAB where the path ends in ``.mat``.

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from surae.base.formatting import part
 from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.normal import NORMAL
 from surae.base.packed import finite
-from surae.base.records import to_plain
+from surae.base.records import Plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
@@ -61,7 +60,7 @@ class Expected:
     weakest="weakest", geometric_mean="geometric_mean",
 )  # fmt: skip
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Expectation(Tabular, Comparable):
+class Expectation(Tabular, Comparable, Plain):
     """What a protocol will tell of legs."""
 
     #: `protocol`, `model`, `legs`: the protocol, the model, and whose legs.
@@ -152,10 +151,6 @@ class Expectation(Tabular, Comparable):
                 self.asks,
             ),
         )  # fmt: skip
-
-    def to_json(self) -> dict[str, Any]:
-        """Give what E.json holds, as plain data."""
-        return dict(to_plain(self))
 
 
 def expected(

@@ -11,7 +11,7 @@ from surae.base.file_form import filed
 from surae.base.files import PathLike
 from surae.base.frozen import Comparable, FrozenDict
 from surae.base.packed import finite
-from surae.base.records import to_plain
+from surae.base.records import Plain
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
 from surae.base.words import Message
@@ -24,6 +24,8 @@ from surae.protocol.planning.information import estimated, information, shared
 from surae.protocol.planning.legs import Legs
 from surae.protocol.planning.ready import Ready, ready_protocols
 
+#: Rate of the trials that are judged [Hz].
+_RATE_HZ = 256.0
 #: More repetitions than these are not asked of anybody.
 MOST = 20
 #: A trial that lowers no wanted interval by this part adds nothing.
@@ -36,7 +38,7 @@ _SURELY = 0.85
 
 @filed("trajectory")
 @dataclass(frozen=True, slots=True, eq=False)
-class NextTrial(Comparable):
+class NextTrial(Comparable, Plain):
     """The trial that adds most to what a fit knows."""
 
     protocol: str | None  #: Name of the ready protocol; None where none would help.
@@ -70,10 +72,6 @@ class NextTrial(Comparable):
             raise InputError("there is no trial to write: " + self.sentences[0])
         write_protocol(self.trajectory, path, without_limits=without_limits)
 
-    def to_json(self) -> dict[str, Any]:
-        """Give all of it as plain data."""
-        return dict(to_plain(self))
-
 
 def known_from(fit: AssessedFit, legs: Legs) -> FloatArray:
     """Information that a fit has, on ``legs.free``, and priors of another trial's own nuisances.
@@ -99,11 +97,10 @@ def known_from(fit: AssessedFit, legs: Legs) -> FloatArray:
 def measure_next_of(
     fit: AssessedFit, legs: Legs, *, noise: float, device: Device | None,
     angle_range: tuple[float, float], longest: float, wanted: Sequence[str] | None = None,
-    rate_hz: float = 256.0,
 ) -> NextTrial:  # fmt: skip
     """The ready trial that adds most to a fit.
 
-    The legs are the fitted leg's, `noise` [Nm] is that of one sample at `rate_hz`. No trial longer
+    The legs are the fitted leg's, `noise` [Nm] is that of one sample at 256 Hz. No trial longer
     than `longest` [s] is proposed; `wanted` are parameters to know better, by default all that are
     not identified.
     """
@@ -133,7 +130,7 @@ def measure_next_of(
             if ready.seconds > longest:
                 continue
             try:
-                trajectory = ready.trajectory(device, angle_range, rate_hz, legs)
+                trajectory = ready.trajectory(device, angle_range, _RATE_HZ, legs)
             except InputError:
                 continue
             adds = np.nanmean(shared(information(trajectory, legs, noise), legs).matrices, axis=0)

@@ -8,7 +8,6 @@ it makes known, as `expect` judges a protocol, with the same nuisances.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from surae.base.errors import InputError
 from surae.base.file_form import filed
 from surae.base.frozen import Comparable, FrozenDict
 from surae.base.normal import NORMAL
-from surae.base.records import to_plain
+from surae.base.records import Plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.threads import one_blas_thread
 from surae.base.units import FloatArray
@@ -69,7 +68,7 @@ _STEPS = (
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class SessionPlan(Tabular, Comparable):
+class SessionPlan(Tabular, Comparable, Plain):
     """The steps that make most known within so many minutes."""
 
     legs: str  #: Whose legs.
@@ -107,10 +106,6 @@ class SessionPlan(Tabular, Comparable):
             below=(below, "Skipping a step is allowed: the last column is its price."),
         )
 
-    def to_json(self) -> dict[str, Any]:
-        """Give all of it as plain data."""
-        return dict(to_plain(self))
-
 
 def best_session(
     trials: Mapping[str, Trajectory], legs: Legs, noise: float, minutes: float
@@ -125,7 +120,7 @@ def best_session(
         judge = _Judge(legs, told[0].names, [each.matrices for each in told])
         every = (*_STEPS, *kinds)
         best: tuple[float, float, tuple[int, ...]] | None = None
-        for counts in _sets(len(_STEPS), len(kinds)):
+        for counts in product(*[range(2)] * len(_STEPS), *[range(_MOST)] * len(kinds)):
             spent = sum(n * step.minutes for n, step in zip(counts, every, strict=True))
             if spent > minutes or not any(counts[len(_STEPS) :]):
                 continue
@@ -138,11 +133,6 @@ def best_session(
         ordered = tuple(_ordered(judge, chosen, every))
         shares = FrozenDict(zip(judge.own, judge(chosen).tolist(), strict=True))
     return SessionPlan(legs.name, -best[1], ordered, shares)
-
-
-def _sets(steps: int, kinds: int) -> Iterator[tuple[int, ...]]:
-    """How often each step and kind of trial is done."""
-    yield from product(*[range(2)] * steps, *[range(_MOST)] * kinds)
 
 
 def _ordered(
