@@ -141,7 +141,7 @@ class FitSettings(Request):
         names.GEOMETRY_OF[0], "Whose the table of `geometry` is: with the person's own, `auto` "
         "holds moment arms and muscle lengths closer to it.", choices=names.GEOMETRY_OF,
         needs=f"model={names.AUTO}",
-        help="Whose the geometry's table is; auto departs less from the person's own.",
+        help="Whose geometry the file has; auto departs less from the person's own.",
         label=N_("The geometry’s file is"), words={"generic": N_("of a generic model"),
         "person": N_("of this person")},
     )  # fmt: skip

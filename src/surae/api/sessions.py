@@ -11,7 +11,7 @@ from surae.api.recordings import checks_for
 from surae.api.session_result import SessionResult
 from surae.api.session_run import StepProgress, run
 from surae.base.errors import InputError
-from surae.base.files import PathLike, shown
+from surae.base.files import PathLike, paths_of, shown
 from surae.base.progress import SearchProgress, line_of_progress
 from surae.inference.starts import Follow
 from surae.model.knowledge_file import SESSION_TOML, SessionFile, known_from, read_session_toml
@@ -168,8 +168,7 @@ def session(
     >>> result.to_dataframe()["grade"]
     """
     description = None if mapping is None else Description.of(open_mapping(mapping))
-    alone = isinstance(recordings, str) or hasattr(recordings, "__fspath__")
-    sources: list[Any] = [recordings] if alone else list(recordings)  # type: ignore[arg-type]
+    sources: list[Any] = paths_of(recordings)  # type: ignore[arg-type]
     right = Corrections(sign or {}, scale or {}, offset or {}, swap, wrap or {})
     in_memory = [reading_of(right(each)) for each in sources if isinstance(each, Recording)]
     paths = [each for each in sources if not isinstance(each, Recording)]

@@ -44,7 +44,7 @@ class LegSettings(Request):
     )  # fmt: skip
     nuisances: str | Mapping[str, tuple[float, float]] | None = setting(
         None, "As of `surae.fit`.", choices=NUISANCES,
-        help="What of the laboratory's imperfections is in.  [default: all for auto]",
+        help="Which of the laboratory's imperfections count.  [default: all for auto]",
     )  # fmt: skip
 
 
@@ -92,7 +92,7 @@ class DesignSettings(LegSettings):
         None, "Plans that are judged; more is better and takes longer.", least=1, most=10_000_000,
         help="Plans that are judged: more is better and slower.",
     )  # fmt: skip
-    seed: int = setting(0, "Of the search.", least=0, help="Of what is random.")
+    seed: int = setting(0, "Of the search.", least=0, help="Of the search.")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -104,7 +104,7 @@ class Request:
 
 def is_number(value: object) -> bool:
     """Whether it is a number, NumPy's too; true, false and NaN are none."""
-    return isinstance(value, Real) and not isinstance(value, bool) and not math.isnan(value)
+    return not isinstance(value, bool) and isinstance(value, Real) and not math.isnan(value)
 
 
 def checked(name: str, value: Any, record: Setting, *, whole: bool) -> Any:

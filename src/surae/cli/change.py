@@ -29,9 +29,9 @@ def command(
     """Compare a leg between two sessions, or the two legs of a person.
 
     BEFORE and AFTER are files of fits or folders of sessions, or files of surae impedance or surae
-    stretches. What both sessions of a leg are wrong
-    in alike cancels; of two legs (--legs) nothing does. A change is claimed only where it is beyond
-    what noise, electrodes and foot mounted anew can do, among all that is looked at.
+    stretches. Errors that two sessions of a leg have in common cancel; of two legs (--legs) none
+    do. A change is claimed only where it is beyond what noise, electrodes and foot mounted anew can
+    do, among all that is looked at.
     """
     outputs = {"--output": output, "--report": report}
     check_outputs(outputs, [before, after, *baselines], spare_fits=True)

@@ -32,9 +32,9 @@ def command(
 ) -> int:  # fmt: skip
     """Look for faults in recordings before they are fitted.
 
-    Every finding has a code, a severity (info, warning, error), a span of time and an advice. A
-    file with findings is no failure: the exit status is 0, but with --strict 1 on a warning or
-    error. The commanded motion may also be a column commanded_angle_rad of the recording.
+    Every finding has a code, a severity (info, warning, error), a span of time, and says what to
+    do. Findings are no failure: the exit status is 0, or with --strict 1 where there is a warning
+    or an error. The commanded motion may also be a column commanded_angle_rad of the recording.
     """
     check_recordings(recordings)
 

@@ -17,9 +17,9 @@ from surae.cli.screen import show_answer, show_files
 
 @click.command("design")
 @click.option("--fit", "fitted", metavar="FIT.json|DIR",
-              help="For one leg instead, as far as a fit, or a session, knows it.")  # fmt: skip
+              help="For one leg, as far as a fit or a session knows it.")  # fmt: skip
 @click.option("--after", metavar="FIT.json|DIR",
-              help="The same, and what it knows counts: what adds most.")  # fmt: skip
+              help="Likewise, and what is known counts: the trial that adds most.")  # fmt: skip
 @device_options
 @settings_options(DesignSettings, api.ModelOptions)
 @click.option(

@@ -37,8 +37,8 @@ def command(
 
     paths = [
         str(path)
-        for shown_files in files
-        for path in (api.data_files(shown_files) if Path(shown_files).is_dir() else [shown_files])
+        for given in files
+        for path in (api.data_files(given) if Path(given).is_dir() else [given])
     ]
     if not paths:
         raise InputError(f"{shown(files[0])}: no data file is there")

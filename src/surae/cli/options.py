@@ -92,7 +92,7 @@ def choice_or_file(where: str, text: str, choices: tuple[str, ...]) -> str:
 
 
 def span(where: str, text: str) -> tuple[float, float, float]:
-    """A stretch of time [s], START:END, either of which may be left away; it counts 0."""
+    """A stretch of time [s], START:END, either of which may be left open; it counts 0."""
     first, colon, last = (part.strip() for part in text.partition(":"))
     if not colon or ":" in last or not (first or last):
         raise InputError(f"{where}: write start:end in s, e.g. --exclude 3:4.5")
@@ -172,7 +172,7 @@ def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, A
 
 
 EXCLUDE = click.option("--exclude", type=Typed(span), multiple=True, metavar="START:END",
-                       help="Seconds to leave out; either may be left away.")  # fmt: skip
+                       help="Seconds to leave out; either end may be left open.")  # fmt: skip
 #: What `weights` is made of.
 _WEIGHTS = (
     EXCLUDE,
@@ -252,11 +252,11 @@ def muscles(where: str, text: str) -> tuple[str, str]:
 
 def corrections(function: F) -> F:
     """Add the options that put signals right; they arrive as keywords of `surae.read`."""
-    parts = {
-        "sign": (-1, "The direction that is positive in our signs."),
+    parts = {  # the last is shown first, and is done first
+        "sign": (-1, "-1 turns a signal round, last of all."),
+        "offset": (-90, "What is added then, in the file's unit."),
         "scale": (72, "What a signal is multiplied by, as by the body mass [kg] for Nm/kg."),
-        "offset": (-90, "What is added then, before the sign, in the file's unit."),
-        "wrap": (360, "A period of which a signal jumps at the end of its range, in its unit."),
+        "wrap": (360, "By how much a signal jumps at the end of its range, in its unit."),
     }
 
     def command(**values: Any) -> Any:
@@ -265,13 +265,13 @@ def corrections(function: F) -> F:
 
     command.__doc__ = function.__doc__
     vars(command)["__click_params__"] = vars(function).get("__click_params__", [])
+    click.option("--swap", type=Typed(muscles), multiple=True, metavar="A:B",
+                 help="Muscles whose electrodes were exchanged, as ta:sol.")(command)  # fmt: skip
     for name, (value, help) in parts.items():
         role = "torque" if name == "scale" else "angle"
         kind = Typed(entry, "value", f"{role}={value}")
         click.option(f"--{name}", type=kind, multiple=True, callback=table,
                      metavar="SIGNAL=VALUE", help=help)(command)  # fmt: skip
-    click.option("--swap", type=Typed(muscles), multiple=True, metavar="A:B",
-                 help="Muscles whose electrodes were exchanged, as ta:sol.")(command)  # fmt: skip
     return command  # type: ignore[return-value]
 
 

@@ -28,8 +28,7 @@ def device_options(function: Command) -> Command:
                           shell_complete=completing(*DEVICES, "none"),
                           help=f"Whose limits hold: {', '.join(DEVICES)}, or yours.")  # fmt: skip
     reason = click.option("--without-limits", metavar="REASON",
-                          help="Why a protocol for no device is written all the "
-                          "same.")  # fmt: skip
+                          help="Why a protocol may be written for no device.")  # fmt: skip
     return device(reason(function))
 
 

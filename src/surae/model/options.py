@@ -48,7 +48,8 @@ class ModelOptions(Request):
     )  # fmt: skip
     theta_foot: float = setting(
         0.0, "Angle of the foot to the horizontal at θ = 0 [rad], equation (7).", metavar="RAD",
-        help="Foot to horizontal at 0 rad.", label=N_("Foot to horizontal at 0° [rad]"),
+        help="Angle of the foot to the horizontal at 0 rad.",
+        label=N_("Foot to horizontal at 0° [rad]"),
     )  # fmt: skip
     vmax_factor: float = setting(
         8.0, "Maximum shortening speed in optimal lengths per second.", above=0.0, metavar="F",

@@ -5,11 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from surae.quality.finding import Finding, make_finding, quantity, weight_of
+from surae.quality.finding import Finding, make_finding, quantity
 from surae.quality.numeric import equal_runs, quantile, runs, smooth, span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES, Channel
 from surae.recording.emg_kind import emg_contradictions
+from surae.recording.recording import weight_of
 
 #: A muscle that never exceeds this [V] is at rest: maximal efforts give 2e-4 V and more.
 REST_VOLTS = 2e-5

@@ -7,7 +7,7 @@ from surae.base.records import to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.base.words import Message, english
 from surae.model.joint import ANKLE, Joint
-from surae.recording import MUSCLES, Channel
+from surae.recording import Channel
 
 Severity = Literal["info", "warning", "error"]
 
@@ -112,11 +112,6 @@ class Quality(Tabular):
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as it is written to files."""
         return dict(to_plain(self))
-
-
-def weight_of(muscle: str) -> str:
-    """The parameter that weighs a muscle's EMG."""
-    return f"g{MUSCLES.index(muscle) + 1}"
 
 
 def quantity(value: float, channel: Channel) -> str:

@@ -45,7 +45,7 @@ _ALONE = 8.0
 
 
 def units(trial: CheckedTrial) -> Iterator[Finding]:
-    """An angle that no ankle reaches: `surae.diagnosis` says what it may be."""
+    """An angle that no ankle reaches: `surae.inference.diagnosis` says what it may be."""
     channel = trial.recording.channels["angle"]
     low, high = float(channel.values.min()), float(channel.values.max())
     if high > HIGHEST or low < LOWEST:

@@ -15,7 +15,7 @@ from surae.base.files import shown
 from surae.base.frozen import FrozenDict
 from surae.base.packed import brief
 from surae.base.setting import setting
-from surae.recording.recording import MUSCLES, ROLES
+from surae.recording.recording import MUSCLES, ROLES, weight_of
 
 #: Longest gap that a straight line may fill [s]: what passes the filter of an envelope (2.7 Hz)
 #: unseen, and is no part of a movement.
@@ -130,7 +130,7 @@ class MappedRecording(TrialDescription):
                 raise InputError(
                     f"channels: key {brief(role)} is not known; use: {', '.join(ROLES)}"
                 )
-        weights = {f"emg_{muscle}": f"g{i}" for i, muscle in enumerate(MUSCLES, start=1)}
+        weights = {f"emg_{muscle}": weight_of(muscle) for muscle in MUSCLES}
         settled = {*self.channels, *(r for r, weight in weights.items() if weight in self.fixed)}
         if left := [role for role in self.open if role not in settled]:
             known = f", or fix its weight ({weights[left[0]]} = 0.0)" if left[0] in weights else ""

@@ -110,8 +110,7 @@ def recording_by_names(path: PathLike) -> Recording | None:
     emg = [role for role in found.roles if role.startswith("emg_")]
     if not why and ("angle" not in found.roles or found.open or (emg and found.emg is None)):
         return None
-    if unknown := [c.column for c in found.roles.values() if c.known_unit is None]:
-        why.append(f"the unit of {some(unknown)} is not stated, or not known")
+    why += [_unit_unknown(c) for c in found.roles.values() if c.known_unit is None]
     if why:
         raise InputError(
             f"{shown(path)}: {'; '.join(why)}; settle it in a mapping, which `surae inspect FILE "
@@ -129,6 +128,11 @@ def recording_by_names(path: PathLike) -> Recording | None:
         name=source.name, channels=channels, emg=found.emg or "raw", side=found.side,
         files=(source.file,),
     )  # fmt: skip
+
+
+def _unit_unknown(channel: InspectedChannel) -> str:
+    """That a channel's unit is none that is known."""
+    return f"the unit of {channel.column!r} is not known (the file says {channel.unit or 'none'})"
 
 
 def _opened(path: PathLike) -> Table:
@@ -348,10 +352,7 @@ def _advice(inspection: Inspection) -> Iterator[str]:
         )
     for role, c in inspection.roles.items():
         if c.known_unit is None:
-            yield (
-                f"{role}: the unit of {c.column!r} is not known (the file says "
-                f"{c.unit or 'none'}): see the mapping"
-            )
+            yield f"{role}: {_unit_unknown(c)}: see the mapping"
     for c in inspection.roles.values():
         if c.look is not None and inspection.emg is not None:
             yield from filter(None, [contradiction(repr(c.column), c.look, inspection.emg)])

@@ -8,7 +8,7 @@ from surae.base.files import PathLike, shown
 from surae.base.units import FACTORS, kind, stated
 from surae.recording.described import toml_value
 from surae.recording.inspected_channels import InspectedChannel, Inspection
-from surae.recording.recording import FILM_ROLES, MUSCLES, ROLES
+from surae.recording.recording import FILM_ROLES, ROLES, weight_of
 from surae.recording.roles import unit_is_volts
 
 #: An EMG without a unit whose greatest value is one of these was normalised.
@@ -79,7 +79,7 @@ def mapping_text(
         lines.append(f"side = {toml_value(inspection.side)}  # {inspection.side_rule}")
     silent = [role[4:] for role in inspection.missing if role.startswith("emg_")]
     if silent:
-        weights = ", ".join(f"g{MUSCLES.index(muscle) + 1} = 0.0" for muscle in silent)
+        weights = ", ".join(f"{weight_of(muscle)} = 0.0" for muscle in silent)
         muscles = ", ".join(silent)
         lines.append(f"# check: no EMG of {muscles}: right only while these muscles are silent")
         lines.append(f"fixed = {{ {weights} }}")
@@ -153,7 +153,7 @@ def _entry(
         )
     if channel.bridge_s:
         lines.append(f"bridge_s = {channel.bridge_s:g}  # a straight line over each such gap")
-    if not channel.rate_hz and "no times" in channel.remark and role not in FILM_ROLES:
+    if channel.n and channel.start_s is None and role not in FILM_ROLES:
         lines.append("# start_s = 0.0")
         lines.append("# rate_hz = 1000.0  # state it: samples a second")
     # Of many trials each has its own; the preparation takes it away.

@@ -54,6 +54,11 @@ _SIZES = {"angle": (1e-9, 1e5), "torque": (1e-9, 1e6), "emg": (1e-12, 1e9), "len
 _STEPS = (1e-7, 1e6)
 
 
+def weight_of(muscle: str) -> str:
+    """The parameter that weighs a muscle's EMG: ``"g1"`` for ``"ta"``."""
+    return f"g{MUSCLES.index(muscle) + 1}"
+
+
 @dataclass(frozen=True, slots=True)
 class SourceFile:
     """A file that a recording was read from: its path as given and its SHA-256.
