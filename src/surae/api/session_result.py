@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import load
-from surae.base.errors import InputError
+from surae.base.errors import InputError, within
 from surae.base.file_form import filed
 from surae.base.files import PathLike, shown, write_json, write_table
 from surae.base.frozen import FrozenDict
@@ -281,7 +281,7 @@ def load_session(folder: PathLike) -> SessionResult:
     data, where = read_json(root / INDEX), shown(root / INDEX)
     if data.get("format") != "surae session" or data.get("version") != SESSION_FORMAT:
         raise InputError(f"{where}: damaged, or of a newer surae")
-    with InputError.within(where, "; damaged, or of a newer surae"):
+    with within(where, "; damaged, or of a newer surae"):
         index = from_plain(_Index, data)
         session = from_plain(TrialSet, {**data, "mapping": None})
         result = from_plain(SessionResult, {**data, "session": session, "fits": {}, "joint": None})

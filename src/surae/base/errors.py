@@ -15,15 +15,6 @@ class SuraeError(Exception):
 class InputError(SuraeError, ValueError):
     """A file, setting or argument is wrong; the message says which and how to mend it."""
 
-    @classmethod
-    @contextmanager
-    def within(cls, where: str, then: str = "") -> Iterator[None]:
-        """Have what is refused within say where it is, and what to do `then`."""
-        try:
-            yield
-        except InputError as error:
-            raise InputError(f"{where}: {error}{then}") from None
-
 
 class UnknownNameError(InputError, KeyError):
     """A name that a mapping has not; the message says which it has, and the nearest."""
@@ -33,3 +24,12 @@ class UnknownNameError(InputError, KeyError):
 
 class ComputationError(SuraeError, RuntimeError):
     """A computation could not be carried out on valid input."""
+
+
+@contextmanager
+def within(where: str, then: str = "") -> Iterator[None]:
+    """Have an InputError of what is within say where it is, and what to do `then`."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{where}: {error}{then}") from None

@@ -14,7 +14,7 @@ from typing import Annotated, Any, TypeVar
 
 from surae._version import __version__
 from surae.base.converter import converter
-from surae.base.errors import InputError
+from surae.base.errors import InputError, within
 from surae.base.file_form import FORMS, Form
 from surae.base.files import PathLike, read_bytes, shown, write_json
 from surae.base.packed import brief
@@ -125,7 +125,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 def from_file(kind: type[T], path: PathLike, plain: Mapping[str, Any]) -> T:
     """The record that a file has as plain data; what is wrong is said of the file."""
-    with InputError.within(shown(path)):
+    with within(shown(path)):
         return from_plain(kind, plain)
 
 

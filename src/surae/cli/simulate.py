@@ -6,7 +6,7 @@ import click
 
 from surae import api
 from surae.base import names
-from surae.base.errors import ComputationError, InputError
+from surae.base.errors import ComputationError, InputError, within
 from surae.base.files import shown
 from surae.base.formatting import listed
 from surae.cli.options import OneOf, settings_options
@@ -42,7 +42,7 @@ def command(
     spec = api.with_optional(api.get_model(model or source.model or "muscle"), source.values)
     settings = dict(source.options) | options
     known = api.ModelOptions.of(**settings)
-    with InputError.within(shown(parameters)):
+    with within(shown(parameters)):
         values = spec.vector(source.values, known)
     if source.emg_unit not in (None, inputs.emg_unit):
         raise InputError(

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.base.errors import InputError
+from surae.base.errors import InputError, within
 from surae.base.file_form import filed
 from surae.base.frozen import Comparable, FrozenDict, read_only
 from surae.base.units import FloatArray
@@ -244,7 +244,7 @@ def _check_reflex(free: Sequence[str], values: Mapping[str, float]) -> None:
 
 def _check_prescribed(recording: ModelInputs, spec: ModelSpec) -> None:
     """Refuse what a recording's own description fixes wrongly, naming its file."""
-    with InputError.within(f"{recording.where}: fixed"):
+    with within(f"{recording.where}: fixed"):
         check_names(recording.fixed, spec)
         for name, value in recording.fixed.items():
             check_value(spec.parameters[spec.names.index(name)], value, spec)

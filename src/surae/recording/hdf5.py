@@ -24,7 +24,7 @@ from typing import Any, Literal
 import numpy as np
 
 from surae._version import __version__
-from surae.base.errors import InputError
+from surae.base.errors import InputError, within
 from surae.base.files import PathLike, atomic_file, shown
 from surae.base.frozen import freeze
 from surae.base.records import from_plain
@@ -276,7 +276,7 @@ def _head(file: Any, where: str) -> _Head:
             attributes[name] = json.loads(attributes[name])
         except (ValueError, RecursionError):
             raise InputError(f"{where}: its attribute {name!r} is no JSON") from None
-    with InputError.within(where):
+    with within(where):
         return from_plain(_Head, attributes)
 
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from surae.base.cleaning import cleaned
-from surae.base.errors import InputError
+from surae.base.errors import InputError, within
 from surae.base.files import PathLike, shown
 from surae.base.frozen import as_read_only, freeze
 from surae.base.packed import brief
@@ -62,7 +62,7 @@ class Description:
     def of(cls, source: Source) -> "Description":
         """The mapping in a file, all of it checked."""
         source.require_text()
-        with InputError.within(source.shown):
+        with within(source.shown):
             description = cls(source, parse_toml("".join(source.lines())))
         if "channels" not in description.toml:
             raise InputError(
@@ -120,7 +120,7 @@ class Description:
                 table[key] = table[key].isoformat()
             elif isinstance(table.get(key), str):
                 table[key] = " ".join(cleaned(table[key]).split()) or None
-        with InputError.within(where):
+        with within(where):
             made = from_plain(MappedRecording, table)
         if trial is None:
             self._whole.append(made)
@@ -283,7 +283,7 @@ class _Reader:
     def _table(self, path: Path, own: MappedChannel, where: str) -> Table:
         """A data file's table that has the channel's column; errors say where it is named."""
         if path not in self.opened:
-            with InputError.within(where):
+            with within(where):
                 source = open_source(path)
                 self.opened[path] = source, open_table(source, timed=False)
         table = self.opened[path][1]

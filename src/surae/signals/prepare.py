@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from surae.base.errors import InputError
+from surae.base.errors import InputError, within
 from surae.base.frozen import as_read_only, read_only
 from surae.base.units import FloatArray
 from surae.base.words import Message
@@ -72,7 +72,7 @@ def prepare(
     """
     if "angle" not in recording.channels:
         raise InputError(f"{recording.where}: there is no angle; add its column")
-    with InputError.within(recording.where):
+    with within(recording.where):
         settings = settings.updated(recording.prepare)
     rate_hz, time, signals, steps = (
         _as_they_are(recording) if prepared else _chain(recording, settings)

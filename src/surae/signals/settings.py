@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields, replace
 from types import NoneType
 from typing import Any
 
-from surae.base.errors import InputError
+from surae.base.errors import within
 from surae.base.formatting import named
 from surae.base.setting import Request, documented, parts_of, setting
 from surae.base.words import N_
@@ -85,5 +85,5 @@ class Preparation(Request):
             named("prepare: setting", known, name)
         optional = {each.name for each in fields(self) if NoneType in parts_of(each.type)}
         off = {name: None for name in optional if mapping.get(name) is False}
-        with InputError.within("prepare"):
+        with within("prepare"):
             return replace(self, **{**mapping, **off})
