@@ -250,29 +250,44 @@ def muscles(where: str, text: str) -> tuple[str, str]:
     return first, second
 
 
-def corrections(function: F) -> F:
-    """Add the options that put signals right; they arrive as keywords of `surae.read`."""
-    parts = {  # the last is shown first, and is done first
-        "sign": (-1, "-1 turns a signal round, last of all."),
-        "offset": (-90, "What is added then, in the file's unit."),
-        "scale": (72, "What a signal is multiplied by, as by the body mass [kg] for Nm/kg."),
-        "wrap": (360, "By how much a signal jumps at the end of its range, in its unit."),
-    }
+def _gathered(options: list[Callable[[Any], Any]], keyword: str) -> Callable[[F], F]:
+    """Add options; those that are used arrive as one keyword."""
 
-    def command(**values: Any) -> Any:
-        right = {name: values.pop(name) for name in (*parts, "swap")}
-        return function(**values, corrections={n: v for n, v in right.items() if v})
+    def decorate(function: F) -> F:
+        def command(**values: Any) -> Any:
+            own = {param.name: values.pop(param.name) for param in added}
+            used = {n: v for n, v in own.items() if v not in (None, (), {})}
+            return function(**values, **{keyword: used})
 
-    command.__doc__ = function.__doc__
-    vars(command)["__click_params__"] = vars(function).get("__click_params__", [])
+        command.__doc__ = docstring(function)
+        known = list(getattr(function, "__click_params__", []))
+        for option in reversed(options):
+            option(command)
+        added: list[click.Parameter] = vars(command)["__click_params__"]
+        vars(command)["__click_params__"] = [*known, *added]
+        return command  # type: ignore[return-value]
+
+    return decorate
+
+
+def _correction(name: str, example: str, help: str) -> Callable[[Any], Any]:
+    """An option that puts signals right by one number each."""
+    kind = Typed(entry, "value", example)
+    return click.option(f"--{name}", type=kind, multiple=True, callback=table,
+                        metavar="SIGNAL=VALUE", help=help)  # fmt: skip
+
+
+#: The options that put signals right, in the order in which they are done.
+corrections = _gathered([
+    _correction("wrap", "angle=360",
+                "By how much a signal jumps at the end of its range, in its unit."),
+    _correction("scale", "torque=72",
+                "What a signal is multiplied by, as by the body mass [kg] for Nm/kg."),
+    _correction("offset", "angle=-90", "What is added then, in the file's unit."),
+    _correction("sign", "angle=-1", "-1 turns a signal round, last of all."),
     click.option("--swap", type=Typed(muscles), multiple=True, metavar="A:B",
-                 help="Muscles whose electrodes were exchanged, as ta:sol.")(command)  # fmt: skip
-    for name, (value, help) in parts.items():
-        role = "torque" if name == "scale" else "angle"
-        kind = Typed(entry, "value", f"{role}={value}")
-        click.option(f"--{name}", type=kind, multiple=True, callback=table,
-                     metavar="SIGNAL=VALUE", help=help)(command)  # fmt: skip
-    return command  # type: ignore[return-value]
+                 help="Muscles whose electrodes were exchanged, as ta:sol."),
+], "corrections")  # fmt: skip
 
 
 def workers_option(what: str, *, many: str = "all processors") -> Callable[[F], F]:
@@ -287,22 +302,7 @@ def settings_options(*requests: Any) -> Callable[[F], F]:
     for request in requests:
         options += options_of(request, *seen)
         seen += [each.name for each, _ in settings_of(request)]
-
-    def decorate(function: F) -> F:
-        def command(**values: Any) -> Any:
-            own = {param.name: values.pop(param.name) for param in added}
-            used = {n: v for n, v in own.items() if v not in (None, (), {})}
-            return function(**values, options=used)
-
-        command.__doc__ = docstring(function)
-        known = list(getattr(function, "__click_params__", []))
-        for option in reversed(options):
-            option(command)
-        added: list[click.Parameter] = vars(command)["__click_params__"]
-        vars(command)["__click_params__"] = [*known, *added]
-        return command  # type: ignore[return-value]
-
-    return decorate
+    return _gathered(options, "options")
 
 
 def request(options: Mapping[str, Any]) -> "api.FitSettings":
