@@ -1,6 +1,7 @@
 """How much of a leg's active contraction its electrodes show to be answers to stretch."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -44,6 +45,7 @@ def evoked_share(leg: Leg, _: float) -> float:
     return 100.0 * answered / whole
 
 
+@lru_cache(maxsize=32)  # a measure asks again for each of its derivatives
 def evoked_emg(inputs: ModelInputs) -> FloatArray:
     """What of each envelope answers stretch of the calf, shape (n, 4).
 
@@ -69,12 +71,12 @@ def evoked_emg(inputs: ModelInputs) -> FloatArray:
     evoked = np.zeros_like(emg)
     delay = lags[best] / rate
     if alike[best] < ALIKE or not EARLIEST - 0.006 <= delay <= LATEST + 0.006:
-        return evoked
+        return read_only(evoked)
     late = _late(stretch, lags[best])
     for k in heads:
         own = np.polynomial.Polynomial.fit(late[rest], emg[rest, k], 1).convert().coef
         evoked[:, k] = np.clip(own[-1] * late if len(own) > 1 else 0.0, 0.0, emg[:, k])
-    return evoked
+    return read_only(evoked)
 
 
 def _late(x: FloatArray, lag: int) -> FloatArray:
