@@ -37,12 +37,13 @@ def trials_figure(
         for place, trial in enumerate(trials):
             if name in fits[trial].parameters:
                 _mark(axes, place, fits[trial].parameters[name], name not in disputed)
-        axes.set_yticks(range(len(trials)), trials, fontsize=7)
-        axes.set_ylim(len(trials) - 0.4, -0.6)
+        axes.tick_params(axis="y", labelsize=7)
         axes.locator_params(axis="x", nbins=4)
         axes.xaxis.get_offset_text().set(fontsize=7, color=MUTED)
         unit = next(p.unit for a in every if (p := a.parameters.get(name)))
         axes.set_xlabel("" if unit == "-" else unit, fontsize=8, color=MUTED)
+    panels[0, 0].set_yticks(range(len(trials)), trials)  # of all panels
+    panels[0, 0].set_ylim(len(trials) - 0.4, -0.6)
     for axes in panels.flat[len(names) :]:
         axes.set_visible(False)
     return figure
