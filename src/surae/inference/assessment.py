@@ -118,10 +118,9 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
     robust, white = robust_covariance(result, estimated)
     interval, why = _believed(result, robust, white)
     pairs = [
-        (*counted(trial, residual), np.ones(trial.n) if trial.weight is None else
-         trial.weight[trial.counts])
+        (*counted(trial, residual), trial.weights[trial.counts])
         for trial, residual in zip(problem.inputs, result.residuals, strict=True)
-    ]  # fmt: skip
+    ]
     filmed = fascicles_of(result)
     recordings = tuple(
         RecordingQuality(

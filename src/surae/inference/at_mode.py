@@ -67,8 +67,7 @@ def summed(
         read_only(-post.observed.plain_residual(point.z, recording, number))
         for number, recording in enumerate(inputs)
     )
-    roots = [1.0 if recording.weight is None else recording.weight for recording in inputs]
-    sse = sum(float(np.sum(w * e**2)) for w, e in zip(roots, residuals, strict=True))
+    sse = sum(float(np.sum(r.weights * e**2)) for r, e in zip(inputs, residuals, strict=True))
     finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
     bound = [n for n in at_bounds(problem, values, TENDONS) if group_of(n) is None]
     status = "failed" if not finite else "at-bounds" if bound else "converged"

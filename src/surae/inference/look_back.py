@@ -50,8 +50,7 @@ def explained(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) ->
     """
     left = whole = 0.0
     for recording, e in zip(inputs, residuals, strict=True):
-        w = np.ones(recording.n) if recording.weight is None else recording.weight
-        torque = measured(recording)
+        w, torque = recording.weights, measured(recording)
         left += float(w @ e**2)
         whole += float(w @ (torque - np.average(torque, weights=w)) ** 2)
     return 1.0 - left / max(whole, 1e-300) if np.isfinite(left) else -np.inf

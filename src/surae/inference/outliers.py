@@ -126,7 +126,7 @@ def fit_robust(
             )  # fmt: skip
         x, sse, outliers = resting
         inputs = tuple(
-            replace(trial, weight=read_only(w if trial.weight is None else trial.weight * w))
+            replace(trial, weight=read_only(trial.weights * w))
             for trial, w in zip(problem.inputs, outliers.weights, strict=True)
         )
         weighted = replace(problem, inputs=inputs, base=problem.values(x))
@@ -191,9 +191,7 @@ def _iterated(problem: FitProblem, x: FloatArray, loss: Loss, held: float | None
     """Rounds of least squares until the weights rest; `held` is the scale, where it is known."""
     residuals, inputs = Residuals(problem, 1.0), problem.inputs
     counts = np.concatenate([recording.counts for recording in inputs])
-    precise = np.concatenate(
-        [np.ones(r.n) if r.weight is None or r.emphasised else np.sqrt(r.weight) for r in inputs]
-    )
+    precise = np.concatenate([np.ones(r.n) if r.emphasised else np.sqrt(r.weights) for r in inputs])
     torque = np.concatenate([r.torque for r in inputs if r.torque is not None])
     least = _SMALLEST * float(np.sqrt(np.mean(torque**2)))
     last = _Round(x, np.inf, np.zeros(0), np.zeros(0), 0.0, 0)

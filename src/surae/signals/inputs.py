@@ -101,12 +101,17 @@ class ModelInputs(Comparable):
     @property
     def counted(self) -> int:
         """Number of samples that count in a fit."""
-        return self.n if self.weight is None else int(np.count_nonzero(self.weight))
+        return int(np.count_nonzero(self.counts))
 
     @property
     def counts(self) -> npt.NDArray[np.bool_]:
         """Which samples count in a fit, shape (n,)."""
-        return np.ones(self.n, dtype=bool) if self.weight is None else self.weight > 0
+        return self.weights > 0
+
+    @property
+    def weights(self) -> FloatArray:
+        """What each sample counts in a fit, 1 where there is no `weight`, shape (n,)."""
+        return np.ones(self.n) if self.weight is None else self.weight
 
 
 def inputs_as_given(

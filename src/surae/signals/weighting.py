@@ -132,7 +132,7 @@ def _within(recording: ModelInputs, start: float, end: float) -> npt.NDArray[np.
 
 def _weighted(recording: ModelInputs, how: Weighting) -> ModelInputs:
     """One recording with weights."""
-    weight = np.ones(recording.n) if recording.weight is None else recording.weight.copy()
+    weight = recording.weights.copy()
     steps = []
     for start, end, factor in how.windows:
         within = _within(recording, start, end)

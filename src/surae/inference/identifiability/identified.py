@@ -136,7 +136,7 @@ def _torque_rms(result: FitResult) -> float:
     total = 0.0
     for own in result.problem.inputs:
         if own.torque is not None:
-            total += float(np.sum((1.0 if own.weight is None else own.weight) * own.torque**2))
+            total += float(np.sum(own.weights * own.torque**2))
     return float(np.sqrt(total / result.problem.n))
 
 

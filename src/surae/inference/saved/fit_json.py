@@ -331,9 +331,8 @@ def _check(result: FitResult) -> None:
             raise InputError(f"{where}: not all of it are numbers")
     if not (np.isfinite(problem.lower).all() and np.isfinite(problem.upper).all()):
         raise InputError("parameters: a bound is not a number")
-    weights = [1.0 if recording.weight is None else recording.weight for recording in inputs]
     with np.errstate(over="ignore", invalid="ignore"):
-        pairs_of = zip(weights, result.residuals, strict=True)
-        weighted = sum(float(np.sum(w * e**2)) for w, e in pairs_of)
+        pairs_of = zip(inputs, result.residuals, strict=True)
+        weighted = sum(float(np.sum(own.weights * e**2)) for own, e in pairs_of)
     if math.isfinite(result.sse) and not math.isclose(result.sse, weighted, rel_tol=1e-6):
         raise InputError("sse: the sum of squares is not that of the residuals")
