@@ -92,7 +92,7 @@ SPRING_PARAMETERS: tuple[Parameter, ...] = (
         ("base/names.py", "LOSSES = (", 'DRIVES |= {"viscosity": "viscosity of the joint"}\n'),
     ],
     "something that the laboratory cannot rule out": [
-        ("model/parameters.py", '_GEOMETRY = "give', '''\
+        ("model/parameters.py", '_GEOMETRY = N_("give', '''\
 def _direction(inputs: "ModelInputs") -> FloatArray:
     return np.sign(inputs.velocity)
 
