@@ -10,6 +10,7 @@ from surae.base.formatting import NO_NUMBER, of_interval, percentage
 from surae.base.frozen import FrozenDict
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
+from surae.base.words import N_, Message
 from surae_nerve.identify import Number
 from surae_nerve.impedance import MEASURES, NerveMeasure, Perturbed, ReflexPath, number_of
 
@@ -98,7 +99,9 @@ def _mean(name: str, measures: Sequence[NerveMeasure]) -> NerveMeasure:
     low = min(value - float(np.sqrt(np.sum(halves**2))) / len(own), float(values.min()))
     high = max(value + float(np.sqrt(np.sum(halves**2))) / len(own), float(values.max()))
     note = own[0].note or (
-        f"of {len(own)} of {len(measures)} recordings" if len(own) < len(measures) else ""
+        Message(N_("of {n} of {all} recordings"), n=str(len(own)), all=str(len(measures)))
+        if len(own) < len(measures)
+        else ""
     )
     return number_of(name, Number(value, low, high), note)
 
@@ -108,10 +111,23 @@ def _together(each: Sequence[ReflexPath]) -> ReflexPath:
     present = [reflex for reflex in each if reflex.verdict == "present"]
     ways = {reflex.direction for reflex in present}
     if len(ways) > 1:
-        return ReflexPath("cannot tell", None, "recordings show reflexes to opposite directions")
+        return ReflexPath(
+            "cannot tell", None, Message(N_("recordings show reflexes to opposite directions"))
+        )
     if present:
-        some = f"in {len(present)} of {len(each)} recordings {present[0].reason}"
+        some = Message(
+            N_("in {n} of {all} recordings: {reason}"),
+            n=str(len(present)),
+            all=str(len(each)),
+            reason=present[0].reason,
+        )
         return ReflexPath("present", present[0].direction, some)
     none = all(reflex.verdict == "none seen" for reflex in each)
     worst = next((r for r in each if r.verdict == "cannot tell"), each[0])
-    return ReflexPath("none seen", None, f"in all recordings {worst.reason}") if none else worst
+    return (
+        ReflexPath(
+            "none seen", None, Message(N_("in all recordings: {reason}"), reason=worst.reason)
+        )
+        if none
+        else worst
+    )

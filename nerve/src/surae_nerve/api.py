@@ -112,14 +112,14 @@ def stretches(
     return answers([_measured(each, mapping, corrections) for each in given])
 
 
-def page_of(found: Impedance | Stretches) -> "Report":
-    """The page of what was found, to be written as HTML or PDF."""
+def page_of(found: Impedance | Stretches, language: str = "en") -> "Report":
+    """The page of what was found, in a language, to be written as HTML or PDF."""
     from surae_nerve.page import impedance_report, stretches_report  # matplotlib
 
     created = datetime.now().astimezone()
     if isinstance(found, Impedance):
-        return impedance_report(found, created=created)
-    return stretches_report(found, created=created)
+        return impedance_report(found, created=created, language=language)
+    return stretches_report(found, created=created, language=language)
 
 
 def _measured(

@@ -152,6 +152,7 @@ def stretches_figure(stretches: Sequence[StretchTold], _: Words) -> Figure:
             axes.plot([s.speed] * 2, s.ci95, color=RED, linewidth=0.8)
     dress(axes, _("Torque [Nm]"), _("Speed of stretch [°/s]"))
     axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0))
+    axes.set_xlim(0.0, 1.08 * max(s.speed for s in stretches))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
     axes.legend(frameon=False, fontsize=8, labelcolor=INK, loc="lower left", ncols=3,

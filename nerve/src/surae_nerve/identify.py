@@ -8,6 +8,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from surae.base.units import FloatArray
+from surae.base.words import N_, Message
 from surae_nerve.cascade import Structure, relaxing, relaxing_slope
 from surae_nerve.fitting import Fitted, Noise, Problem, noise_of, regressors, slopes, solved
 from surae_nerve.piece import Piece
@@ -42,9 +43,9 @@ LENGTHS = (2.0, 5.0, 12.0)
 BEYOND = (0.0, 0.1, 0.2, 0.35, 0.5)
 #: Thresholds at which its search begins [rad/s].
 SEARCHED = (0.03, 0.15, 0.4)
-PLAIN = Structure("inertia, viscosity, stiffness")
-RELAXING = Structure("tissue that relaxes (Zener)", 1)
-TWO = Structure("tissue that relaxes at two rates", 2)
+PLAIN = Structure(N_("inertia, viscosity, stiffness"))
+RELAXING = Structure(N_("tissue that relaxes (Zener)"), 1)
+TWO = Structure(N_("tissue that relaxes at two rates"), 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -316,14 +317,20 @@ def _spread(
         for b, n in enumerate((PLAIN.name, RELAXING.name, TWO.name))
         if b != branches and b - branches < 2
     ]
-    others.append((replace(own, late=False), "torque that is not late"))
+    others.append((replace(own, late=False), N_("torque that is not late")))
     others += [
-        (replace(own, order=order), f"a torque channel {filtered}")
-        for order, filtered in enumerate(("without a filter", "with one pole", "with two poles"))
+        (replace(own, order=order), filtered)
+        for order, filtered in enumerate(
+            (
+                N_("a torque channel without a filter"),
+                N_("a torque channel with one pole"),
+                N_("a torque channel with two poles"),
+            )
+        )
         if order != own.order
     ]
     if own.direction:
-        others.append((replace(own, third=True), "a reflex of third order"))
+        others.append((replace(own, third=True), N_("a reflex of third order")))
     for structure, label in others:
         fitted = problem.fit(structure, chosen.values)
         gain, more = chosen.loss - fitted.loss, len(structure.names) - len(own.names)
@@ -337,7 +344,12 @@ def _spread(
         held = replace(own, threshold=False, beyond=beyond)
         fitted = problem.fit(held, chosen.values)
         if chosen.loss - fitted.loss > -POSSIBLE:
-            admit(fitted, problem, f"a reflex beyond {np.rad2deg(beyond):.0f} °/s", "value")
+            admit(
+                fitted,
+                problem,
+                Message(N_("a reflex beyond {speed:.0f} °/s"), speed=np.rad2deg(beyond)),
+                "value",
+            )
     for fitted, label in _other_laws(problem, chosen) if own.direction else ():
         if chosen.loss - fitted.loss > -POSSIBLE:
             admit(fitted, problem, label, "shifted")
@@ -346,11 +358,11 @@ def _spread(
     if not own.direction:
         again = problem.fit(rival.structure, rival.values)
         if chosen.loss - again.loss > CHANCE and again.values["gain"] > 0.0:
-            admit(again, problem, "with a reflex that is not shown", "whole")
+            admit(again, problem, N_("with a reflex that is not shown"), "whole")
     alike = Problem(problem.pieces, Noise(problem.noise.f, problem.noise.f**2))
     again = alike.fit(own, chosen.values)
     if misfit > MISFIT:
-        admit(again, alike, "all frequencies weighed alike", "value")
+        admit(again, alike, N_("all frequencies weighed alike"), "value")
     judged = Judged(alike, again)
     for name, number in numbers.items():
         other = judged.number(name, both[name])
@@ -375,8 +387,8 @@ def _other_laws(problem: Problem, chosen: Fitted) -> list[tuple[Fitted, str]]:
     lengths = [problem.fit(replace(own, length=each), v) for each in LENGTHS]
     lead = v["viscosity"] / max(v["stiffness"], 1e-9)
     return [
-        (min(lengths, key=lambda fitted: fitted.loss), "a reflex to velocity and length"),
-        (problem.fit(replace(own, lead=max(lead, 0.0)), v), "a reflex to force"),
+        (min(lengths, key=lambda fitted: fitted.loss), N_("a reflex to velocity and length")),
+        (problem.fit(replace(own, lead=max(lead, 0.0)), v), N_("a reflex to force")),
     ]
 
 

@@ -10,6 +10,7 @@ from surae.base.errors import InputError
 from surae.base.frozen import Comparable, FrozenDict, freeze
 from surae.base.records import FileName
 from surae.base.units import FloatArray
+from surae.base.words import N_, Message
 from surae.recording import Recording
 from surae_nerve.cascade import BOUNDS, muscle
 from surae_nerve.fitting import Fitted, Problem, noise_of
@@ -42,8 +43,8 @@ LATER = (0.016, 0.03)
 IDENTIFIED, WEAK = 0.1, 1.0
 
 #: Why no number of a reflex is identified, however narrow its interval.
-ONE_LAW = (
-    "of a reflex to velocity, to velocity and length or to force; another law may give another"
+ONE_LAW = Message(
+    N_("of a reflex to velocity, to velocity and length or to force; another law may give another")
 )
 
 #: Unit and meaning of every measure.
@@ -157,31 +158,57 @@ def judged(found: Weighed, share: Number, fitted: Fitted, direction: int, sample
     """The verdict on a reflex, by what it predicts: never by its size alone."""
     word = DIRECTIONS[direction]
     if samples.one_sided:
-        return ReflexPath("cannot tell", None, "the foot moved fast in one direction only")
+        return ReflexPath(
+            "cannot tell", None, Message(N_("the foot moved fast in one direction only"))
+        )
     bounds = {"delay", "threshold"} & set(fitted.at_bound)
     at_bound = {n for n in bounds if n == "delay" or fitted.values["threshold"] > 0.5}
     better = found.over_none > OVER_NONE and found.over_other > OVER_OTHER and found.nats > NATS
     if better and share.value >= LEAST_SHARE and not at_bound:
-        return ReflexPath("present", word, (  # type: ignore[arg-type]
-            f"a reflex to {word} predicts torque that was not fitted better than none (z = "
-            f"{found.over_none:.1f}) and than the other direction (z = {found.over_other:.1f})"
-        ))  # fmt: skip
+        why = Message(
+            N_(
+                "a reflex to {way} predicts torque that was not fitted better than "
+                "none (z = {none:.1f}) and than the other direction (z = {other:.1f})"
+            ),
+            way=Message(word),
+            none=found.over_none,
+            other=found.over_other,
+        )
+        return ReflexPath("present", word, why)  # type: ignore[arg-type]
     if unseen[0] < NONE_SEEN and not better:
         return ReflexPath(
-            "none seen", None, f"a reflex makes at most {unseen[0]:.2g} % of the torque’s variance"
+            "none seen",
+            None,
+            Message(
+                N_("a reflex makes at most {most:.2g} % of the torque’s variance"), most=unseen[0]
+            ),
         )
     if better:
-        why = (
-            "its share is below half a percent"
-            if share.value < LEAST_SHARE
-            else f"its {min(at_bound)} lies at the end of its range"
-        )
-        return ReflexPath("cannot tell", None, f"something answers stretch to {word}, but {why}")
-    return ReflexPath("cannot tell", None, (
-        f"neither direction predicts torque that was not fitted better (z = {found.over_none:.1f} "
-        f"over none, {found.over_other:.1f} over the other), and up to {unseen[0]:.2g} % of the "
-        "variance may be a reflex’s"
-    ))  # fmt: skip
+        if share.value < LEAST_SHARE:
+            but = N_("something answers stretch to {way}, but its share is below half a percent")
+        elif "delay" in at_bound:
+            but = N_(
+                "something answers stretch to {way}, but its delay lies at the end of its range"
+            )
+        else:
+            but = N_(
+                "something answers stretch to {way}, but its threshold lies at the end of its range"
+            )
+        return ReflexPath("cannot tell", None, Message(but, way=Message(word)))
+    return ReflexPath(
+        "cannot tell",
+        None,
+        Message(
+            N_(
+                "neither direction predicts torque that was not fitted better (z = "
+                "{none:.1f} over none, {other:.1f} over the other), and up to "
+                "{most:.2g} % of the variance may be a reflex’s"
+            ),
+            none=found.over_none,
+            other=found.over_other,
+            most=unseen[0],
+        ),
+    )
 
 
 def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Perturbed:
@@ -217,22 +244,35 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
     behind = falls_short(pieces, [found.fitted.prediction(p) for p in pieces])
     if behind > BEHIND:
         notes.append(
-            "The torque stays behind at its largest, as if its channel were at its limit: raise "
-            "its range, and do not filter what was limited."
+            Message(
+                N_(
+                    "The torque stays behind at its largest, as if its channel were at "
+                    "its limit: raise its range, and do not filter what was limited."
+                )
+            )
         )
         told = {name: number.allowing(behind) for name, number in told.items()}
     if reflex.verdict != "present" and (behind > BEHIND or found.misfit > MISFIT):
-        doubt = "the torque stays behind at its largest" if behind > BEHIND else (
+        doubt = N_(
             "the equations miss something that the torque shows, maybe a reflex of another kind"
-        )  # fmt: skip
-        reflex, hidden = ReflexPath("cannot tell", None, doubt), {}
-    why = f"no reflex is claimed ({reflex.verdict})"
+        )
+        if behind > BEHIND:
+            doubt = N_("the torque stays behind at its largest")
+        reflex, hidden = ReflexPath("cannot tell", None, Message(doubt)), {}
+    none = N_("no reflex is claimed ({verdict})")
     if hidden:
-        why += "; the interval is what one may have unseen"
+        none = N_("no reflex is claimed ({verdict}); the interval is what one may have unseen")
+    why = Message(none, verdict=Message(reflex.verdict))
     below = [n for n in ("intrinsic_stiffness", "inertia") if told[n].value <= 0.0]
     if below:  # the search lost its way, or the torque's sign is wrong: nothing is claimed
-        what = below[0].removeprefix("intrinsic_")
-        why = f"the fit ended at {what} below zero, which no leg has: look at the torque’s sign"
+        ended = N_(
+            "the fit ended at inertia below zero, which no leg has: look at the torque’s sign"
+        )
+        if below[0] != "inertia":
+            ended = N_(
+                "the fit ended at stiffness below zero, which no leg has: look at the torque’s sign"
+            )
+        why = Message(ended)
         reflex, told, hidden = ReflexPath("cannot tell", None, why), {}, {}
     measures = {
         name: number_of(
@@ -243,19 +283,30 @@ def perturbed(recording: Recording, empty: NerveMeasure | None = None) -> Pertur
     measures["inertia"] = _without(measures["inertia"], empty)
     if any(np.any(piece.jumps) for piece in pieces):
         notes.append(
-            "The torque jumps between samples, so that its time is known to half a sample and "
-            "viscosity and inertia are less sure: filter it before it is sampled, or record faster."
+            Message(
+                N_(
+                    "The torque jumps between samples, so that its time is known to half "
+                    "a sample and viscosity and inertia are less sure: filter it before "
+                    "it is sampled, or record faster."
+                )
+            )
         )
     if found.misfit > MISFIT:
         notes.append(
-            "The equations miss something that the torque shows: intervals contain what other "
-            "structures say, by their values."
+            Message(
+                N_(
+                    "The equations miss something that the torque shows: intervals "
+                    "contain what other structures say, by their values."
+                )
+            )
         )
     if heard := answering(recording, samples, found.direction):
         notes.append(heard)
     stationarity = _stationarity(found)
     if stationarity.verdict == "changes":
-        notes.append("The stiffness changes during the recording: its value is a mean.")
+        notes.append(
+            Message(N_("The stiffness changes during the recording: its value is a mean."))
+        )
     path = 1 if found.direction > 0 else -1
     return Perturbed(
         recording.files[0].path if recording.files else recording.name,
@@ -290,10 +341,15 @@ def inertia_of_empty(recording: Recording) -> NerveMeasure:
 def _without(whole: NerveMeasure, empty: NerveMeasure | None) -> NerveMeasure:
     """The foot's inertia, where the device's is known."""
     if empty is None or empty.value is None or whole.value is None:
-        return replace(whole, note="of foot and device together: the empty device was not given")
+        return replace(
+            whole, note=Message(N_("of foot and device together: the empty device was not given"))
+        )
     half = float(np.hypot(np.ptp(whole.ci95), np.ptp(empty.ci95))) / 2.0
     value = whole.value - empty.value
-    note = f"of the foot alone: the empty device’s {empty.value:.3g} kg·m² is taken off"
+    note = Message(
+        N_("of the foot alone: the empty device’s {inertia:.3g} kg·m² is taken off"),
+        inertia=empty.value,
+    )
     return number_of("inertia", Number(value, value - half, value + half), note)
 
 
@@ -351,12 +407,12 @@ def turned(samples: Samples) -> tuple[Samples, list[Piece]]:
     if any(below) and (moved := _moved_back(samples, problem)) is not None:
         return moved, moved.pieces()
     if all(n.low < 0.0 for n in both) and any(n.high < 0.0 for n in both):
-        named = " and ".join(
-            name for name, n in zip(("stiffness", "inertia"), both, strict=True) if n.high < 0.0
-        )
-        note = (
-            f"The torque’s sign was turned: as it stands, {named} would be negative. Where the leg "
-            "moved the device, and not the device the leg, the numbers are the device’s."
+        note = Message(
+            N_(
+                "The torque’s sign was turned: as it stands, stiffness or inertia "
+                "would be negative. Where the leg moved the device, and not the "
+                "device the leg, the numbers are the device’s."
+            )
         )
         turned = replace(samples, torque=-samples.torque, notes=(*samples.notes, note))
         return turned, turned.pieces()
@@ -385,8 +441,12 @@ def _moved_back(samples: Samples, as_it_is: Problem) -> Samples | None:
     if found is None:
         return None
     late, moved = found
-    note = (
-        f"The torque comes {1e3 * late:.0f} ms later than the angle: it was moved back. Look at "
-        "its filter and its clock; delays count from the torque of tissue."
+    note = Message(
+        N_(
+            "The torque comes {late:.0f} ms later than the angle: it was moved "
+            "back. Look at its filter and its clock; delays count from the torque "
+            "of tissue."
+        ),
+        late=1e3 * late,
     )
     return replace(moved, notes=(*samples.notes, note))

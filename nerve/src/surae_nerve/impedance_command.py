@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import MAPPING, corrections
+from surae.cli.options import LANGUAGE, MAPPING, corrections
 from surae.cli.paths import check_outputs, check_recordings
 from surae.cli.progress import work
 from surae.cli.screen import show_answer, show_files
@@ -20,9 +20,10 @@ from surae.cli.screen import show_answer, show_files
               "taken off.")  # fmt: skip
 @click.option("--output", metavar="I.json", help="Write what was found.")
 @click.option("--report", metavar="I.html", help="Write a page with figures: HTML or PDF.")
+@LANGUAGE
 def command(
     recordings: tuple[str, ...], mapping: str | None, empty: str | None, output: str | None,
-    report: str | None, corrections: dict[str, Any],
+    report: str | None, language: str, corrections: dict[str, Any],
 ) -> None:  # fmt: skip
     """Tell tissue from reflex by small random perturbations of the ankle.
 
@@ -49,5 +50,5 @@ def command(
     if report is not None:
         from surae_nerve.api import page_of
 
-        page_of(impedance).write(report)
+        page_of(impedance, language).write(report)
     show_files({"impedance": output, "report": report})

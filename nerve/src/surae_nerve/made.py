@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
-from surae.base.units import ComplexArray, FloatArray
+from surae.base.units import FloatArray
 from surae.protocol.profiles import smooth_step
 from surae.protocol.protocol import Trajectory
 from surae.recording import Recording
@@ -44,7 +44,7 @@ def perturbed_leg(
     x = own_angle = CubicSpline(trajectory.time, trajectory.angle)(time)
     back = x[-1] + (x[0] - x[-1]) * smooth_step(np.arange(round(_RETURN * rate)) / _RETURN / rate)
     x = np.concatenate([x, back])
-    s: ComplexArray = 2j * np.pi * np.fft.rfftfreq(len(x), 1.0 / rate)
+    s = np.asarray(2j * np.pi * np.fft.rfftfreq(len(x), 1.0 / rate), np.complex128)
     spectrum = np.fft.rfft(x - x.mean())
     tissue = leg["stiffness"] + leg["viscosity"] * s + leg["inertia"] * s**2
     tissue = tissue + leg["branch_1"] * relaxing(s, leg["time_1"])
@@ -108,10 +108,10 @@ def _noise(draw: np.random.Generator, time: FloatArray, sensor: float) -> FloatA
     n = len(time)
     f = np.fft.rfftfreq(n, float(time[-1] - time[0]) / (n - 1))
     slow = np.fft.irfft(np.fft.rfft(draw.standard_normal(n)) / np.hypot(1.0, f / BELOW), n)
-    return UNSTEADY * slow / slow.std() + sensor * draw.standard_normal(n)
+    return np.asarray(UNSTEADY * slow / slow.std() + sensor * draw.standard_normal(n))
 
 
 def _faster(values: FloatArray, rate: float) -> FloatArray:
     """A signal without what is below `SLOW`."""
     f = np.fft.rfftfreq(len(values), 1.0 / rate)
-    return np.fft.irfft(np.fft.rfft(values) * (f >= SLOW), len(values))
+    return np.asarray(np.fft.irfft(np.fft.rfft(values) * (f >= SLOW), len(values)))

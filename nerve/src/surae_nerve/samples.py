@@ -9,6 +9,7 @@ from scipy.signal import welch
 
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
+from surae.base.words import N_, Message
 from surae.recording import Recording
 from surae_nerve.piece import TOP, Piece
 
@@ -40,9 +41,9 @@ LOST, LOST_FOR, LOST_OVER = 0.1, 0.5, 0.1
 PILED, LAST_PART = 12.0, (0.003, 0.01, 0.03)
 #: Why samples are left out, and what to do about it.
 MISSING, LIMITED, UNANSWERED = (
-    "without samples",
-    "in which the torque’s channel is at its limit",
-    "in which the torque does not answer: contact lost",
+    N_("without samples"),
+    N_("in which the torque’s channel is at its limit"),
+    N_("in which the torque does not answer: contact lost"),
 )
 REMEDIES = {
     LIMITED: "raise the range of the torque’s channel",
@@ -190,12 +191,14 @@ def usable(where: str, time: FloatArray, angle: FloatArray, torque: FloatArray) 
     ):
         fresh = found & ~left
         if fresh.any():
-            left_out[what] = f"{fresh.sum() / rate:.2g} s {what}"
+            left_out[what] = Message(
+                N_("{seconds:.2g} s {what}"), seconds=fresh.sum() / rate, what=Message(what)
+            )
             left |= found
     spans = tuple(
         span for span in runs(~left) if span.stop - span.start >= SHORTEST * rate
     )  # fmt: skip
-    notes = (*(f"Left out: {each}." for each in left_out.values()), *told)
+    notes = (*(Message(N_("Left out: {what}."), what=each) for each in left_out.values()), *told)
     samples = Samples(where, time, angle, torque, rate, spans, notes, one_sided)
     if samples.seconds < LEAST:
         why = f"left out: {', '.join(left_out.values())}" if left_out else "it is short"
@@ -241,22 +244,32 @@ def _movement(where: str, angle: FloatArray, rate: float) -> tuple[list[str], bo
             "by will; let the device move a foot that holds still, up to 10 Hz at least, as "
             "`surae protocol prbs` does"
         )
-    notes = []
+    notes = list[str]()
     speeds = np.quantile(np.diff(_mean(angle, max(round(0.01 * rate), 1))) * rate, (0.005, 0.995))
     one_sided = bool(min(abs(speeds)) < ONE_SIDED * max(abs(speeds)))
     if one_sided:
         way = "dorsiflexion" if speeds[1] > -speeds[0] else "plantarflexion"
         notes.append(
-            f"The foot moves fast in {way} only: tissue and reflex look alike; perturb "
-            "in both directions."
+            Message(
+                N_(
+                    "The foot moves fast in {way} only: tissue and reflex look alike; "
+                    "perturb in both directions."
+                ),
+                way=Message(way),
+            )
         )
     steps = np.abs(np.diff(angle))
     moving = steps[steps > 1e-9]
     step = float(np.quantile(moving, 0.05)) if len(moving) else 0.0
     if len(moving) < 0.9 * len(steps) and step > COARSE * float(np.std(angle)):
         notes.append(
-            f"The position comes in steps of {np.rad2deg(step):.2g}°, coarse beside its movement: "
-            "use a finer encoder or larger perturbations."
+            Message(
+                N_(
+                    "The position comes in steps of {step:.2g}°, coarse beside its "
+                    "movement: use a finer encoder or larger perturbations."
+                ),
+                step=np.rad2deg(step),
+            )
         )
     return notes, one_sided
 

@@ -14,6 +14,7 @@ from surae.base.frozen import FrozenDict
 from surae.base.records import Saved
 from surae.base.tables import Tabular, TextTable
 from surae.base.units import FloatArray
+from surae.base.words import N_, Message
 from surae.recording import Recording
 from surae_nerve.impedance import DIRECTIONS
 from surae_nerve.parts import FAST, LATE, NOT_YET, Parts, TissueTorque
@@ -36,7 +37,10 @@ SPREAD, ONSET_ERROR = 0.3, 0.5
 LATENCIES = (0.0, 0.02, 0.04)
 #: Of which repeats give the smallest detectable change. Not the viscous torque: beside a reflex it
 #: is off alike in all of them.
-_COMPARED = ("peak_torque_Nm", "elastic_Nm", "neural_Nm", "inertial_Nm")
+_COMPARED = {
+    "peak_torque_Nm": N_("peak of torque"), "elastic_Nm": N_("elastic"), "neural_Nm": N_("neural"),
+    "inertial_Nm": N_("inertial"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,30 +103,41 @@ class Stretches(Tabular, Saved):
             span = f"{s.from_deg:z.0f} to {s.to_deg:z.0f}"
             cells = (each.replace("-", "−") for each in (*place, span, *texts, onset_, catch))
             rows.append((s.recording, *cells, s.neural_note))
-        below = [
-            f"Threshold at rest, {muscle}: {h.angle_deg:.1f}° "
-            f"({h.ci95[0]:.1f} to {h.ci95[1]:.1f}), {h.verdict}: {h.note}"
-            if h.angle_deg is not None and h.ci95 is not None
-            else f"Threshold at rest, {muscle}: none: {h.note}"
-            for muscle, h in self.threshold.items()
-        ]
-        changes = [
-            f"{n.removesuffix('_Nm').replace('_', ' ')} {v:.2g} Nm"
-            for n, v in self.smallest_detectable_change.items()
-            if v is not None
-        ]
-        below.append(
-            "Smallest detectable change: "
-            + (", ".join(changes) or "no stretch was repeated at one speed")
-        )
-        below += self.notes
         return TextTable(
             ("recording", "start [s]", "direction", "speed [°/s]", "from, to [°]", "peak [Nm]",
              "elastic", "viscous", "inertial", "neural", "EMG from [°]", "catch [°]", "note"),
-            tuple(rows), below=tuple(below),
+            tuple(rows), below=(*map(str, self.lines()), *self.notes),
             numbers=("start [s]", "speed [°/s]", "peak [Nm]", "elastic", "viscous", "inertial",
                      "neural", "EMG from [°]", "catch [°]"),
         )  # fmt: skip
+
+    def lines(self) -> list[str]:
+        """Thresholds, smallest changes and notes, as messages without a stop.
+
+        Returns
+        -------
+        list of str
+            One for each.
+        """
+        lines: list[str] = []
+        for muscle, h in self.threshold.items():
+            if h.angle_deg is None or h.ci95 is None:
+                said = Message(N_("Threshold at rest, {muscle}: none: {note}"),
+                               muscle=muscle, note=h.note)  # fmt: skip
+            else:
+                said = Message(
+                    N_("Threshold at rest, {muscle}: {angle:.1f}° ({low:.1f} to {high:.1f}), "
+                       "{verdict}: {note}"), muscle=muscle, angle=h.angle_deg, low=h.ci95[0],
+                    high=h.ci95[1], verdict=Message(h.verdict), note=h.note,
+                )  # fmt: skip
+            lines.append(said)
+        for n, v in self.smallest_detectable_change.items():
+            if v is not None:
+                lines.append(Message(N_("Smallest detectable change, {what}: {value:.2g} Nm"),
+                                     what=Message(_COMPARED[n]), value=v))  # fmt: skip
+        if all(v is None for v in self.smallest_detectable_change.values()):
+            lines.append(Message(N_("No stretch was repeated at one speed")))
+        return lines
 
     def to_dataframe(self) -> Any:
         """The stretches as a pandas DataFrame.
@@ -205,16 +220,16 @@ def _stretch(of: Stretched, ramp: RampSpan, found: Mapping[str, int | None], spe
     neural: float | None = max(parts.neural, 0.0)
     half = 1.96 * parts.error
     if emg and not first:
-        neural, note = 0.0, "no EMG answers"
+        neural, note = 0.0, N_("no EMG answers")
         ci: tuple[float, float] | None = (0.0, max(half, parts.neural))
     elif emg:
-        note, ci = "with EMG", (max(parts.neural - half, 0.0), parts.neural + half)
+        note, ci = N_("with EMG"), (max(parts.neural - half, 0.0), parts.neural + half)
     elif rises and parts.rise > LEAST_PART * whole:
-        note = "probably neural: torque rises when the foot has stopped, no EMG"
+        note = N_("probably neural: torque rises when the foot has stopped, no EMG")
         neural = max(parts.neural, parts.rise)
         ci = (0.5 * parts.rise, max(whole, neural + half))
     else:
-        neural, note, ci = None, "cannot tell without EMG", (0.0, whole)
+        neural, note, ci = None, N_("cannot tell without EMG"), (0.0, whole)
     degrees = np.rad2deg(of.angle)
     catch = None
     if neural and ci and ci[0] > 0.0:
@@ -253,12 +268,16 @@ def _threshold(muscle: str, every: Sequence[Stretched], ramps: Sequence[tuple[in
         then = [(of, max(at - round(late * of.rate), 0)) for of, at in seen]
         points = np.array([(of.velocity[at], of.angle[at]) for of, at in then])
         if n < LEAST_ONSETS or np.ptp(points[:, 0]) < SPREAD:
-            note = f"{n} onset{'' if n == 1 else 's'}, at too few speeds; repeat fast stretches"
+            note = Message(N_("onsets: {n}, at too few speeds; repeat fast stretches"), n=str(n))
             return StretchThreshold(None, None, "undetermined", note)
         lines.append(_line(points, np.array(ended).reshape(-1, 2), -1 if muscle == "ta" else 1))
     angle, low, high = lines[0][0], min(a - h for a, h in lines), max(a + h for a, h in lines)
     verdict: Literal["weak", "undetermined"] = "weak" if high - low < 2.0 * WEAK else "undetermined"
-    note = f"{n} onsets, {len(ended)} stretches without; a line over velocity is assumed"
+    note = Message(
+        N_("onsets: {n}; stretches without: {m}; a line over velocity is assumed"),
+        n=str(n),
+        m=str(len(ended)),
+    )
     return StretchThreshold(angle, (low, high), verdict, note)
 
 

@@ -5,7 +5,7 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import MAPPING, corrections
+from surae.cli.options import LANGUAGE, MAPPING, corrections
 from surae.cli.paths import check_outputs, check_recordings
 from surae.cli.progress import work
 from surae.cli.screen import show_answer, show_files
@@ -17,9 +17,10 @@ from surae.cli.screen import show_answer, show_files
 @corrections
 @click.option("--output", metavar="R.json", help="Write what was found.")
 @click.option("--report", metavar="R.html", help="Write a page with figures: HTML or PDF.")
+@LANGUAGE
 def command(
     recordings: tuple[str, ...], mapping: str | None, output: str | None, report: str | None,
-    corrections: dict[str, Any],
+    language: str, corrections: dict[str, Any],
 ) -> None:  # fmt: skip
     """Take slow and fast stretches of a relaxed ankle apart: tissue, inertia and nerve.
 
@@ -42,5 +43,5 @@ def command(
     if report is not None:
         from surae_nerve.api import page_of
 
-        page_of(found).write(report)
+        page_of(found, language).write(report)
     show_files({"stretches": output, "report": report})

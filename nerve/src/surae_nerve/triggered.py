@@ -3,6 +3,7 @@
 import numpy as np
 
 from surae.base.units import FloatArray
+from surae.base.words import N_, Message
 from surae.recording import MUSCLE_NAMES, MUSCLES, Recording
 from surae_nerve.ramps import envelope
 from surae_nerve.samples import Samples, runs
@@ -24,11 +25,20 @@ def answering(recording: Recording, samples: Samples, direction: int) -> str:
         return ""
     found = {m: _latency(envelope(recording, m, samples.time), starts, samples.rate_hz)
              for m in muscles}  # fmt: skip
-    heard = [f"{MUSCLE_NAMES[m]} after {1e3 * s:.0f} ms" for m, s in found.items() if s is not None]
+    heard = [f"{MUSCLE_NAMES[m]} {1e3 * s:.0f} ms" for m, s in found.items() if s is not None]
     way = "dorsiflexion" if direction > 0 else "plantarflexion"
     if heard:
-        return f"EMG answers stretch to {way}, mean of {len(starts)}: {', '.join(heard)}."
-    return f"No EMG that was recorded answers {len(starts)} stretches to {way} in their mean."
+        return Message(
+            N_("EMG answers stretch to {way}, mean of {n}: {muscles}."),
+            way=Message(way),
+            n=str(len(starts)),
+            muscles=", ".join(heard),
+        )
+    return Message(
+        N_("No EMG that was recorded answers {n} stretches to {way} in their mean."),
+        way=Message(way),
+        n=str(len(starts)),
+    )
 
 
 def _starts(samples: Samples, direction: int) -> list[int]:

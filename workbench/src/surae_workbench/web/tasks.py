@@ -270,7 +270,7 @@ def _compared(comparison: str, language: str) -> dict[str, Any]:
     return api.visits_blocks(visits, asked["before"], asked["after"], language)
 
 
-def nerve(recordings: Mapping[str, str], by: str, output: str = "") -> str:
+def nerve(recordings: Mapping[str, str], by: str, language: str, output: str = "") -> str:
     """What is tissue and what reflex in recordings, by name and file, as a page shows it.
 
     Where `output` says so it is written as a file to keep.
@@ -283,7 +283,7 @@ def nerve(recordings: Mapping[str, str], by: str, output: str = "") -> str:
         ) from None
     read = [replace(imports.read_recording(path), name=name) for name, path in recordings.items()]
     tell = telling.impedance if by == "perturbations" else telling.stretches
-    page = telling.page_of(tell(read))
+    page = telling.page_of(tell(read), language)
     if output:
         page.write(output)
         return ""

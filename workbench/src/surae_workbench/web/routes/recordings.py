@@ -4,13 +4,14 @@ from collections import Counter
 from functools import partial
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Query, Request, Response
 
 from surae import api
 from surae.base.units import FloatArray
 from surae_workbench.web.answers import Recording, Subject, Trial
 from surae_workbench.web.curves import window
 from surae_workbench.web.http_errors import RefusedError
+from surae_workbench.web.language import language_of
 from surae_workbench.web.project import dated
 from surae_workbench.web.remap import present_mapping, proposals
 from surae_workbench.web.routes.common import (
@@ -171,18 +172,19 @@ def get_window(
 
 
 @router.get("/nerve")
-def get_nerve(recordings: Several, by: By, bench: Bench) -> dict[str, str]:
+def get_nerve(recordings: Several, by: By, bench: Bench, request: Request) -> dict[str, str]:
     """How much is nerve in recordings of one leg, as the report shows it."""
-    return {"html": bench.workers.ask("tasks:nerve", recordings=_of_one(bench, recordings), by=by)}
+    own, language = _of_one(bench, recordings), language_of(request)
+    return {"html": bench.workers.ask("tasks:nerve", recordings=own, by=by, language=language)}
 
 
 @router.get("/nerve/report.{kind}", response_class=Response, responses=REPORT)
 def get_nerve_report(
-    kind: Literal["html", "pdf"], recordings: Several, by: By, bench: Bench
+    kind: Literal["html", "pdf"], recordings: Several, by: By, bench: Bench, request: Request
 ) -> Response:
     """The same as one file to keep."""
-    own = _of_one(bench, recordings)
-    write = partial(bench.workers.ask, "tasks:nerve", recordings=own, by=by)
+    own, language = _of_one(bench, recordings), language_of(request)
+    write = partial(bench.workers.ask, "tasks:nerve", recordings=own, by=by, language=language)
     data = made_file(f"nerve.{kind}", lambda path: write(output=str(path)))
     return Response(
         data, media_type=TYPES[kind], headers=attachment(f"{by}-{next(iter(own))}", f".{kind}")
