@@ -12,6 +12,7 @@ from typing import Any, TypeVar, get_args, get_origin
 
 from surae.base.docstrings import docstring
 from surae.base.errors import InputError
+from surae.base.formatting import nearest
 from surae.base.frozen import FrozenDict
 from surae.base.names import Names
 
@@ -98,7 +99,8 @@ class Request:
                   and value not in record.choices):  # fmt: skip
                 known = ", ".join(record.choices) + ", or a file's path" * record.file
                 known += ", or a mapping" * any(get_origin(part) is Mapping for part in parts)
-                raise InputError(f"{name} is {value!r}; use one of: {known}")
+                near = nearest(str(value), record.choices)
+                raise InputError(f"{name} is {value!r}{near}; use one of: {known}")
             object.__setattr__(self, name, value)
 
 
