@@ -128,5 +128,5 @@ def test_a_check_reads_other_languages_columns_and_says_so(tmp_path, header) -> 
         surae.read(tmp_path / "a.csv")  # a fit takes nothing that nobody has seen
     without = header.replace(" [deg]", "")  # no unit is guessed
     (tmp_path / "b.csv").write_text("\n".join([without, *lines]), encoding="utf-8")
-    with pytest.raises(InputError, match=r"unit of .* is not stated"):
+    with pytest.raises(InputError, match=r"unit of .* is not known"):
         surae.check(tmp_path / "b.csv")

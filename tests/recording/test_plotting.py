@@ -1,6 +1,6 @@
 """A recording draws itself."""
 
-import matplotlib
+import matplotlib.pyplot
 import pytest
 
 import surae

@@ -13,7 +13,7 @@ from surae.base.words import Message
 from surae.model.joint import ANKLE, Joint
 from surae.protocol.effort import effort, named_task
 from surae.quality.commanded import Commanded, recognised
-from surae.quality.numeric import BoolArray, correlation, quantiles, smooth, span_of
+from surae.quality.numeric import BoolArray, correlation, smooth, span_of
 from surae.quality.torque_model import TorqueModel, torque_model
 from surae.recording import MUSCLES, Channel, Recording
 from surae.recording.corrections import stated_unit
@@ -27,11 +27,6 @@ _DETREND = 0.025
 #: Where an envelope is judged by its level, it is averaged over this [s]: rectified noise then
 #: varies by some 15 % and a burst of one second is still seen.
 SLOW = 0.2
-#: The most negative of an EMG channel's usual values over the most positive, from the median:
-#: about 1 in raw EMG, below 0.2 in envelopes even with the noise of 5 %.
-_SYMMETRIC = 0.5
-#: EMG faster than this [Hz] is raw, if it says so, even without a negative sample.
-_RAW_RATE = 500.0
 #: An angle beyond this [rad] is in degrees: no ankle turns by 115°.
 IMPOSSIBLE_ANGLE = 2.0
 #: Step at which the effort of a task is made [s]: bursts rise over a tenth of a second and more.
@@ -153,21 +148,12 @@ def signals_of(recording: Recording) -> Signals:
 
 
 def emg_kind(recording: Recording) -> Literal["raw", "envelope"]:
-    """Whether the EMG is raw or an envelope, by its values where these contradict the recording."""
+    """Whether EMG is raw or an envelope: as it is declared, unless most of it looks otherwise."""
     emg = [c for role, c in recording.channels.items() if role.startswith("emg_")]
     alive = [c for c in emg if float(np.ptp(c.values)) > 0.0]
-    if not alive:
+    if 2 * len(emg_contradictions(recording)) <= len(alive):
         return recording.emg
-    if recording.emg == "envelope":
-        return "raw" if 2 * len(emg_contradictions(recording)) > len(alive) else "envelope"
-    ratios = []
-    for channel in alive:
-        low, middle, high = quantiles(channel.values, 0.001, 0.5, 0.999)
-        ratios.append((middle - low) / (high - middle) if high > middle else 1.0)
-    if float(np.median(ratios)) < _SYMMETRIC:
-        return "envelope"
-    positive = all(float(c.values.min()) >= 0.0 for c in alive)
-    return "envelope" if positive and alive[0].rate_hz < _RAW_RATE else "raw"
+    return "envelope" if recording.emg == "raw" else "raw"
 
 
 def to_radians(angle: Channel) -> float:
