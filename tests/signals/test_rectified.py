@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfilt
 
-from ankle_legs.movement import effort
 from surae.base.frozen import read_only
 from surae.recording import Recording
-from surae.signals import ModelInputs, inputs_as_given, noise_alone, prepare, steady_emg
-from surae.signals.rectified import expected_drives, rectified_density
+from surae.signals import ModelInputs, noise_alone, prepare, steady_emg
+from surae.signals.rectified import rectified_density
 
 SECONDS = 300.0
 
@@ -54,54 +53,6 @@ def test_the_density_of_white_noise_has_a_closed_form() -> None:
 
 def bursts(time: np.ndarray) -> np.ndarray:
     return 1e-4 * np.maximum(np.sin(2 * np.pi * 0.4 * time), 0.0) ** 2 + 2e-6
-
-
-def test_the_expected_drive_pulls_no_gradient_and_is_nearer() -> None:
-    rng = np.random.default_rng(4)
-    time = np.arange(round(60.0 * 256.0)) / 256.0
-    drive = bursts(time)
-    inputs = prepare(recorded(np.stack([raw_emg(rng, 256.0, drive)] * 4, axis=1), 256.0))
-    calm = expected_drives(inputs)
-    truth = drive * (inputs.emg[:, 0].mean() / drive.mean())
-    before, after = (each.emg[:, 0] - truth for each in (inputs, calm))
-    assert np.std(after) < 0.35 * np.std(before)
-    slopes = [float(truth @ e.emg[:, 0] / (e.emg[:, 0] @ e.emg[:, 0])) for e in (inputs, calm)]
-    assert slopes[0] < 0.8
-    assert slopes[1] == pytest.approx(1.0, abs=0.03)
-
-
-@pytest.mark.parametrize("density", [0.6e-3, 3e-3])
-def test_bursts_of_another_author_keep_their_edges(density: float) -> None:
-    """Two thirds of the noise go, and neither bursts nor rest are blurred.
-
-    A stationary filter (Wiener's) leaves no less noise, 2.6 and 4.9 of blur, and bursts in what is
-    rest; muscles then seem to let go slowly.
-    """
-    rate, found = 64.0, []
-    for seed in range(2):
-        rng = np.random.default_rng(seed)
-        time = np.arange(round(35.0 * rate)) / rate
-        drive = effort(rng, time, "active") + 3e-3
-        shape = 1.0 / (density * rate)
-        noisy = drive * rng.gamma(shape, 1.0 / shape, drive.shape)
-        motion = np.sin(time), np.cos(time), -np.sin(time)
-        inputs = inputs_as_given("given", rate, time, motion, noisy.T)
-        left = expected_drives(replace(inputs, rectified=(density,) * 4)).emg.T - drive
-        bent = np.gradient(np.gradient(drive, axis=1), axis=1)
-        blur = np.sum(left * bent) / np.sum(bent**2)
-        found.append((np.std(left) / np.std(noisy - drive), blur, left[drive < 0.02].mean()))
-    kept, blur, at_rest = np.mean(found, axis=0)
-    assert kept < 0.4
-    assert abs(blur) < 1.6
-    assert abs(at_rest) < 2e-4
-
-
-def test_envelopes_of_unknown_making_stay_as_they_are() -> None:
-    time = np.arange(3000) / 100.0
-    emg = np.stack([bursts(time)] * 4, axis=1)
-    inputs = inputs_as_given("given", 100.0, time, (np.sin(time), np.cos(time), -np.sin(time)), emg)
-    assert inputs.rectified == ()
-    assert expected_drives(inputs) is inputs
 
 
 def with_emg(*columns: np.ndarray, rate_hz: float) -> ModelInputs:

@@ -26,10 +26,6 @@ class Secant:
     def __init__(self, q: int) -> None:
         self.S = np.zeros((q, q))
 
-    def forget(self) -> None:
-        """Nothing is known of S."""
-        self.S[:] = 0.0
-
     def learn(self, step: FloatArray, turned: FloatArray, H: FloatArray) -> None:
         """Let H + S make of a step what the gradient turned by: the least change of S that does.
 

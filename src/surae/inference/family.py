@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from surae.inference.coordinates import is_straight
+from surae.inference.expected_drives import expected_drives
 from surae.inference.film import names_of_film
 from surae.inference.fit import fit_problem
 from surae.inference.latent import Latents
@@ -25,7 +26,6 @@ from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of,
 from surae.model.sources import Gaussian
 from surae.signals import ModelInputs, emg_levels, quiet_levels, steady_emg
 from surae.signals.prepare import sharpened
-from surae.signals.rectified import expected_drives
 from surae.signals.resample import thinned, thinning_factor
 
 #: Rates [Hz] of the first stage and of all others, and the samples that a recording keeps at least.

@@ -285,7 +285,7 @@ class LogPosterior(Coordinates):
                 damping *= 10.0
                 continue
             if trial.cost < (1.0 - FAR) * here.cost:
-                secant.forget()
+                secant = Secant(len(z))
             if part < 1.0:
                 damping *= 2.0
             else:

@@ -1,0 +1,93 @@
+"""What is expected of the drives behind envelopes whose noise is known.
+
+Noise of a regressor pulls estimates, muscles seem slower. What is expected of the drive errs
+without regard to itself (Berkson), and pulls nowhere (Carroll et al. 2006, chapter 4). It is the
+mean: the likeliest drive makes bursts too short, which passes for a slow release and a curve.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from surae.base.frozen import read_only
+from surae.base.units import FloatArray
+from surae.model.activation import IntArray
+from surae.model.jit import jit
+from surae.signals import ModelInputs
+
+#: Levels of a drive as parts of its greatest, and their distance on the logarithm [1/s, samples].
+_LEAST, _MOST, _APART = 1e-3, 2.0, 3.84
+#: Levels that it climbs a sample; how often that changes [1/s], half of the time to none; how far
+#: it wanders beside [1/√s]; and the probability of any jump. Of virtual legs' efforts.
+_SLOPES, _TURNS, _WANDER, _JUMP = (0, 1, -1, 2, -2, 4, -4, 8, -8), 3.2, 0.25, 1e-9
+#: Samples that are looked at together, and those beside them.
+_BLOCK, _BESIDE = 1024, 128
+
+
+def expected_drives(inputs: ModelInputs) -> ModelInputs:
+    """The inputs with what is expected of the drives; the same where no noise is known."""
+    if not inputs.rectified:
+        return inputs
+    emg = inputs.emg.copy()
+    for column, density in enumerate(inputs.rectified):
+        if density > 0.0 and np.percentile(emg[:, column], 99.9) > 0.0:
+            emg[:, column] = _expected(emg[:, column], density * inputs.rate_hz, inputs.rate_hz)
+    return replace(inputs, emg=read_only(emg))
+
+
+def _expected(envelope: FloatArray, relative: float, rate_hz: float) -> FloatArray:
+    """The mean of the drive behind an envelope with multiplicative noise of this relative variance.
+
+    The envelope has a Gamma distribution about the drive, whose logarithm goes straight and turns
+    now and then, and wanders a little (Sanger 2007, J. Neurophysiol. 97:1839, has jumps instead).
+    """
+    top = float(np.percentile(envelope, 99.9))
+    apart = _APART / rate_hz
+    levels = np.arange(np.log(_LEAST), np.log(_MOST), apart)
+    seen = np.maximum(envelope / top, _LEAST)[:, None]
+    fits = -(seen * np.exp(-levels) + levels) / relative
+    fits = np.exp(fits - fits.max(axis=1, keepdims=True))
+    slopes = np.array(_SLOPES)
+    moves = -np.expm1(-_TURNS / rate_hz), min(0.5 * _WANDER**2 / rate_hz / apart**2, 0.25)
+    drive = np.empty(len(envelope))
+    for begin in range(0, len(envelope), _BLOCK):
+        first = max(begin - _BESIDE, 0)
+        own = fits[first : begin + _BLOCK + _BESIDE]
+        # before a sample and after it, which is before it the other way round
+        told = _told(own, slopes, *moves, True)
+        told *= _told(own[::-1].copy(), -slopes, *moves, False)[::-1]
+        told[:, slopes != 0] *= len(slopes) - 1
+        share = told.sum(axis=1)
+        each = share @ np.exp(levels) / share.sum(axis=1)
+        drive[begin : begin + _BLOCK] = each[begin - first :][:_BLOCK]
+    return top * drive
+
+
+@jit
+def _told(fits: FloatArray, slopes: IntArray, turns: float, half: float, after: bool) -> FloatArray:
+    """Probabilities of slopes and levels at each sample, by those before; by itself too, `after`.
+
+    `fits` has the likelihood of each level, shape (n, m); `turns` is the probability that a slope
+    changes, `half` the part that wanders to either side. Slopes are those before a sample, or after
+    it. Of shape (n, k, m).
+    """
+    k, (n, m) = len(slopes), fits.shape
+    edge, often = int(np.abs(slopes).max()) + 1, np.where(slopes == 0, 0.5, 0.5 / (k - 1))
+    here, turned, told = np.empty((k, m)), np.zeros((k, m + 2 * edge)), np.empty((n, k, m))
+    for i in range(n):
+        level = np.zeros(m)
+        for v in range(k):
+            for x in range(m):
+                at = edge + x - slopes[v]
+                beside = turned[v, at - 1] + turned[v, at + 1]
+                came = (1.0 - 2.0 * half) * turned[v, at] + half * beside + _JUMP * often[v]
+                told[i, v, x], here[v, x] = came, came * fits[i, x]
+                level[x] += here[v, x]
+        total = level.sum()
+        for v in range(k):
+            for x in range(m):
+                goes = (1.0 - turns) * here[v, x] + turns * often[v] * level[x]
+                turned[v, x + edge] = goes / total
+                if after:
+                    told[i, v, x] = goes
+    return told
