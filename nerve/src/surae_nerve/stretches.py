@@ -35,12 +35,9 @@ SPREAD, ONSET_ERROR = 0.3, 0.5
 #: Times [s] by which a muscle is called up before its EMG is seen: none, as is published, and the
 #: latency of the calf's reflex (Sinkjaer 1996: 40 ms at most).
 LATENCIES = (0.0, 0.02, 0.04)
-#: Of which repeats give the smallest detectable change. Not the viscous torque: beside a reflex it
-#: is off alike in all of them.
-_COMPARED = {
-    "peak_torque_Nm": N_("peak of torque"), "elastic_Nm": N_("elastic"), "neural_Nm": N_("neural"),
-    "inertial_Nm": N_("inertial"),
-}  # fmt: skip
+#: Of which repeats give the smallest detectable change. Elastic, viscous and inertial torque are of
+#: one fit to all stretches: what repeats of them differ by is not what they are wrong by.
+_COMPARED = {"peak_torque_Nm": N_("peak of torque"), "neural_Nm": N_("neural")}
 
 
 @dataclass(frozen=True, slots=True)
