@@ -71,3 +71,13 @@ def test_noise_is_steady_and_an_effort_is_not(rate_hz: float) -> None:
     assert noise_alone([inputs]) == {1, 3}
     louder = replace(inputs, emg=read_only(inputs.emg * np.where(np.arange(4) == 1, 50.0, 1.0)))
     assert noise_alone([louder]) == {3}
+
+
+@pytest.mark.parametrize("every", [2, 3, 4])
+def test_a_slow_rate_makes_envelopes_smaller_by_what_aliases_below_the_high_pass(every) -> None:
+    emg = np.random.default_rng(every).normal(size=(round(60.0 * 1024), 4))
+    whole = prepare(recorded(emg, 1024.0))
+    slow = prepare(recorded(emg[::every], 1024.0 / every))
+    smaller = np.log(whole.emg[:, 0].mean() / slow.emg[:, 0].mean())
+    assert slow.emg_lost == pytest.approx(smaller, abs=0.02)
+    assert whole.emg_lost == 0.0

@@ -51,6 +51,9 @@ def summed(
     if original.has_unheard:
         shifts["unheard"] = laplace.dynamics(post, V, beta, unheard=True)
     shifts["trials"] = laplace.between_trials(blocks, V)
+    if lost := max(recording.emg_lost for recording in inputs):
+        heard = [float(name in original.spec.weights) for name in post.names]
+        shifts["emg_band"] = lost * np.array([heard])
     against = _against(post, point, original)
     said = {g: c.probability for g, c in against.items() if c.probability < SAID}
     zero = against.pop(ZERO_NAME, None)

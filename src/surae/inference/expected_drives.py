@@ -11,15 +11,14 @@ import numpy as np
 
 from surae.base.frozen import read_only
 from surae.base.units import FloatArray
-from surae.model.activation import IntArray
-from surae.model.jit import jit
+from surae.inference.drive_chain import forward
 from surae.signals import ModelInputs
 
 #: Levels of a drive as parts of its greatest, and their distance on the logarithm [1/s, samples].
 _LEAST, _MOST, _APART = 1e-3, 2.0, 3.84
 #: Levels that it climbs a sample; how often that changes [1/s], half of the time to none; how far
-#: it wanders beside [1/√s]; and the probability of any jump. Of virtual legs' efforts.
-_SLOPES, _TURNS, _WANDER, _JUMP = (0, 1, -1, 2, -2, 4, -4, 8, -8), 3.2, 0.25, 1e-9
+#: it wanders beside [1/√s]. Of virtual legs' efforts.
+_SLOPES, _TURNS, _WANDER = (0, 1, -1, 2, -2, 4, -4, 8, -8), 3.2, 0.25
 #: Samples that are looked at together, and those beside them.
 _BLOCK, _BESIDE = 1024, 128
 
@@ -54,40 +53,10 @@ def _expected(envelope: FloatArray, relative: float, rate_hz: float) -> FloatArr
         first = max(begin - _BESIDE, 0)
         own = fits[first : begin + _BLOCK + _BESIDE]
         # before a sample and after it, which is before it the other way round
-        told = _told(own, slopes, *moves, True)
-        told *= _told(own[::-1].copy(), -slopes, *moves, False)[::-1]
+        told = forward(own, slopes, *moves, True)
+        told *= forward(own[::-1].copy(), -slopes, *moves, False)[::-1]
         told[:, slopes != 0] *= len(slopes) - 1
         share = told.sum(axis=1)
         each = share @ np.exp(levels) / share.sum(axis=1)
         drive[begin : begin + _BLOCK] = each[begin - first :][:_BLOCK]
     return top * drive
-
-
-@jit
-def _told(fits: FloatArray, slopes: IntArray, turns: float, half: float, after: bool) -> FloatArray:
-    """Probabilities of slopes and levels at each sample, by those before; by itself too, `after`.
-
-    `fits` has the likelihood of each level, shape (n, m); `turns` is the probability that a slope
-    changes, `half` the part that wanders to either side. Slopes are those before a sample, or after
-    it. Of shape (n, k, m).
-    """
-    k, (n, m) = len(slopes), fits.shape
-    edge, often = int(np.abs(slopes).max()) + 1, np.where(slopes == 0, 0.5, 0.5 / (k - 1))
-    here, turned, told = np.empty((k, m)), np.zeros((k, m + 2 * edge)), np.empty((n, k, m))
-    for i in range(n):
-        level = np.zeros(m)
-        for v in range(k):
-            for x in range(m):
-                at = edge + x - slopes[v]
-                beside = turned[v, at - 1] + turned[v, at + 1]
-                came = (1.0 - 2.0 * half) * turned[v, at] + half * beside + _JUMP * often[v]
-                told[i, v, x], here[v, x] = came, came * fits[i, x]
-                level[x] += here[v, x]
-        total = level.sum()
-        for v in range(k):
-            for x in range(m):
-                goes = (1.0 - turns) * here[v, x] + turns * often[v] * level[x]
-                turned[v, x + edge] = goes / total
-                if after:
-                    told[i, v, x] = goes
-    return told

@@ -138,6 +138,9 @@ _SOURCES = (
         N_("keep the electrodes’ gain steady, or measure it before and after"),
         Fill("surface", "-"), fresh=True),
     UncertaintySource(
+        "emg_band", "rate of the EMG", "what a slow rate leaves of the EMG’s band",
+        N_("record the raw EMG at 1 kHz or faster"), Fill("measured", "x")),
+    UncertaintySource(
         "emg_rest", "EMG at rest", "what an electrode shows of a muscle that rests",
         N_("record all muscles at rest"), Fill("series-1", "-"), Nuisance(
             "rest", OPTIONAL["emg_rest"], Gaussian(0.0, 1.0), "of the level at rest",

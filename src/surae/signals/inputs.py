@@ -37,7 +37,7 @@ class Film(Comparable):
     length: FloatArray  #: Its length [m], shape (k,).
 
 
-@filed(n="n", sparse=("films", "second", "own_envelopes", "rectified"))
+@filed(n="n", sparse=("films", "second", "own_envelopes", "rectified", "emg_lost"))
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelInputs(Comparable):
     """Prepared signals of one recording, arrays read-only and of shape (n,) unless stated."""
@@ -79,6 +79,8 @@ class ModelInputs(Comparable):
     #: spectral density at 0 Hz of its relative error [s], see `rectified_density`; empty where
     #: envelopes came as such.
     rectified: tuple[float, ...] = ()
+    #: How far its EMG may be too small for the rate of the raw EMG, see `lost_to_rate`.
+    emg_lost: float = 0.0
 
     def __post_init__(self) -> None:
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""

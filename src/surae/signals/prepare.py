@@ -15,7 +15,7 @@ from surae.recording import MUSCLES, Channel, Recording
 from surae.recording.emg_kind import contradiction, look_of
 from surae.signals.filters import ANTIALIAS_PASS, ANTIALIAS_STOP, HIGHEST_CUTOFF, zero_phase
 from surae.signals.inputs import Film, ModelInputs
-from surae.signals.rectified import rectified_density
+from surae.signals.rectified import lost_to_rate, rectified_density
 from surae.signals.resample import (
     MINIMUM_SAMPLES,
     Uniform,
@@ -115,6 +115,7 @@ def prepare(
         ),
         own_envelopes=own,
         rectified=_rectified(recording, settings) if own else (),
+        emg_lost=_lost(recording, settings) if own else 0.0,
         measured=tuple(name for name, role in _DERIVATIVES.items() if role in signals),
         second=tuple(map(read_only, second)),
         lowpass=None if cutoff is None else (cutoff, settings.bessel_order),
@@ -327,6 +328,12 @@ def _rectified(recording: Recording, settings: Preparation) -> tuple[float, ...]
             values = _filtered_emg("highpass", values, source, settings)
             density[muscle] = rectified_density(values, source.axis.rate_hz)
     return tuple(density.values())
+
+
+def _lost(recording: Recording, settings: Preparation) -> float:
+    """How far the EMG may be too small for its rate, see `lost_to_rate`."""
+    rates = [c.rate_hz for role, c in recording.signals.items() if role.startswith("emg_")]
+    return max(lost_to_rate(rate, settings.emg_highpass_hz or 0.0) for rate in rates)
 
 
 def refuse_not_raw(channel: Channel, source: Uniform, settings: Preparation) -> None:

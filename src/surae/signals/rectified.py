@@ -11,6 +11,19 @@ from surae.base.units import FloatArray
 
 #: Time [s] over which the size of raw EMG is averaged, and up to which it is correlated.
 _SIZE_S, _CORRELATED_S = 0.25, 0.1
+#: Rate [Hz] at which EMG is sampled whole, for which weights are meant.
+_WHOLE_HZ = 1024.0
+
+
+def lost_to_rate(rate_hz: float, highpass_hz: float) -> float:
+    """How far an envelope may be too small, as a standard deviation of its logarithm [-].
+
+    Of a flat band up to half the rate a high-pass leaves the part 1 − 2·f/rate of the power. What
+    is lost beside a recording at 1024 Hz makes weights larger by ½·ln of the ratio of these parts,
+    if it aliases, and by nothing if EMG has no more than the band that is left.
+    """
+    left, whole = (1.0 - 2.0 * highpass_hz / rate for rate in (rate_hz, _WHOLE_HZ))
+    return 0.5 * float(np.log(max(whole / left, 1.0)))
 
 
 def rectified_density(emg: FloatArray, rate_hz: float) -> float:
