@@ -73,6 +73,22 @@ def long(trial):
 
 CHECK = Check(("too-long",), long)
 '''
+#: Loaded with the parameters: it imports the records that it is made of, and nothing else of surae.
+DRAG = """
+from operator import attrgetter
+
+from surae.model.parameter import Added, Parameter
+from surae.model.source import Fill, Gaussian, Nuisance, UncertaintySource
+
+DRAG = UncertaintySource(
+    "drag", "drag of a cable", "what the cable of a load cell pulls", "lay the cable otherwise",
+    Fill("ink", "|"),
+    Nuisance("drag", ("cable_drag",), Gaussian(0.0, 0.5), "Nm·s/rad", "assumed", departs=True),
+    adds=(Parameter("cable_drag", "Nm·s/rad", "drag of a cable", "measurement", 0.0, -5.0, 5.0,
+                    False, True, "lay the cable otherwise", straight=True,
+                    torque=Added("joint", attrgetter("velocity"))),),
+)
+"""
 POINTS = """
 [surae.models]
 ours = ours_of_a_laboratory:MODEL
@@ -83,6 +99,9 @@ two = ours_of_a_laboratory:READER
 
 [surae.measures]
 slack_span = ours_of_a_laboratory:MEASURE
+
+[surae.sources]
+drag = drag_of_a_cable:DRAG
 
 [surae.checks]
 too-long = ours_of_a_laboratory:CHECK
@@ -102,6 +121,7 @@ def laboratory(tmp_path, monkeypatch) -> Path:
     (folder / "ours-1.0.dist-info" / "METADATA").write_text("Name: ours\nVersion: 1.0\n")
     (folder / "ours-1.0.dist-info" / "entry_points.txt").write_text(POINTS)
     (folder / "ours_of_a_laboratory.py").write_text(SOURCE)
+    (folder / "drag_of_a_cable.py").write_text(DRAG)
     path = os.pathsep.join(filter(None, (str(folder), os.environ.get("PYTHONPATH"))))
     monkeypatch.setenv("PYTHONPATH", path)
     return folder
@@ -144,6 +164,20 @@ def test_a_measure_and_a_check_stand_beside_ours(laboratory, tmp_path) -> None:
         "leg = surae.virtual_subject(seed=1).parameters\n"
         "print('slack_span' in measures_of_values(leg, 'muscle'))\n"
         "print('too-long' in [f.code for f in surae.check(surae.example()).findings])"
+    )
+    done = python(code, tmp_path)
+    assert done.stdout.split() == ["True", "True"], done.stderr
+
+
+def test_a_source_of_uncertainty_brings_its_torque_and_its_prior(laboratory, tmp_path) -> None:
+    code = (
+        "import surae; from surae.model import laboratory\n"
+        "print('drag' in laboratory.DEPARTURES)\n"
+        "trial = surae.prepare(surae.example())\n"
+        "leg = dict(surae.virtual_subject(seed=1).parameters)\n"
+        "one, other = (surae.simulate('muscle-tendon', {**leg, **more}, trial)\n"
+        "              for more in ({}, {'cable_drag': 2.0}))\n"
+        "print(float(abs(other - one - 2.0 * trial.velocity).max()) < 1e-9)"
     )
     done = python(code, tmp_path)
     assert done.stdout.split() == ["True", "True"], done.stderr

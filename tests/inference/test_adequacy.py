@@ -8,7 +8,7 @@ import pytest
 from surae.base.frozen import read_only
 from surae.inference import Grade, Verdict, assess, fit_problem, make_problem
 from surae.inference.adequacy import _is_odd, judge_adequacy, structure
-from surae.model.sources import Gaussian
+from surae.model.source import Gaussian
 
 
 def fitted_to(trial, **asked):

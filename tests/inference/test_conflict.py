@@ -7,7 +7,7 @@ import pytest
 
 from surae.inference.conflict import RARE, Conflict, conflicts
 from surae.inference.evidence import LaplaceApproximation
-from surae.model.sources import Gaussian
+from surae.model.source import Gaussian
 
 NAMES = ("m", "axis_forward", "axis_up")
 WIDE = {"axis_forward": Gaussian(0.0, 0.01), "axis_up": Gaussian(0.0, 0.01)}

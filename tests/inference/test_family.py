@@ -24,7 +24,7 @@ from surae.inference.search import resumed
 from surae.model import with_optional
 from surae.model.laboratory import ALL, laboratory
 from surae.model.parameters import OPTIONAL
-from surae.model.sources import Gaussian
+from surae.model.source import Gaussian
 from surae.protocol import Protocol, generate
 from surae.recording import Recording, read
 from surae.signals import prepare

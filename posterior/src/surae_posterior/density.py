@@ -21,7 +21,7 @@ from surae.inference.residuals import Residuals
 from surae.model import adapted
 from surae.model.laboratory import laboratory
 from surae.model.prior import Prior
-from surae.model.sources import Gaussian
+from surae.model.source import Gaussian
 
 
 def beliefs(

@@ -23,7 +23,8 @@ from surae.inference.residual import centred_r2, counted
 from surae.inference.uncertainty.combined import Uncertainty
 from surae.model.joint import Joint
 from surae.model.laboratory import group_of
-from surae.model.sources import LABELS, Gaussian
+from surae.model.source import Gaussian
+from surae.model.sources import LABELS
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, steady_emg
 

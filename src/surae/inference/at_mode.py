@@ -30,7 +30,8 @@ from surae.inference.result import (
     at_bounds,
 )
 from surae.model.laboratory import COMPLIANT, group_of, laboratory
-from surae.model.sources import NUISANCES, Gaussian
+from surae.model.source import Gaussian
+from surae.model.sources import NUISANCES
 
 #: Ends of starts agree whose −2 ln p differ by less.
 _ALIKE = 2.0

@@ -19,7 +19,7 @@ from surae.inference.evidence import LaplaceApproximation
 from surae.inference.posterior import LogPosterior, Point
 from surae.model import with_optional
 from surae.model.laboratory import group_of
-from surae.model.sources import Gaussian
+from surae.model.source import Gaussian
 
 #: Probability of a right statement to look as wrong, from which on that is said, and from which on
 #: it is doubted: of five that are tested, in one right session in five and in one in twenty.

@@ -23,7 +23,7 @@ from surae.inference.problem import FitProblem
 from surae.inference.result import FitResult, LeastSquares, is_at_bound
 from surae.model import adapted, get_model, with_optional
 from surae.model.laboratory import COMPLIANT, RIGID, group_of, laboratory
-from surae.model.sources import Gaussian
+from surae.model.source import Gaussian
 from surae.signals import ModelInputs
 from surae.signals.prepare import sharpened, smoothed
 

@@ -10,7 +10,7 @@ from surae.inference.problem import FitProblem
 from surae.inference.residuals import valleys_among
 from surae.model.laboratory import EACH_TRIAL, GROUPS
 from surae.model.registry import PARAMETERS
-from surae.model.sources import Gaussian
+from surae.model.source import Gaussian
 
 #: Least value of a parameter on a logarithm whose bound is zero, as a part of its prior's median.
 _FLOOR = 1e-2

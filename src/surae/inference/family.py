@@ -23,7 +23,7 @@ from surae.inference.problem import MASSES, FitProblem
 from surae.inference.result import TENDONS, FitResult
 from surae.model import get_model, with_optional
 from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, group_of, laboratory
-from surae.model.sources import Gaussian
+from surae.model.source import Gaussian
 from surae.signals import ModelInputs, emg_levels, quiet_levels, steady_emg
 from surae.signals.prepare import sharpened
 from surae.signals.resample import thinned, thinning_factor

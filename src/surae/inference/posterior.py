@@ -26,7 +26,7 @@ from surae.inference.least_squares import box_quadratic, eased, predicted_gain
 from surae.inference.linearised import REST, Observed, SensorRows
 from surae.inference.noise import NoiseModel
 from surae.inference.problem import FitProblem
-from surae.model.sources import Gaussian
+from surae.model.source import Gaussian
 
 #: Ridge under which the whole step is judged, and the shortest part of a step that is tried.
 _RIDGE, _SHORTEST = 1e-12, 1e-3

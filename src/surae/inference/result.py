@@ -12,7 +12,7 @@ from surae.base.records import OrInfinite
 from surae.base.units import FloatArray
 from surae.inference.noise import NoiseModel
 from surae.inference.problem import FitProblem
-from surae.model.sources import Gaussian
+from surae.model.source import Gaussian
 
 #: Stretches of tendons.
 TENDONS = ("dlt_tri", "dlt_tib")

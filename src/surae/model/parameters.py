@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from surae.base.frozen import FrozenDict
+from surae.base.plugins import plugins
 from surae.base.units import FloatArray
 from surae.base.words import N_
 from surae.model.joint import ANKLE, Value
 from surae.model.parameter import Added, Parameter
 from surae.model.prior import Prior
+from surae.model.source import UncertaintySource
 from surae.recording import FILMED, MUSCLE_NAMES, MUSCLES
 
 if TYPE_CHECKING:
@@ -327,6 +329,9 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
         for at, muscle in zip(FILMED, MUSCLE_NAMES.values(), strict=True)
     },
 }  # fmt: skip
+#: Sources of uncertainty that other distributions bring, with parameters of their own.
+ADDED: dict[str, UncertaintySource] = plugins("sources", UncertaintySource)
+_OPTIONAL |= {s.nuisance.group: s.adds for s in ADDED.values() if s.nuisance}
 OPTIONAL_PARAMETERS: tuple[Parameter, ...] = tuple(chain(*_OPTIONAL.values()))
 #: The names of each group.
 OPTIONAL: dict[str, tuple[str, ...]] = {

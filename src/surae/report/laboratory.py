@@ -9,7 +9,8 @@ from surae.inference.random_effects import trial_spread
 from surae.inference.result import Candidate
 from surae.model import get_model
 from surae.model.laboratory import group_of
-from surae.model.sources import LABELS, NUISANCES, Gaussian
+from surae.model.source import Gaussian
+from surae.model.sources import LABELS, NUISANCES
 from surae.report import block
 
 #: Units as people read them: factor and name.

@@ -15,7 +15,7 @@ from surae.inference.uncertainty.combined import ZERO, Uncertainty
 from surae.model import ModelOptions, ModelSpec, get_model, with_optional
 from surae.model.joint import ANKLE
 from surae.model.laboratory import AUTO, COMPLIANT, EACH_TRIAL, NONE, group_of, laboratory, richest
-from surae.model.sources import Gaussian
+from surae.model.source import Gaussian
 from surae.signals import emg_levels
 from surae.studies.leg import EMG_FULL, EMG_REST
 from surae.studies.populations import POPULATIONS, TENDONS, virtual_subject
