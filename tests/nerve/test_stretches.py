@@ -1,15 +1,25 @@
 """`surae.stretches`: stretches of a simulated calf, found and taken apart."""
 
+from functools import cache
+
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import surae
 from perturbed_ankle import ramps
 from surae.base.errors import InputError
+from surae.recording import MUSCLES, Recording
 from surae_nerve.parts import _noise
 from surae_nerve.ramps import Stretched
 
 SPEEDS = (10.0, 10.0, 60.0, 60.0, 120.0, 120.0, 180.0, 180.0)
+
+
+@cache
+def usual():
+    """A leg with a reflex, estimated once for several tests."""
+    return surae.stretches(ramps(SPEEDS, neural=6.0))
 
 
 def calf(found):
@@ -24,7 +34,7 @@ def test_every_stretch_is_found_with_its_speed_and_ends() -> None:
 
 
 def test_torque_is_taken_apart() -> None:
-    found = calf(surae.stretches(ramps(SPEEDS, neural=6.0)))
+    found = calf(usual())
     assert [s.elastic_Nm for s in found] == pytest.approx([0.5236 * 20.0] * 8, rel=0.1)
     for s in found[4:]:
         low, high = s.neural_ci95
@@ -64,7 +74,7 @@ def test_the_threshold_is_that_of_no_velocity() -> None:
 
 
 def test_repeats_give_the_smallest_change_and_single_ones_none() -> None:
-    some = surae.stretches(ramps(SPEEDS, neural=6.0)).smallest_detectable_change
+    some = usual().smallest_detectable_change
     assert 0.0 < some["neural_Nm"] < 3.0
     once = surae.stretches(ramps((10.0, 120.0), returning=None)).smallest_detectable_change
     assert once["neural_Nm"] is None or once["neural_Nm"] >= 0.0
@@ -94,6 +104,53 @@ def test_the_noise_of_an_envelope_is_its_power_not_what_comes_and_goes() -> None
     for emg, power in ((noisy, 0.25 * 2.0 / rate * np.mean(activity**2)), (activity, 0.0)):
         of = Stretched("x", rate, time, still, still, {"sol": emg}, ())
         assert _noise([of], "sol") == pytest.approx(power, rel=0.3, abs=1e-6)
+
+
+@pytest.mark.parametrize(("lasts", "every", "told"), [(0.6, None, False), (0.09, 0.18, True)])
+def test_an_answer_by_will_is_no_reflex_but_clonus_is(lasts, every, told) -> None:
+    """A burst that lasts in the hold may be by will; beats of clonus at 5.5 Hz may not."""
+    made = ramps(SPEEDS, neural=6.0)
+    t, x, torque = (made.channels[n] for n in ("angle", "angle", "torque"))
+    time, emg = t.time, np.column_stack([made.channels[f"emg_{m}"].values for m in MUSCLES])
+    v = np.gradient(x.values, time)
+    begins = time[1:][(v[1:] > 0.3) & (v[:-1] <= 0.3)]
+    late = np.zeros(len(time))
+    for begin in begins[begins > 16.0]:  # in the fast ones
+        for beat in range(1 if every is None else 4):
+            at = begin + 0.22 + beat * (every or 0.0)
+            late = np.maximum(late, 1.0 * ((time > at) & (time < at + lasts)))
+    emg[:, 1:] += 5e-5 * late[:, None]
+    keep = np.exp(-25.0 * (time[1] - time[0]))
+    pull = lfilter([(1.0 - keep) ** 2], [1.0, -2.0 * keep, keep**2], 4.0 * late)
+    found = surae.stretches(Recording.from_arrays(
+        time, x.values, torque.values + pull, name="late", emg_kind="envelope", emg=emg,
+    ))  # fmt: skip
+    fast = [s for s in calf(found) if s.speed_deg_s > 100.0]
+    assert len(fast) == 4
+    if told:
+        assert all(s.neural_note == "with EMG" for s in fast)
+    else:
+        assert any(s.neural_Nm is None and s.neural_note.startswith("late") for s in fast)
+        assert all(s.neural_ci95[1] > 6.0 for s in fast)
+        assert found.threshold["gm"].angle_deg is None
+
+
+def test_what_is_wrong_in_all_repeats_alike_widens_the_interval() -> None:
+    """Tissue that is damped by the root of velocity is not what is fitted."""
+    made = ramps(SPEEDS, neural=6.0)
+    angle, torque = made.channels["angle"], made.channels["torque"]
+    v = np.gradient(angle.values, angle.time)
+    emg = np.column_stack([made.channels[f"emg_{m}"].values for m in MUSCLES])
+    wrong = torque.values + 3.0 * np.sign(v) * np.sqrt(np.abs(v))
+    found = surae.stretches(Recording.from_arrays(
+        angle.time, angle.values, wrong, name="root", emg_kind="envelope", emg=emg,
+    ))  # fmt: skip
+    fast = calf(found)[4:]
+    assert all(s.neural_ci95[0] < 6.0 < s.neural_ci95[1] for s in fast)
+    half, before = (
+        np.mean([np.ptp(s.neural_ci95) for s in own]) for own in (fast, calf(usual())[4:])
+    )
+    assert half > 1.2 * before
 
 
 def test_tissue_does_not_take_what_a_noisy_emg_leaves(tmp_path) -> None:

@@ -23,7 +23,7 @@ class _Fast:
     speed: float  #: [deg/s]
     peak: float
     elastic: float
-    neural: float | None  #: None where it cannot be told from tissue.
+    neural: float | None  #: None where it cannot be told from tissue, or from will.
     low: float
     high: float
     heard: bool  #: Whether EMG says so.
@@ -82,8 +82,9 @@ def _fastest(stretches: Sequence[StretchTold]) -> _Fast | None:
         return None
     top = max(s.speed for s in calf)
     own = [s for s in calf if s.speed >= (1.0 - _ALIKE) * top]
-    told = [(s.neural, *s.ci95) for s in own if s.neural is not None and s.ci95 is not None]
-    neural, low, high = np.mean(told, axis=0).tolist() if len(told) == len(own) else (None, 0, 0)
+    told = [s.neural for s in own if s.neural is not None]
+    neural = float(np.mean(told)) if len(told) == len(own) else None
+    low, high = np.mean([s.ci95 or (0.0, s.peak) for s in own], axis=0).tolist()
     speed, peak, elastic = np.mean([(s.speed, s.peak, s.elastic) for s in own], axis=0).tolist()
     heard = all(s.heard for s in own)
     return _Fast(speed, peak, elastic, neural, low, high, heard)
@@ -92,7 +93,7 @@ def _fastest(stretches: Sequence[StretchTold]) -> _Fast | None:
 def _of_stretches(fast: _Fast, _: Words) -> tuple[str, str]:
     """What fast stretches say: a headline, and where it holds."""
     speed = f"{fast.speed:.0f}"
-    if fast.neural is None:
+    if fast.neural is None and not fast.heard:
         return _("Cannot tell"), _(
             "without EMG, stretches do not show how much is reflex; record the calf’s EMG"
         )
@@ -101,7 +102,7 @@ def _of_stretches(fast: _Fast, _: Words) -> tuple[str, str]:
         return _("No reflex seen"), _("at most {most} of {peak} Nm in stretches at {speed} °/s",
                                       most=_short(fast.high, _), peak=_short(fast.peak, _),
                                       speed=speed)  # fmt: skip
-    if fast.low <= 0.0:
+    if fast.neural is None or fast.low <= 0.0:
         return _("Cannot tell"), _("{span} Nm of reflex in stretches at {speed} °/s", span=span,
                                    speed=speed)  # fmt: skip
     about = _(

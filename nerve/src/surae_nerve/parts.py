@@ -29,6 +29,13 @@ OMEGAS = (8.0, 10.0, 12.5, 15.5, 19.0, 24.0, 30.0, 40.0, 60.0)
 NOISY, AVERAGED = (9.0, 15.0), 0.25
 #: Samples of which one is independent; what of a reflex's peak is not known for its smoothing [1].
 DEPENDENT, PEAK = 20.0, 0.06
+#: EMG later than this after the begin may be by will: reflexes of the ankle begin within 0.1 s
+#: (Petersen 1998), and are smoothed [s]. EMG that goes on, later than a reflex's latency after the
+#: stop, for longer than a beat of clonus (3 to 8 Hz: Hidler and Rymer 1999) is neither [s].
+BY_WILL, GONE, GOES_ON = 0.12, 0.08, 0.2
+#: When a tonic answer alone is left, after the stop, and for how long at least it must be seen [s];
+#: cutoff that tells it from noise [Hz].
+TONIC, SEEN, HELD = (0.8, 1.4), 0.2, 6.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +47,8 @@ class Parts:
     inertial: float
     neural: float
     error: float  #: Standard error of the neural part.
+    early: float  #: The neural part without what EMG drives that comes late enough to be by will.
+    held: float  #: What EMG drives that goes on after the stop for longer than a reflex does.
     rise: float  #: By how much torque rises again after the foot has stopped.
     rest: float  #: The same before the stretch, when nothing happens.
 
@@ -51,8 +60,11 @@ class TissueTorque:
     tissue's; where there is none, tissue is fitted to the samples in which no reflex is expected.
     """
 
-    def __init__(self, every: Sequence[Stretched], quiet: Sequence[FloatArray]) -> None:
-        """`quiet` are samples of each recording, at its rate, that are fitted."""
+    def __init__(
+        self, every: Sequence[Stretched], quiet: Sequence[FloatArray],
+        speeds: Sequence[np.ndarray],
+    ) -> None:  # fmt: skip
+        """Of each recording's samples `quiet` are fitted; `speeds` number those of one speed."""
         self.every = every
         self.angles = [_slow(of, of.angle) for of in every]
         joined = np.concatenate(self.angles)
@@ -64,7 +76,7 @@ class TissueTorque:
         torques = [_slow(of, low(of.torque, of.rate, SMOOTH)) for of in every]
         use = [_slow(of, q.astype(float)) > 0.99 for of, q in zip(every, quiet, strict=True)]
         muscles = sorted(set.intersection(*({*of.emg} for of in every)))
-        heard = [
+        self.heard = [
             {m: _slow(of, low(of.emg[m], of.rate, SMOOTH)) for m in muscles} for of in every
         ]  # smoothed alike: corners of the movement would else be left
         power = np.array([_noise(every, m) for m in muscles])
@@ -72,7 +84,7 @@ class TissueTorque:
         for omega in OMEGAS if muscles else OMEGAS[:1]:
             driven = [
                 _driven([h[m] for m in muscles], omega, len(r))
-                for h, r in zip(heard, self.rows, strict=True)
+                for h, r in zip(self.heard, self.rows, strict=True)
             ]
             x = np.concatenate(
                 [np.hstack([r, d])[u] for r, d, u in zip(self.rows, driven, use, strict=True)]
@@ -91,6 +103,13 @@ class TissueTorque:
                 self.c, self.sd = c[:k] + self.diluted, sd
                 inverse = np.linalg.inv(normal) / np.outer(size, size) / len(y)
                 self.covariance = (inverse * sd**2 * DEPENDENT)[:k, :k]
+                self.omega, self.gains, fitted = omega, c[k:], (x, y, c)
+        own = [
+            g[np.minimum((np.arange(len(r)) / RATE * of.rate).astype(int), len(g) - 1)]
+            for g, r, of in zip(speeds, self.rows, every, strict=True)
+        ]
+        label = np.concatenate([g[u] for g, u in zip(own, use, strict=True)])
+        self.apart = _left_out(*fitted, label)[:, :k]
         self.left = [t - r @ self.c for t, r in zip(torques, self.rows, strict=True)]
         at_once = np.zeros(k)
         at_once[:2] = self.c[:2]
@@ -128,18 +147,65 @@ class TissueTorque:
         neural = float(beyond[top]) - before
         error = float(np.hypot(error, 0.5 * before))
         error = float(np.hypot(error, rows[top] @ self.diluted))
+        rest = rows[max(first - 30, 0) : max(first - 2, 1)].mean(axis=0)
+        error = float(np.hypot(error, np.linalg.norm(self.apart @ (rows[top] - rest))))
+        late = self._late(index, ramp, first, last)
+        driven = _driven([late], self.omega, len(rows))[:, 0]
+        early = float(np.max((beyond - np.maximum(driven, 0.0))[window])) - before
         return Parts(
             sign * float(curve[end] - curve[max(first - 5, 0)]), float(np.max(sign * viscous)),
             float(np.max(np.abs(rows[span, 0] * self.c[0]))), neural,
-            float(np.hypot(error, PEAK * neural)),
+            float(np.hypot(error, PEAK * neural)), early,
+            _lasting(low(late, RATE, HELD)[last + round(GONE * RATE) :]),
             self._rise(index, sign, last + round(SETTLED * RATE)),
             self._rise(index, sign, first - round(SHOWN * RATE) - 5),
         )  # fmt: skip
+
+    def _late(self, index: int, ramp: RampSpan, first: int, last: int) -> FloatArray:
+        """Torque [Nm] that EMG which may be by will would hold, beyond a tonic answer's; (n,).
+
+        Of a hold that is too short to show what is tonic nothing is told: 0.
+        """
+        of, late = self.every[index], np.zeros(len(self.rows[index]))
+        following = [r.begin for r in of.ramps if r.begin > ramp.begin]
+        until = round(following[0] / of.rate * RATE) if following else len(late)
+        end = min(last + round(TONIC[1] * RATE), until)
+        begin = min(last + round(TONIC[0] * RATE), end - round(SEEN * RATE))
+        if begin > last + round((GONE + GOES_ON) * RATE):
+            cut = slice(first + round(BY_WILL * RATE), begin)
+            for gain, emg in zip(self.gains, self.heard[index].values(), strict=True):
+                late[cut] += gain * (emg[cut] - float(np.mean(emg[begin:end])))
+        return ramp.direction * late
 
     def _rise(self, index: int, sign: float, first: int) -> float:
         """Largest rise of the torque at rest over `SHOWN`: relaxed tissue's only falls."""
         torque = sign * self.still[index][max(first, 0) : first + round(SHOWN * RATE)]
         return float(np.max(torque - np.minimum.accumulate(torque))) if len(torque) else 0.0
+
+
+def _left_out(x: FloatArray, y: FloatArray, c: FloatArray, label: np.ndarray) -> FloatArray:
+    """By what coefficients change if one label's samples are left out, of a jackknife's weight.
+
+    Their squares' sum is the variance of a jackknife over groups (Tukey 1958): what equations
+    get wrong alike in all repeats of one speed shows where other speeds alone predict it.
+    """
+    size = np.sqrt(np.mean(x**2, axis=0)) + 1e-12
+    scaled, groups, moved = x / size, np.unique(label), []
+    ridge = RIDGE * len(y) * np.eye(x.shape[1])
+    for group in groups:
+        keep = scaled[label != group]
+        normal = keep.T @ keep + ridge
+        # towards the coefficients of all: of what only this group tells nothing is known
+        moved.append(np.linalg.solve(normal, keep.T @ (y[label != group] - keep @ (c * size))))
+    weight = np.sqrt((len(groups) - 1.0) / len(groups))
+    return weight * np.array(moved) / size
+
+
+def _lasting(values: FloatArray) -> float:
+    """Largest value that is exceeded for `GOES_ON`."""
+    n = round(GOES_ON * RATE)
+    ends = range(max(len(values) - n + 1, 0))
+    return max((float(values[k : k + n].min()) for k in ends), default=0.0)
 
 
 def _slow(of: Stretched, values: FloatArray) -> FloatArray:

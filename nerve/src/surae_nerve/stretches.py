@@ -30,6 +30,8 @@ RISES, LEAST_PART = 2.0, 0.05
 #: Onsets and half-width [deg] up to which a threshold is weak. None is identified: of fresh legs 76
 #: of 88 narrow ones held (counts.md), since a line over velocity is assumed.
 LEAST_ONSETS, WEAK = 4, 10.0
+#: Stretches with EMG that goes on for too long after the stop, from which all may have such.
+WILLING = 2
 #: Least spread of velocities at onset [rad/s], and error of one onset's angle in all of them [deg].
 SPREAD, ONSET_ERROR = 0.3, 0.5
 #: Times [s] by which a muscle is called up before its EMG is seen: none, as is published, and the
@@ -54,7 +56,7 @@ class StretchAnswer:
     elastic_Nm: float  #: Rise of tissue's torque, relaxed.
     viscous_Nm: float  #: Largest, of tissue.
     inertial_Nm: float  #: Largest, of foot and device.
-    neural_Nm: float | None  #: Largest beyond tissue's; None where it cannot be told from tissue.
+    neural_Nm: float | None  #: Largest beyond tissue's; None: not to be told from tissue or will.
     neural_ci95: tuple[float, float] | None  #: Its 95 % interval.
     neural_note: str  #: Whether EMG says so, or time alone.
     emg_onset_deg: FrozenDict[str, float | None]  #: Angle at which each muscle's EMG begins.
@@ -186,18 +188,40 @@ def answers(recordings: Sequence[Recording]) -> Stretches:
         if not found and not slow[-1] and ramp.direction > 0:
             begin = min(ramp.begin + round(NOT_YET * rate), ramp.stop)
             quiet[i][begin : ramp.stop + round(LATE * rate)] = False
-    tissue = TissueTorque(every, quiet)
+    group = _of_one_speed([ramp.direction for _, ramp in ramps], speeds)
+    labels = [np.zeros(len(of.time), int) for of in every]
+    for (i, ramp), own in zip(ramps, group, strict=True):
+        labels[i][ramp.begin if labels[i].any() else 0 :] = own + 1
+    tissue = TissueTorque(every, quiet, labels)
     parts = [tissue.parts(i, ramp) for i, ramp in ramps]
+    late = [emg and p.held > 1.96 * p.error for emg, p in zip(seen, parts, strict=True)]
+    willing = sum(late) >= WILLING
     usual = max(max(p.rest, p.rise if s else 0.0) for p, s in zip(parts, slow, strict=True))
     stretches = tuple(
-        _stretch(every[i], ramp, found, speed, own, emg, own.rise > RISES * usual)
-        for (i, ramp), found, speed, own, emg in zip(
-            ramps, onsets, speeds, parts, seen, strict=True
+        _stretch(every[i], ramp, found, speed, own, emg, own.rise > RISES * usual, will or willing)
+        for (i, ramp), found, speed, own, emg, will in zip(
+            ramps, onsets, speeds, parts, seen, late, strict=True
         )
     )
-    thresholds = {m: _threshold(m, every, ramps, onsets) for m in sorted(largest)}
+    if willing:
+        note = N_("EMG goes on after the stop: onsets may be by will")
+        by_will = StretchThreshold(None, None, "undetermined", note)
+        thresholds = dict.fromkeys(sorted(largest), by_will)
+    else:
+        thresholds = {m: _threshold(m, every, ramps, onsets, group) for m in sorted(largest)}
     notes = tuple(f"{of.name}: {note}" for of in every for note in of.notes)
     return Stretches(stretches, FrozenDict(thresholds), FrozenDict(_changes(stretches)), notes)
+
+
+def _of_one_speed(directions: Sequence[Any], speeds: Sequence[float]) -> list[int]:
+    """Numbers of groups of stretches that are repeats of one, by direction and speed."""
+    numbers, first, last = [0] * len(speeds), -1, -1
+    for k in sorted(range(len(speeds)), key=lambda k: (directions[k], speeds[k])):
+        same = first >= 0 and directions[k] == directions[first]
+        if not same or speeds[k] >= (1.0 + ALIKE) * speeds[first]:
+            first, last = k, last + 1
+        numbers[k] = last
+    return numbers
 
 
 def _speed(of: Stretched, ramp: RampSpan) -> float:
@@ -207,7 +231,7 @@ def _speed(of: Stretched, ramp: RampSpan) -> float:
 
 
 def _stretch(of: Stretched, ramp: RampSpan, found: Mapping[str, int | None], speed: float,
-             parts: Parts, emg: bool, rises: bool) -> StretchAnswer:  # fmt: skip
+             parts: Parts, emg: bool, rises: bool, by_will: bool) -> StretchAnswer:  # fmt: skip
     rate = of.rate
     torque = ramp.direction * low(of.torque, rate, 40.0)
     before = float(np.mean(torque[max(ramp.begin - round(0.1 * rate), 0) : ramp.begin + 1]))
@@ -219,6 +243,9 @@ def _stretch(of: Stretched, ramp: RampSpan, found: Mapping[str, int | None], spe
     if emg and not first:
         neural, note = 0.0, N_("no EMG answers")
         ci: tuple[float, float] | None = (0.0, max(half, parts.neural))
+    elif emg and by_will and parts.neural - parts.early > half:
+        neural, note = None, N_("late: may be by will")
+        ci = (max(parts.early - half, 0.0), parts.neural + half)
     elif emg:
         note, ci = N_("with EMG"), (max(parts.neural - half, 0.0), parts.neural + half)
     elif rises and parts.rise > LEAST_PART * whole:
@@ -244,22 +271,27 @@ def _stretch(of: Stretched, ramp: RampSpan, found: Mapping[str, int | None], spe
 
 
 def _threshold(muscle: str, every: Sequence[Stretched], ramps: Sequence[tuple[int, RampSpan]],
-               onsets: Sequence[Mapping[str, int | None]]) -> StretchThreshold:  # fmt: skip
+               onsets: Sequence[Mapping[str, int | None]],
+               group: Sequence[int]) -> StretchThreshold:  # fmt: skip
     """Angle of onset over velocity, at no velocity; without an onset it lies beyond the end.
 
     To leave stretches out that are not answered would draw the line down: slow ones are answered
     where the threshold happens to lie low. They are censored (Tobin 1958). The muscle was called
     up before its EMG is seen, by its nerve's latency and by what a detector takes: a line through
-    what the foot did then has its say in the interval.
+    what the foot did then has its say in the interval. So has what lines differ by from which
+    one speed is left out (a jackknife over speeds): it shows where no line is true.
     """
     seen: list[tuple[Stretched, int]] = []
-    ended = []
-    for (i, ramp), found in zip(ramps, onsets, strict=True):
+    ended, of_seen, of_ended = [], [], []
+    for (i, ramp), found, own in zip(ramps, onsets, group, strict=True):
         of, at = every[i], found.get(muscle)
         if at is not None:
             seen.append((of, at))
+            of_seen.append(own)
         elif muscle in found:
             ended.append((ramp.direction * _speed(of, ramp), of.angle[ramp.stop]))
+            of_ended.append(own)
+    ends, sign = np.array(ended).reshape(-1, 2), -1 if muscle == "ta" else 1
     n, lines = len(seen), []
     for late in LATENCIES:
         then = [(of, max(at - round(late * of.rate), 0)) for of, at in seen]
@@ -267,8 +299,13 @@ def _threshold(muscle: str, every: Sequence[Stretched], ramps: Sequence[tuple[in
         if n < LEAST_ONSETS or np.ptp(points[:, 0]) < SPREAD:
             note = Message(N_("onsets: {n}, at too few speeds; repeat fast stretches"), n=str(n))
             return StretchThreshold(None, None, "undetermined", note)
-        lines.append(_line(points, np.array(ended).reshape(-1, 2), -1 if muscle == "ta" else 1))
-    angle, low, high = lines[0][0], min(a - h for a, h in lines), max(a + h for a, h in lines)
+        lines.append(_line(points, ends, sign))
+        if late == LATENCIES[0]:
+            apart = _apart(points, ends, sign, np.array(of_seen), np.array(of_ended, int))
+    angle = lines[0][0]
+    halves = [float(np.hypot(half, apart)) for _, half in lines]
+    low = min(a - h for (a, _), h in zip(lines, halves, strict=True))
+    high = max(a + h for (a, _), h in zip(lines, halves, strict=True))
     verdict: Literal["weak", "undetermined"] = "weak" if high - low < 2.0 * WEAK else "undetermined"
     note = Message(
         N_("onsets: {n}; stretches without: {m}; a line over velocity is assumed"),
@@ -276,6 +313,20 @@ def _threshold(muscle: str, every: Sequence[Stretched], ramps: Sequence[tuple[in
         m=str(len(ended)),
     )
     return StretchThreshold(angle, (low, high), verdict, note)
+
+
+def _apart(seen: FloatArray, ended: FloatArray, sign: int, of_seen: np.ndarray,
+           of_ended: np.ndarray) -> float:  # fmt: skip
+    """Half of an interval of the angle at no velocity [deg], by a jackknife over speeds."""
+    found = []
+    for own in np.unique(of_seen):
+        points = seen[of_seen != own]
+        if len(points) >= LEAST_ONSETS and np.ptp(points[:, 0]) >= SPREAD:
+            found.append(_line(points, ended[of_ended != own], sign)[0])
+    n = len(found)
+    if n < 2:
+        return 0.0
+    return float(stdtrit(n - 1, 0.975) * np.sqrt((n - 1.0) * np.var(found)))
 
 
 def _line(seen: FloatArray, ended: FloatArray, sign: int) -> tuple[float, float]:
@@ -297,14 +348,8 @@ def _line(seen: FloatArray, ended: FloatArray, sign: int) -> tuple[float, float]
 
 def _changes(stretches: Sequence[StretchAnswer]) -> dict[str, float | None]:
     """1.96·√2 times the standard deviation of repeats, pooled over speeds of each direction."""
-    groups: list[list[StretchAnswer]] = []
-    for s in sorted(stretches, key=lambda s: (s.direction, s.speed_deg_s)):
-        last = groups[-1][-1] if groups else None
-        same = last is not None and last.direction == s.direction
-        if same and s.speed_deg_s < (1.0 + ALIKE) * groups[-1][0].speed_deg_s:
-            groups[-1].append(s)
-        else:
-            groups.append([s])
+    number = _of_one_speed([s.direction for s in stretches], [s.speed_deg_s for s in stretches])
+    groups = [[s for s, n in zip(stretches, number, strict=True) if n == g] for g in set(number)]
     found: dict[str, float | None] = {}
     for name in _COMPARED:
         squares, freedom = 0.0, 0
