@@ -49,8 +49,11 @@ def test_the_fastest_stretches_lead_and_perturbations_follow() -> None:
 @pytest.mark.parametrize(
     ("nerve", "headline"),
     [
-        (Nerve((replace(FAST, neural=None, ci95=(0.0, 14.0)),)), "Cannot tell without EMG"),
-        (Nerve((FAST, replace(FAST, neural=None, ci95=(0.0, 14.0)))), "Cannot tell without EMG"),
+        (Nerve((replace(FAST, neural=None, ci95=(0.0, 14.0), heard=False),)),
+         "Cannot tell without EMG"),
+        (Nerve((replace(FAST, neural=None, ci95=(2.0, 9.0)),)), "Cannot tell 2.0 to 9.0 Nm"),
+        (Nerve((FAST, replace(FAST, neural=None, ci95=(0.0, 14.0), heard=False))),
+         "Cannot tell without EMG"),
         (Nerve((replace(FAST, neural=0.0, ci95=(0.0, 1.2)),)), "No reflex seen at most 1.2"),
         (Nerve((replace(FAST, neural=1.0, ci95=(0.0, 2.0)),)), "Cannot tell 0 to 2.0 Nm"),
         (Nerve((replace(FAST, direction="plantarflexion"),)), "Cannot tell these recordings"),
