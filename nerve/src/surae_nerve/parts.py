@@ -198,7 +198,7 @@ def _left_out(x: FloatArray, y: FloatArray, c: FloatArray, label: np.ndarray) ->
         # towards the coefficients of all: of what only this group tells nothing is known
         moved.append(np.linalg.solve(normal, keep.T @ (y[label != group] - keep @ (c * size))))
     weight = np.sqrt((len(groups) - 1.0) / len(groups))
-    return weight * np.array(moved) / size
+    return np.asarray(weight * np.array(moved) / size)
 
 
 def _lasting(values: FloatArray) -> float:
