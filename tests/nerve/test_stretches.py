@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 import surae
 from perturbed_ankle import ramps
 from surae.base.errors import InputError
+from surae.base.words import Message
 from surae.recording import MUSCLES, Recording
 from surae_nerve.parts import _noise
 from surae_nerve.ramps import Stretched
@@ -133,6 +134,7 @@ def test_an_answer_by_will_is_no_reflex_but_clonus_is(lasts, every, told) -> Non
         assert any(s.neural_Nm is None and s.neural_note.startswith("late") for s in fast)
         assert all(s.neural_ci95[1] > 6.0 for s in fast)
         assert found.threshold["gm"].angle_deg is None
+        assert isinstance(found.threshold["gm"].note, Message)  # said in the reader's language
 
 
 def test_what_is_wrong_in_all_repeats_alike_widens_the_interval() -> None:

@@ -204,7 +204,7 @@ def answers(recordings: Sequence[Recording]) -> Stretches:
         )
     )
     if willing:
-        note = N_("EMG goes on after the stop: onsets may be by will")
+        note = Message(N_("EMG goes on after the stop: onsets may be by will"))
         by_will = StretchThreshold(None, None, "undetermined", note)
         thresholds = dict.fromkeys(sorted(largest), by_will)
     else:
