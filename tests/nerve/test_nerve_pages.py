@@ -8,6 +8,7 @@ from surae.base.names import LANGUAGES
 from surae.base.words import Message
 from surae.report.language import words_in
 from surae_nerve.api import page_of
+from surae_nerve.page import _translated
 from surae_nerve.stretches import StretchThreshold
 
 
@@ -50,3 +51,8 @@ def test_nothing_of_a_page_of_perturbations_is_left_in_english(language) -> None
     pairs = list(zip(texts(page_of(own)), texts(page_of(own, language)), strict=True))
     assert all(a != b for a, b in pairs)
     assert all(words_in(language)(m.note) != m.note for m in own.measures.values() if m.note)
+
+
+def test_the_name_of_a_file_is_as_the_user_wrote_it() -> None:
+    row = ("fast.csv", "3.95", "dorsiflexion", "-27 to 11", "with EMG")
+    assert _translated(row, words_in("de"))[:2] == ("fast.csv", "3,95")

@@ -125,7 +125,7 @@ def stretches_report(
         pictures.append(block.Picture(way, alt, caption, "here", 62))
     # which recording is told where there are several
     first = 1 if len({s.recording for s in found.stretches}) == 1 else 0
-    heads, rows = table.heads[first:], [_translated(row[first:], _) for row in table.rows]
+    heads, rows = table.heads[first:], [_translated(row, _)[first:] for row in table.rows]
     numbers = tuple(k for k, head in enumerate(heads) if head in table.numbers)
     columns = block.columns(*(_(_HEADS[h]) for h in heads), numbers=numbers,
                             wide=(len(heads) - 1,))  # fmt: skip
@@ -157,11 +157,13 @@ def _said(verdict: str, _: Words) -> str:
 
 def _translated(row: Sequence[str], _: Words) -> tuple[str, ...]:
     """A row of stretches: direction and note in words, numbers as they are written there."""
-    return tuple(
-        _(cell) if cell in ("dorsiflexion", "plantarflexion") or k == len(row) - 1
+    recording, *cells, note = row
+    written = (
+        _(cell) if cell in ("dorsiflexion", "plantarflexion")
         else _.number(cell.replace(" to ", " … "))
-        for k, cell in enumerate(row)
+        for cell in cells
     )  # fmt: skip
+    return (recording, *written, _(note))
 
 
 def _section(
