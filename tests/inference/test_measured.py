@@ -55,3 +55,9 @@ def test_a_relaxed_trial_claims_no_optimal_length_that_ultrasound_denies(fits):
     else:
         assert passive.ci95[0] < 0.0635
         assert passive.ci95[1] > 0.0638
+
+
+@pytest.mark.slow
+def test_no_measured_trial_is_said_to_soften(fits):
+    for fit in fits.values():
+        assert not any("softened" in reason for reason in fit.adequacy.reasons)

@@ -53,7 +53,8 @@ _LEAVES = 2.0
 _BEYOND = 2.0
 #: Standard deviation [mm] from which on a filmed fascicle departs by more than trackers drift.
 _OFF_FILM = 2.5
-#: Least softening that matters, and its standard deviations from which it is no chance.
+#: Least softening that matters, and its standard deviations from which it is no chance: set on
+#: four virtual legs that soften; of the other families of a fresh seed none came to both.
 _SOFTENS, _SURE = 0.06, 2.5
 #: Below this cut-off [Hz] EMG is taken for what the muscle makes of it.
 _ACTIVATION_HZ = 2.0

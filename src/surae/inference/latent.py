@@ -33,7 +33,8 @@ ANGLES, VELOCITIES = 5, 3
 #: Time [s] for which a change of the drive is followed.
 TAIL_S = 1.5
 SOURCES = ("gain", "drift", "misfit", "softening")
-#: Travel after which a softening has fallen to a third, in parts of the range that is moved.
+#: Travel after which a softening has fallen to a third, in parts of the range that is moved; set
+#: while four virtual legs that soften were looked at.
 SETTLES = (0.5, 1.5, 4.5)
 
 

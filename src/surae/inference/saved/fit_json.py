@@ -313,7 +313,10 @@ def _check(result: FitResult) -> None:
     if any(len(values) != len(inputs) for values in found.each.values()):
         raise InputError("family.each: it has not one value for each recording")
     if other := [source for source in found.spread if source not in SOURCES]:
-        raise InputError(f"family.spread.{other[0]}: no source of uncertainty is called so")
+        raise InputError(
+            f"family.spread.{other[0]}: no source of "
+            "uncertainty is called so; install what brings it, or fit again"
+        )
     shapes += [(f"family.spread.{s}", by, (len(by), p)) for s, by in found.spread.items()]
     if outliers is not None:
         scales = (outliers.tuning, outliers.scale, outliers.widening)
