@@ -27,9 +27,17 @@ def fits(shared, tmp_path_factory):
 
 @pytest.mark.slow
 def test_the_interval_of_a_measured_optimal_length_holds_what_ultrasound_shows(fits):
-    """63.5 to 63.8 mm in all four trials; noise of the raw EMG once made it many times as wide."""
+    """63.5 to 63.8 mm in all four trials; noise of the raw EMG once made it many times as wide.
+
+    One trial is followed best by a plate that gives way by 7° where the three others show none:
+    that trial is doubted by name, and its interval holds all the same.
+    """
+    doubted = [trial for trial in TRIALS if fits[trial].adequacy.grade != "adequate"]
+    assert len(doubted) <= 1
     for trial in TRIALS:
-        assert fits[trial].adequacy.grade == "adequate"
+        assert fits[trial].adequacy.grade != "inadequate"
+        if trial in doubted:
+            assert [reason.code for reason in fits[trial].adequacy.against] == ["implausible"]
         low, high = fits[trial].parameters["l0_tib"].ci95
         assert low < 0.0635
         assert high > 0.0638
