@@ -32,16 +32,15 @@ def evoked_share(leg: Leg, _: float) -> float:
         raise NotDefinedError("no recording says what EMG answers")
     vector = np.array([leg.values[name] for name in leg.spec.names])
     answered, whole = 0.0, 0.0
-    for inputs, parts in zip(leg.inputs, leg.parts, strict=True):
+    for inputs, (parts, _force, states) in zip(leg.inputs, leg.split, strict=True):
+        whole += float(np.abs(parts.neural).sum()) / inputs.rate_hz
         evoked = evoked_emg(inputs)
-        without = replace(inputs, emg=read_only(inputs.emg - evoked))
-        own, other = (
-            leg.spec.simulator(each, leg.options).active_states(vector)[0]
-            for each in (inputs, without)
-        )
+        if not evoked.any():
+            continue
+        without, own = replace(inputs, emg=read_only(inputs.emg - evoked)), states[0]
+        other = leg.spec.simulator(without, leg.options).split(vector)[2][0]
         share = np.divide(own - other, own, out=np.zeros(inputs.n), where=own > 0.0)
         answered += float(np.abs(share * parts.neural_tri).sum()) / inputs.rate_hz
-        whole += float(np.abs(parts.neural).sum()) / inputs.rate_hz
     return 100.0 * answered / whole
 
 

@@ -65,7 +65,7 @@ def solve_band_transposed(band: FloatArray, right: FloatArray) -> FloatArray:
 
 @jit
 def solve_band(band: FloatArray, right: FloatArray) -> FloatArray:
-    """X of L·Lᵀ·X = right; LAPACK takes one column after the other, and twice as long."""
+    """X of L·X = right; LAPACK takes one column after the other, and twice as long."""
     k, d = right.shape
     x = right.copy()
     for j in range(k):
@@ -74,4 +74,4 @@ def solve_band(band: FloatArray, right: FloatArray) -> FloatArray:
         for s in range(1, min(band.shape[0], k - j)):
             for a in range(d):
                 x[j + s, a] -= band[s, j] * x[j, a]
-    return solve_band_transposed(band, x)
+    return x

@@ -85,10 +85,10 @@ class Coordinates:
         """What each recording has for itself, shape (recordings, own)."""
         return z[len(self.names) :].reshape(len(self.problem.inputs), -1)
 
-    def own_of(self, number: int) -> slice:
-        """Where among the coordinates a recording's own are."""
-        begin = len(self.names) + number * len(self.own)
-        return slice(begin, begin + len(self.own))
+    def of_recording(self, number: int) -> npt.NDArray[np.int64]:
+        """Where among the coordinates those are that move a recording: shared ones, its own."""
+        shared, own = len(self.names), len(self.own)
+        return np.append(np.arange(shared), shared + number * own + np.arange(own))
 
     def by_name(self, z: FloatArray, number: int | None = None) -> dict[str, float]:
         """All parameters by name."""

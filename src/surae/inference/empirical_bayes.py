@@ -162,11 +162,9 @@ def learnt_noise(
     models = []
     for number, (own, b) in enumerate(zip(posterior.noise, point.blocks, strict=True)):
         rows, recording = posterior.rows(point, number)[0], posterior.problem.inputs[number]
-        e = posterior.observed.residual(point.z, point.c[number], point.w[number], number)
-        if recording.weight is not None:
-            e = e * np.sqrt(recording.weight)
+        e = rows.residual
         U = _taken(V, b, rows, own)
-        if b.band is not None:
+        if len(b.fast):
             U = np.concatenate([U, _drawn(rows, b.band) / np.sqrt(own.variance)])
         model = noise_behind(e, U, 0 if white or posterior.fast else min(_ORDER, len(e) // 10))
         # samples count for as little as the slow part says, in which parameters act: a noise
@@ -188,10 +186,10 @@ def _taken(V: FloatArray, b: Block, rows: SensorRows, noise: NoiseModel) -> Floa
     V is the root of z's covariance.
     """
     by_z, by_c = rows.by_z, rows.by_c
-    if b.fast is not None:
-        moved = rows.lifted(np.ascontiguousarray(b.fast)).T
+    if len(b.fast):
+        moved = rows.lifted(b.followed(np.eye(b.fast.shape[1])[:, :-1])).T
         by_z, by_c = by_z - moved[: len(by_z)], by_c - moved[len(by_z) :]
-    of_z = V @ (by_z - b.solved.T @ by_c)
+    of_z = V[:, b.at] @ (by_z - b.solved[:, b.at].T @ by_c)
     of_c = solve_triangular(b.factor[0], by_c, trans="T", lower=False)
     return np.asarray(np.concatenate([of_z, of_c]) / np.sqrt(noise.variance))
 

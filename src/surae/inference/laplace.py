@@ -52,9 +52,8 @@ def shifts_by_source(
         for source, at in posterior.latents[number].slices.items():
             moved = b.solved[at] @ V
             latent[source] += moved.T @ P[at, at] @ moved
-        if b.fast is not None:
-            q = len(V)
-            moved = (b.fast[:, :q] - b.fast[:, q:] @ b.solved) @ V
+        if len(b.fast):
+            moved = b.followed(np.concatenate([V[b.at], -b.solved @ V, np.zeros((1, len(V)))]))
             latent["fast"] += moved.T @ posterior.fast_product(number, moved)
     for source, C in latent.items():
         if C.any():

@@ -8,7 +8,7 @@ an addition that no parameter moves, so that the derivatives of all else stay ex
 """
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -38,8 +38,8 @@ _NO_COLUMNS = np.zeros((0, 0)), np.zeros(0, dtype=np.int64)
 class SensorRows:
     """Derivatives of what one sensor shows, and its residual, not divided by its noise.
 
-    `whole`, shape (q + m + 1, n), has those by the coordinates z and by the slow latents c, then
-    the residual; `fast`, shape (k, l), those by the fast gains, each from its `first` sample on.
+    `whole`, shape (q + m + 1, n), has those by the coordinates that move the recording and by its
+    slow latents, then the residual; `fast`, (k, l), by fast gains, each from its `first` sample on.
     """
 
     def __init__(
@@ -105,6 +105,7 @@ class Observed:
         for simulator in self._simulators:
             simulator.rest = rest
         self._gains = [_short(each.gain) for each in latents]
+        self._q = len(at.columns) + len(at.own_columns)  # coordinates that move a recording
         #: Recordings that were simulated with derivatives, and descents that ended at a cap, those
         #: of what was observed before too.
         self.calls = [0, 0] if calls is None else calls
@@ -181,50 +182,37 @@ class Observed:
     def effort(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> FloatArray:
         """Active states of both muscle groups [N], shape (2, n)."""
         simulator, _, _, values = self._set(z, c, w, number)
-        return np.asarray(simulator.active_states(values))
+        return np.asarray(simulator.split(values)[2])
 
     def rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
         """What moves the torque of a recording, weighted, then what moves each of its films."""
-        key, kept = b"".join(x.tobytes() for x in (z, c, w)), self._kept[number]
-        for known, rows in kept:
-            if known == key:
-                return rows
-        kept.append((key, self._rows(z, c, w, number)))
-        return kept[-1][1]
+        made = _known(self._kept[number], (z, c, w), lambda: self._rows(z, c, w, number))
+        return list(made)
 
     def _simulated(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> "_Seen":
         """A recording at a point, but for what latents add to it."""
-        moved = (
-            z,
-            c[self._latents[number].slices["gain"]],
-            w[: 0 if self._is_noise(number) else None],
-        )
-        key = b"".join(x.tobytes() for x in moved)
-        for known, seen in self._seen[number]:
-            if known == key:
-                return seen
         checkpoint()
         self.calls[0] += 1
         simulator, recording, latents, values = self._set(z, c, w, number)
         with np.errstate(over="ignore", invalid="ignore"):
             columns = [*self._at.columns, *self._at.own_columns]
             tangent = simulator.tangent(values, columns, lengths=bool(latents.films))
-        scale, n = self._at.scale(z)[:, None], recording.n
+        scale, n, q = self._at.scale(z)[:, None], recording.n, self._q
         each = []
         for group in (None, *(film.group for film in latents.films)):
             own = tangent.jacobian if group is None else tangent.length_jacobian[group]
-            rows = np.zeros((len(z) + latents.size + 1, n))
+            rows = np.zeros((q + latents.size + 1, n))
             rows[: len(scale)] = own[: len(scale)] * scale
-            rows[self._at.own_of(number)] = own[len(scale) :]
-            self._gain_rows(tangent.response, number, rows[len(z) : -1], group)
+            rows[len(scale) : q] = own[len(scale) :]
+            self._gain_rows(tangent.response, number, rows[q:-1], group)
             each.append(rows)
-        self._seen[number].append((key, _Seen(tangent, values, each)))
-        return self._seen[number][-1][1]
+        return _Seen(tangent, values, each)
 
     def _rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
         at, recording, latents = self._at, self._inputs[number], self._latents[number]
-        seen = self._simulated(z, c, w, number)
-        tangent, values, q, n = seen.tangent, seen.values, len(z), recording.n
+        moved = z, c[latents.slices["gain"]], w[: 0 if self._is_noise(number) else None]
+        seen = _known(self._seen[number], moved, lambda: self._simulated(z, c, w, number))
+        tangent, values, q, n = seen.tangent, seen.values, self._q, recording.n
         whole = seen.rows[0].copy()
         own = whole[q:-1]
         added = self._added[number]
@@ -304,6 +292,16 @@ class Observed:
             columns = response.columns(muscle, shapes, first, size, lengths=group is not None)
             for j, (begin, column) in enumerate(zip(first, columns, strict=True)):
                 own[at * k + j, begin : begin + size] = column[: n - begin]
+
+
+def _known(kept: deque[Any], at: Sequence[FloatArray], make: Callable[[], Any]) -> Any:
+    """What is kept of a point, or made of it."""
+    key = b"".join(x.tobytes() for x in at)
+    for known, made in kept:
+        if known == key:
+            return made
+    kept.append((key, make()))
+    return kept[-1][1]
 
 
 def _short(hats: FloatArray) -> tuple[IntArray, FloatArray]:

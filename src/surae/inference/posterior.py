@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, cholesky_banded
 
 from surae.base.units import FloatArray
-from surae.inference.banded import solve_band
+from surae.inference.banded import solve_band, solve_band_transposed
 from surae.inference.coordinates import Coordinates
 from surae.inference.descent import FAR, Secant, shorter
 from surae.inference.evidence import LaplaceApproximation
@@ -26,6 +26,7 @@ from surae.inference.least_squares import box_quadratic, eased, predicted_gain
 from surae.inference.linearised import REST, Observed, SensorRows
 from surae.inference.noise import NoiseModel
 from surae.inference.problem import FitProblem
+from surae.model.activation import IntArray
 from surae.model.source import Gaussian
 
 #: Ridge under which the whole step is judged, and the shortest part of a step that is tried.
@@ -48,16 +49,21 @@ class Block:
     step_c: FloatArray  #: D⁻¹·gradient by the slow latents, shape (m,).
     cost: float
     latent_gain: float  #: By how much latents alone lower it.
-    #: Of the fast gains: their factor, D⁻¹·(derivatives by z and c), D⁻¹·gradient; None without.
-    band: FloatArray | None = None
-    fast: FloatArray | None = None
-    step: FloatArray | None = None
+    at: IntArray  #: Positions in z of what moves this recording, shape (p,).
+    #: Of the k fast gains: their factor L, and L⁻¹·(derivatives by those p and c, gradient), shape
+    #: (k, p + m + 1).
+    band: FloatArray
+    fast: FloatArray
 
     @property
     def log_width(self) -> float:
         """Logarithm of the determinant of the latents' part, lost by integrating over them."""
-        width = 2.0 * float(np.log(np.abs(np.diag(self.factor[0]))).sum())
-        return width if self.band is None else width + 2.0 * float(np.log(self.band[0]).sum())
+        slow = np.log(np.abs(np.diag(self.factor[0]))).sum()
+        return 2.0 * float(slow + np.log(self.band[0]).sum())
+
+    def followed(self, moved: FloatArray) -> FloatArray:
+        """What fast gains go back by, (k, d), where columns, (p + m + 1, d), move the rest."""
+        return solve_band_transposed(self.band, self.fast @ moved)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,11 +88,8 @@ class Point:
         moved, slow, fast = z - self.z, [], []
         for c, w, b in zip(self.c, self.w, self.blocks, strict=True):
             slow.append(c - part * b.step_c - b.solved @ moved)
-            if b.step is None or b.fast is None:
-                fast.append(w)
-            else:
-                both = np.concatenate([moved, slow[-1] - c])
-                fast.append(w - part * b.step - b.fast @ both)
+            both = np.concatenate([moved[b.at], slow[-1] - c, [part]])
+            fast.append(w - b.followed(both[:, None])[:, 0])
         return tuple(slow), tuple(fast)
 
 
@@ -163,7 +166,7 @@ class LogPosterior(Coordinates):
             total += float(np.dot(counts, np.log(self.variances(number))))
             total += b.log_width
             total -= np.linalg.slogdet(self.precisions[number])[1]
-            if b.band is not None:
+            if self._fast:
                 prior = cholesky_banded(self._fast[number][0], lower=True)
                 total -= 2.0 * float(np.log(prior[0]).sum())
         return float(total)
@@ -179,12 +182,12 @@ class LogPosterior(Coordinates):
         H = np.sum([rows.products / variance for rows, variance in each], axis=0)
         if not np.isfinite(H).all():
             raise FloatingPointError
-        q, m = len(z), len(c)
+        at, m = self.of_recording(number), len(c)
+        q = len(at)
         H[q : q + m, q : q + m] += P
         H[q : q + m, -1] += P @ c
         cost = float(H[-1, -1] + c @ P @ c)
-        band = fast = step = None
-        gain = 0.0
+        band, fast, gain = np.zeros((1, 0)), np.zeros((0, q + m + 1)), 0.0
         if len(w):
             prior, mean = self._fast[number]
             muscles = len(prior) - 1
@@ -199,18 +202,19 @@ class LogPosterior(Coordinates):
             cost += float(away @ pull)
             border[:, -1] += pull
             band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
-            solved_w = solve_band(band, border)
-            H -= border.T @ solved_w
-            fast, step = solved_w[:, :-1], solved_w[:, -1]
-            gain = float(border[:, -1] @ step)
+            fast = solve_band(band, border)
+            H -= fast.T @ fast
+            gain = float(fast[:, -1] @ fast[:, -1])
         D = H[q : q + m, q : q + m]
         factor = cho_factor(D + 1e-12 * np.diag(np.diag(D)), check_finite=False)
         B, gc = H[:q, q : q + m], H[q : q + m, -1]
         solved = cho_solve(factor, B.T, check_finite=False)
         step_c = cho_solve(factor, gc, check_finite=False)
         gain += float(gc @ step_c)
-        own, g = H[:q, :q] - B @ solved, H[:q, -1] - solved.T @ gc
-        return Block(own, g, factor, solved, step_c, cost, gain, band, fast, step)
+        whole, g, by_z = np.zeros((len(z), len(z))), np.zeros(len(z)), np.zeros((m, len(z)))
+        whole[np.ix_(at, at)], g[at] = H[:q, :q] - B @ solved, H[:q, -1] - solved.T @ gc
+        by_z[:, at] = solved
+        return Block(whole, g, factor, by_z, step_c, cost, gain, at, band, fast)
 
     def fast_product(self, number: int, moved: FloatArray) -> FloatArray:
         """Inverse covariance of a recording's fast gains times these columns, shape (k, q)."""

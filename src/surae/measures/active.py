@@ -142,10 +142,10 @@ def reflex_share(leg: Leg, _: float) -> float:
 
     Mean |torque by reflex| over mean |torque of active contraction|.
     """
-    if any(parts.reflex is None for parts in leg.parts):
+    reflexes = [parts.reflex for parts, *_ in leg.split if parts.reflex is not None]
+    if len(reflexes) < len(leg.split):
         raise NotDefinedError("none/reflex")
-    reflex = np.concatenate([parts.reflex for parts in leg.parts if parts.reflex is not None])
-    neural = np.concatenate([parts.neural for parts in leg.parts])
+    reflex, neural = map(np.concatenate, (reflexes, [parts.neural for parts, *_ in leg.split]))
     return 100.0 * float(np.abs(reflex).mean() / np.abs(neural).mean())
 
 

@@ -65,8 +65,9 @@ class Leg:
     gained: tuple[float, ...] = (1.0, 1.0)
     _holds: dict[tuple[str, float, float], MuscleHold] = field(default_factory=dict, compare=False)
     _muscles: dict[str, Muscle] = field(default_factory=dict, compare=False)
+    _angles: dict[tuple[str, float], float] = field(default_factory=dict, compare=False)
     # What all legs of these recordings and options share:
-    _ties: dict[int, Simulator] = field(default_factory=dict, compare=False)
+    _ties: list[Simulator] = field(default_factory=list, compare=False)
     _geometry: dict[tuple[float, float | None], tuple[MusclePlace, MusclePlace]] = field(
         default_factory=dict, compare=False
     )
@@ -126,7 +127,7 @@ class Leg:
             at, still = np.array([angle]), _still(second, 1)
             both = paths(angle=at, velocity=np.zeros(1), options=self.options, second=still)
             tri, tib = (
-                MusclePlace(*(float(np.broadcast_to(of, 1)[0])
+                MusclePlace(*(float(of[0] if isinstance(of, np.ndarray) else of)
                         for of in (path.length, path.slope, path.arm, path.arm_slope)))
                 for path in both
             )  # fmt: skip
@@ -183,12 +184,16 @@ class Leg:
         """Angle [deg] at which muscle and tendon, but for its slack length, are so long."""
         from scipy.optimize import brentq
 
+        if (known := self._angles.get((group, length))) is not None:
+            return known
+
         def missing(degrees: float) -> float:
             return self.rigid_length(group, degrees) - length
 
         if not missing(_ENDS[0]) * missing(_ENDS[1]) < 0.0:
             raise NotDefinedError("none/long")
-        return float(brentq(missing, *_ENDS, xtol=1e-12))
+        self._angles[group, length] = float(brentq(missing, *_ENDS, xtol=1e-12))
+        return self._angles[group, length]
 
     def tendon(self, group: str) -> TendonCurve:
         """The tendon's curve, as `surae.model.tendon.tendon_force` takes it."""
@@ -275,7 +280,7 @@ class Leg:
         """
         if not self.inputs:
             raise NotDefinedError("none/activity")
-        largest = _largest([tie.active_states(self._vector) for tie in self._simulators])
+        largest = _largest([states for _, _, states in self.split])
         return {g: by * largest[g] for g, by in zip(GROUPS, self.gained, strict=True)}
 
     @cached_property
@@ -283,22 +288,21 @@ class Leg:
         """Largest force on each tendon in the recordings [N]: its 99th percentile."""
         if not self.inputs:
             raise NotDefinedError("none/pull")
-        return _largest([force for _, force in self._split])
+        return _largest([force for _, force, _ in self.split])
 
     @cached_property
-    def parts(self) -> tuple[TorqueParts, ...]:
-        """What the modelled torque of each recording is made of."""
-        return tuple(parts for parts, _ in self._split)
-
-    @cached_property
-    def _split(self) -> list[tuple[TorqueParts, FloatArray]]:
-        return [tie.split(self._vector) for tie in self._simulators]
+    def split(self) -> list[tuple[TorqueParts, FloatArray, FloatArray]]:
+        """What the torque of each recording is made of, as of `Simulator.split`."""
+        values = np.array([self.values[name] for name in self.spec.names])
+        if not self._ties:
+            self._ties[:] = [self.spec.simulator(each, self.options) for each in self.inputs]
+        return [tie.split(values) for tie in self._ties]
 
     @cached_property
     def shares(self) -> Mapping[str, tuple[float, float]]:
         """Sums over the recordings of the size of each part's torque [Nm·s], and of its power."""
         sums = dict.fromkeys(("tissue", "neural", "inertial", "gravitational"), (0.0, 0.0))
-        for parts, inputs in zip(self.parts, self.inputs, strict=True):
+        for (parts, *_), inputs in zip(self.split, self.inputs, strict=True):
             speed = np.abs(inputs.velocity)
             for part, before in sums.items():
                 size = np.abs(getattr(parts, part))
@@ -321,17 +325,6 @@ class Leg:
         """Angles [deg] and passive torque [Nm] of a stretch from −30° to 40° at 5°/s."""
         degrees = np.arange(*_STRETCH)
         return degrees, self.passive_torque(degrees.tolist(), _STRETCHING / _STRETCH[2])
-
-    @property
-    def _vector(self) -> FloatArray:
-        return np.array([self.values[name] for name in self.spec.names])
-
-    @property
-    def _simulators(self) -> list[Simulator]:
-        for number, inputs in enumerate(self.inputs):
-            if number not in self._ties:
-                self._ties[number] = self.spec.simulator(inputs, self.options)
-        return list(self._ties.values())
 
 
 @lru_cache(maxsize=8)

@@ -13,6 +13,7 @@ rate is among the states, so that ∂α/∂delay = −α' is free.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -172,8 +173,7 @@ class ActivationFilter:
     ) -> None:  # fmt: skip
         self._f0, self._beta, self._dt, self._lags = float(f0), float(beta), dt, lags
         self._columns = columns
-        self._steps: dict[float, list[tuple[FloatArray, int]]] = {}
-        self._steady: dict[int, list[FloatArray]] = {}
+        self._steady: dict[int, FloatArray] = {}
 
     def active_state(self, drives: Sequence[Drive]) -> ActiveState:
         """Active state of a muscle group that these excite.
@@ -191,70 +191,68 @@ class ActivationFilter:
         for drive in drives:
             rows = np.zeros((3 if by_filter else 1, *shape))
             shares.append(rows[0])
-            self._respond(drive.signal, drive.delay, list(rows))
+            self._respond(drive.signal[None], drive.delay, rows)
             for row, k in enumerate(by_filter, count):
                 slopes[row] += rows[1 + k]
             if drive.delay_column >= 0:
-                self._by_delay(drive, slopes[len(columns)])
+                own, at = slopes[len(columns) : len(columns) + 1], self.instants(drive.delay or 0.0)
+                _respond(drive.signal[None], drive.signal[:1], *at, 1, np.zeros((0, 0)), own)
+                own *= -2.0 * math.pi * self._f0  # −α'
                 columns.append(drive.delay_column)
-            for column, signal in drive.slopes:
-                row = slopes[len(columns)]
-                self._respond(np.ascontiguousarray(signal), drive.delay, [row])
-                columns.append(column)
+            if drive.slopes:
+                own = slopes[len(columns) : len(columns) + len(drive.slopes)]
+                self._respond(np.stack([by for _, by in drive.slopes]), drive.delay, own)
+                columns += [column for column, _ in drive.slopes]
         of = np.array([*columns, *(self._columns[k] for k in by_filter)], dtype=np.int64)
         return ActiveState(sum(shares[1:], start=shares[0]), slopes, of, tuple(shares))
 
-    def _respond(self, signal: FloatArray, delay: float | None, rows: list[FloatArray]) -> None:
-        """Response to one input, and if there are three rows its derivatives, each (L, n)."""
-        first = 0.0 if delay is None else float(signal[0])
-        for lag, (steps, back) in enumerate(self.instants(delay or 0.0)):
-            if len(rows) == 1:
-                _respond(signal, first, steps, back, 0, rows[0][lag])
-            else:
-                at_lag = (row[lag] for row in rows)
-                _respond_with_derivatives(signal, first, steps, back, *at_lag)
-        if first != 0.0:
-            for moving, still in zip(rows, self._held(len(rows), rows[0].shape), strict=True):
-                np.add(moving, first * still, out=moving)
+    def _respond(self, signals: FloatArray, delay: float | None, rows: FloatArray) -> None:
+        """Responses to inputs, (q, n), or to one and its derivatives, into rows (q or 3, L, n)."""
+        first = np.zeros(len(signals)) if delay is None else signals[:, 0].copy()
+        steps, back = self.instants(delay or 0.0)
+        if len(rows) == len(signals):
+            held = self._held(1, rows.shape)[0] if first.any() else np.zeros((0, 0))
+            _respond(signals, first, steps, back, 0, held, rows)
+            return
+        for lag in range(len(steps)):
+            _respond_with_derivatives(signals[0], first[0], steps[lag], back[lag], *rows[:, lag])
+        if first[0] != 0.0:
+            rows += first[0] * self._held(len(rows), rows.shape)
 
-    def _held(self, count: int, shape: tuple[int, ...]) -> list[FloatArray]:
+    def _held(self, count: int, shape: tuple[int, ...]) -> FloatArray:
         """Response, and with a count of three its derivatives, to a step at the first sample."""
         if count not in self._steady:
-            self._steady[count] = list(np.zeros((count, *shape)))
-            self._respond(np.ones(shape[1]), None, self._steady[count])
+            self._steady[count] = np.zeros((count, *shape[1:]))
+            self._respond(np.ones((1, shape[-1])), None, self._steady[count])
         return self._steady[count]
 
-    def _by_delay(self, drive: Drive, out: FloatArray) -> None:
-        """Derivative of the response by the drive's delay, −α', into (L, n)."""
-        for row, (steps, back) in zip(out, self.instants(drive.delay or 0.0), strict=True):
-            _respond(drive.signal, float(drive.signal[0]), steps, back, 1, row)
-        out *= -2.0 * math.pi * self._f0
-
-    def instants(self, delay: float) -> list[tuple[FloatArray, int]]:
-        """Steps to what is wanted of every sample, and whole samples to go back, for each lag."""
-        if delay not in self._steps:
-            self._steps[delay] = [
-                _steps(self._f0, self._beta, self._dt, lag + delay) for lag in self._lags
-            ]
-        return self._steps[delay]
+    def instants(self, delay: float) -> tuple[FloatArray, IntArray]:
+        """Steps to what is wanted of a sample, (L, 2, 3, 2, 4), and samples to go back, (L,)."""
+        return _steps(self._f0, self._beta, self._dt, tuple(lag + delay for lag in self._lags))
 
 
-def _steps(f0: float, beta: float, dt: float, late: float) -> tuple[FloatArray, int]:
-    """Steps that lead to an instant `late` [s] before each sample, and whole samples to go back.
+@lru_cache(maxsize=64)  # torque, derivatives and drives of one point ask alike
+def _steps(
+    f0: float, beta: float, dt: float, late: tuple[float, ...]
+) -> tuple[FloatArray, IntArray]:
+    """Steps that lead to instants `late` [s] before each sample, and whole samples to go back.
 
     They are a step of one sample and one of the part of it that lies before the instant, with their
-    derivatives by f0 and beta, shape (2, 3, 2, 4).
+    derivatives by f0 and beta.
     """
-    back = math.floor(max(late, 0.0) / dt)
-    after = (back + 1) * dt - late  # the instant lies in (0, dt] after sample i − back − 1
-    if after <= 0.0:  # rounding
-        back, after = back + 1, after + dt
-    share = after / dt
-    steps = np.stack([filter_step(f0, beta, dt), filter_step(f0, beta, after)])
-    # from the inputs at both ends of the sample to those at both ends of its part
-    steps[1, :, :, 2] += (1.0 - share) * steps[1, :, :, 3]
-    steps[1, :, :, 3] *= share
-    return steps, back
+    steps, whole = [], []
+    for by in late:
+        back = math.floor(max(by, 0.0) / dt)
+        after = (back + 1) * dt - by  # the instant lies in (0, dt] after sample i − back − 1
+        if after <= 0.0:  # rounding
+            back, after = back + 1, after + dt
+        share, own = after / dt, np.stack([filter_step(f0, beta, dt), filter_step(f0, beta, after)])
+        # from the inputs at both ends of the sample to those at both ends of its part
+        own[1, :, :, 2] += (1.0 - share) * own[1, :, :, 3]
+        own[1, :, :, 3] *= share
+        steps.append(own)
+        whole.append(back)
+    return np.stack(steps), np.array(whole)
 
 
 @inner
@@ -264,20 +262,33 @@ def _four(row: FloatArray) -> tuple[float, float, float, float]:
 
 @jit
 def _respond(
-    x: FloatArray, first: float, steps: FloatArray, back: int, state: int, out: FloatArray
-) -> None:
-    """Response to x − first at one instant of each sample; `state` is 0 for α, 1 for α'/ω0."""
-    s00, s01, s02, s03 = _four(steps[0, 0, 0])
-    s10, s11, s12, s13 = _four(steps[0, 0, 1])
-    p0, p1, p2, p3 = _four(steps[1, 0, state])
-    v = w = 0.0  # α and α'/ω0
-    for i in range(len(x) - back - 1):
-        before, now = x[i] - first, x[i + 1] - first
-        out[i + back + 1] = p0 * v + p1 * w + (p2 * before + p3 * now)
-        v, w = (
-            s00 * v + s01 * w + (s02 * before + s03 * now),
-            s10 * v + s11 * w + (s12 * before + s13 * now),
-        )
+    inputs: FloatArray, first: FloatArray, steps: FloatArray, back: IntArray, state: int,
+    held: FloatArray, out: FloatArray,
+) -> None:  # fmt: skip
+    """α (`state` 0) or α'/ω0 (1) of inputs, (q, n), at all instants, into (q, L, n).
+
+    Less their first samples, of which `held`, (L, n), is added where there is any.
+    """
+    n = inputs.shape[1]
+    s00, s01, s02, s03 = _four(steps[0, 0, 0, 0])
+    s10, s11, s12, s13 = _four(steps[0, 0, 0, 1])
+    for j in range(len(inputs)):
+        x, x0 = inputs[j], first[j]
+        v = w = 0.0  # α and α'/ω0
+        for i in range(n - 1):
+            before, now = x[i] - x0, x[i + 1] - x0
+            for lag in range(len(back)):
+                at = i + back[lag] + 1
+                if at < n:
+                    p0, p1, p2, p3 = _four(steps[lag, 1, 0, state])
+                    out[j, lag, at] = p0 * v + p1 * w + (p2 * before + p3 * now)
+            v, w = (
+                s00 * v + s01 * w + (s02 * before + s03 * now),
+                s10 * v + s11 * w + (s12 * before + s13 * now),
+            )
+        for lag in range(len(held)):
+            for i in range(n):
+                out[j, lag, i] += x0 * held[lag, i]
 
 
 @jit

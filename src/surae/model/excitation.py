@@ -110,6 +110,9 @@ class Excitation:
         self._at, self._weights = at, [at[name] for name in weights]
         corrections = ("emg_lag", *_RESTS, *CROSSTALK.values())
         self._corrections = {at[name] for name in corrections if name in at}
+        curves = (at[name] for name in ("release", "emg_shape", "emg_power") if name in at)
+        self._changing = sorted({*self._corrections, *curves})  # columns: all that changes them
+        self._made: tuple[bytes, _Envelopes] | None = None  # of which values, the last ones
         #: Smooth envelopes of electrodes in which powers add up; None where envelopes do.
         self._smooth: FloatArray | None = None
         if inputs.own_envelopes and CROSSTALK[0, 1] in at:
@@ -139,6 +142,12 @@ class Excitation:
         return float(values[self._at[name]]) if name in self._at else 0.0
 
     def _envelopes(self, values: FloatArray) -> _Envelopes:
+        key, made = values[self._changing].tobytes(), self._made
+        if made is None or made[0] != key:
+            made = self._made = key, self._envelopes_at(values)
+        return made[1]
+
+    def _envelopes_at(self, values: FloatArray) -> _Envelopes:
         heard: FloatArray = self._emg
         if self._rate is not None:
             heard = heard + self._value(values, "emg_lag") * self._rate

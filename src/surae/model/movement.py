@@ -102,7 +102,7 @@ class LegMovement:
 
 
 class Movement:
-    """The movement of one recording; computed once where no parameter touches it.
+    """The movement of one recording; computed anew where what touches it has changed.
 
     `at` holds the columns of the model's parameters.
     """
@@ -111,23 +111,24 @@ class Movement:
         self._inputs, self._options = inputs, options
         self._at = {name: at[name] for name in _MOVING if name in at}
         self._pull = self._pull_rate = np.zeros(inputs.n)
+        self._made: tuple[object, LegMovement] | None = None  # the last one, and of what
         if _GIVE in at and inputs.torque is not None:
             self.pulled_by(inputs.torque)
-        self._fixed = None if self._at else self._moved({}, {})
-        self.is_fixed = not self._at  #: Whether no parameter touches it.
 
     def pulled_by(self, torque: FloatArray) -> None:
         """Let a plate that gives way be turned by this torque [Nm], as smooth as effort is."""
         self._pull = smooth_effort(torque[None], self._inputs.rate_hz)[0]
         self._pull_rate = np.gradient(self._pull, 1.0 / self._inputs.rate_hz)
+        self._made = None
 
     def at(self, values: FloatArray, wanted: Collection[int] = ()) -> LegMovement:
         """The movement at these parameters, with its derivatives by the wanted columns."""
-        if self._fixed is not None:
-            return self._fixed
         turns = {name: float(values[column]) for name, column in self._at.items()}
         columns = {name: column for name, column in self._at.items() if column in wanted}
-        return self._moved(turns, columns)
+        key, made = (turns, columns), self._made
+        if made is None or made[0] != key:
+            made = self._made = key, self._moved(turns, columns)
+        return made[1]
 
     def _moved(self, given: Mapping[str, float], columns: Mapping[str, int]) -> LegMovement:
         inputs, options = self._inputs, self._options

@@ -109,7 +109,7 @@ class MuscleTendonSimulator(Simulator):
         self._slack = np.array(options.anatomy.slack)
         in_metres = options.tendon_strain == "thesis"
         self._strain_lengths = np.ones(2) if in_metres else self._slack
-        self._staged: dict[int, tuple[FloatArray, FloatArray]] = {}
+        self._staged: dict[int, tuple[MusclePath, FloatArray, FloatArray]] = {}
         self._curves = [[self._at.get(name, -1) for name in names] for names in _CURVES]
         #: Active state over which it reaches zero [N]; 0 is the model, with its kink.
         self.rest = 0.0
@@ -201,22 +201,22 @@ class MuscleTendonSimulator(Simulator):
 
     def _response(self, p: FloatArray, linear: FloatArray, arms: FloatArray) -> DriveResponse:
         delay = float(p[self._at["emd"]]) if "emd" in self._at else 0.0
-        instants = self.activation(p).instants(delay)
+        steps, back = self.activation(p).instants(delay)
         k_rel, tau = p[COLUMNS[0][K_REL]], p[COLUMNS[0][TAU]]
         return DriveResponse(
-            self._excitation.weighted(p), np.stack([steps for steps, _ in instants]),
-            np.array([back for _, back in instants], dtype=np.int64), linear, arms,
+            self._excitation.weighted(p), steps, back, linear, arms,
             keep=1.0 / (1.0 + compliant.GAMMA * self._dt * (1.0 + k_rel) / tau),
         )  # fmt: skip
 
     def _stages(self, group: int, muscle: MusclePath) -> tuple[FloatArray, FloatArray]:
-        """Lengths and their slopes at the stages; once, where no parameter touches them."""
-        if group not in self._staged or not self._movement.is_fixed:
+        """Lengths and their slopes at the stages, of the last path as they were."""
+        if group not in self._staged or self._staged[group][0] is not muscle:
             self._staged[group] = (
+                muscle,
                 compliant.stages(muscle.length, muscle.speed, self._dt),
                 compliant.stages(muscle.length_slopes, muscle.speed_slopes, self._dt),
             )
-        return self._staged[group]
+        return self._staged[group][1:]
 
     def _law(self, values: FloatArray, group: int) -> TendonLaw:
         eps0, *others = (float(value) for value in values[COLUMNS[group][compliant.EPS0 :]])

@@ -119,15 +119,16 @@ class Simulator:
         """The torque split into its parts; of a compliant tendon's, tissue is F_elas·r."""
         return self.split(values)[0]
 
-    def split(self, values: FloatArray) -> tuple[TorqueParts, FloatArray]:
-        """The parts of the torque, and the force of both groups [N], shape (2, n)."""
+    def split(self, values: FloatArray) -> tuple[TorqueParts, FloatArray, FloatArray]:
+        """The parts of the torque; force and active state of both groups [N], shape (2, n)."""
         p = np.array(values, dtype=np.float64)
         leg = self._movement.at(p)
-        split, reflex, force = [], [], []
+        split, reflex, force, states = [], [], [], []
         for group, active in enumerate(self._active(p, leg)):
             muscle = leg.muscles[group]
             forces = self._forces(p, group, muscle, active)
             force.append(forces[0] + forces[1])
+            states.append(active.alpha[-1])
             split.append(muscle.arm * forces)
             if self._excitation.has_reflex:
                 alpha, by_reflex = active.alpha[-1], active.drives[1][-1]
@@ -146,12 +147,7 @@ class Simulator:
             reflex_tri=reflex_tri, reflex_tib=reflex_tib, zero=added.get("zero"),
             joint=added.get("joint"),
         )  # fmt: skip
-        return parts, np.stack(force)
-
-    def active_states(self, values: FloatArray) -> FloatArray:
-        """Active state α of triceps and tibialis at the samples [N], shape (2, n)."""
-        p = np.array(values, dtype=np.float64)
-        return np.stack([active.alpha[-1] for active in self._active(p, self._movement.at(p))])
+        return parts, np.stack(force), np.stack(states)
 
     def tendon(self, values: FloatArray) -> TendonState | None:
         """What muscles and tendons do over time; None from a model whose tendons are rigid."""

@@ -93,7 +93,7 @@ class Muscle2010Simulator(Simulator):
         neutral = np.zeros(1)
         rest = paths(angle=neutral, velocity=neutral, options=options)
         self._l0 = [float(path.length[0]) for path in rest]
-        self._contractions: dict[int, FloatArray] = {}
+        self._contractions: dict[int, tuple[MusclePath, FloatArray]] = {}
 
     def _forces(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
@@ -103,11 +103,10 @@ class Muscle2010Simulator(Simulator):
 
     def _contraction(self, group: int, muscle: MusclePath) -> FloatArray:
         """Give the `contraction`, which is made once where no parameter touches the movement."""
-        if group not in self._contractions or not self._movement.is_fixed:
-            self._contractions[group] = contraction(
-                muscle.length, muscle.speed, self._l0[group], self._factor
-            )
-        return self._contractions[group]
+        if group not in self._contractions or self._contractions[group][0] is not muscle:
+            made = contraction(muscle.length, muscle.speed, self._l0[group], self._factor)
+            self._contractions[group] = muscle, made
+        return self._contractions[group][1]
 
     def _passive(
         self, p: FloatArray, group: int, muscle: MusclePath
