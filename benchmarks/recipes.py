@@ -27,6 +27,7 @@ RECIPES: dict[str, tuple[tuple[str, ...], int]] = {
     "passive": (("slow", "fast", "active"), 2),
     "alone": (("alone", "slow", "fast", "active"), 2),
     "geometry": (("geometry", "slow", "fast", "active"), 2),
+    "once": (tuple(s for s in laboratory.STEPS if s not in ("excursion", "again")), 2),
     "all": (laboratory.STEPS, 2),
 }
 

@@ -108,7 +108,7 @@ def _direction(inputs: "ModelInputs") -> FloatArray:
     ],
     "a source of uncertainty that nothing is estimated for": [
         ("model/sources.py", "    UncertaintySource(", SCALE),
-        ("inference/uncertainty/combined.py", "    for source in rows.keys() & _set_by_hand",
+        ("inference/uncertainty/combined.py", "    return Uncertainty(",
          '    rows["scale"] = 0.005 * values[None, :]\n'),
     ],
     "a finding": [

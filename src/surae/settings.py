@@ -16,6 +16,7 @@ from surae.model.knowledge import Knowledge
 from surae.model.options import ModelOptions, with_files
 
 if TYPE_CHECKING:  # what computes comes when it is needed: help reads the fields alone
+    from surae.model.source import UncertaintySource
     from surae.recording import Recording
     from surae.signals import ModelInputs, Weighting
 
@@ -169,9 +170,9 @@ class FitSettings(Request):
         laboratory(self.beliefs)
         if self.geometry_of != names.GEOMETRY_OF[0] and isinstance(self.options.geometry, str):
             raise InputError("geometry_of has no effect without a geometry's file; give one")
-        zero = None if self.knowledge is None else self.knowledge.angle_zero_deg
-        if zero is not None and zero.value:
-            at = {"angle_zero": math.radians(zero.value)}
+        zero, _ = self.told_zero or (0.0, 0.0)
+        if zero:
+            at = {"angle_zero": math.radians(zero)}
             object.__setattr__(self, "fixed", FrozenDict({**at, **self.fixed}))
         free: Any = self.free
         object.__setattr__(self, "free", (free,) if isinstance(free, str) else tuple(free))
@@ -222,9 +223,28 @@ class FitSettings(Request):
         """How far the angle's zero may be off, one standard deviation [deg]."""
         if self.angle_zero_sd is not None:
             return self.angle_zero_sd
-        if self.knowledge is not None and self.knowledge.angle_zero_deg is not None:
-            return self.knowledge.angle_zero_deg.sd
+        if self.told_zero is not None:
+            return self.told_zero[1]
         return 0.0 if "angle_zero" in self.fixed else _ZERO
+
+    @property
+    def told_zero(self) -> tuple[float, float] | None:
+        """The angle's zero as it was stated, and its standard deviation [deg]."""
+        made = {} if self.knowledge is None else self.knowledge.statements
+        return made["angle_zero"].told[""] if "angle_zero" in made else None
+
+    @property
+    def is_own(self) -> bool:
+        """Whether lengths are the person's own, and two statements of the arms agree."""
+        made = {} if self.knowledge is None else self.knowledge.statements
+        own = self.geometry_of == names.GEOMETRY_OF[1] and "arms" in made
+        return own and bool(made["arms"].agrees)
+
+    def advice(self, source: "UncertaintySource") -> str:
+        """What would make a source smaller: another statement, where none agrees with one."""
+        made = {} if self.knowledge is None else self.knowledge.statements
+        told = made.get("arms" if source.name == "lengths" else source.name)
+        return source.advice if told is None or told.agrees else source.again_by
 
     @property
     def beliefs(self) -> str | Mapping[str, tuple[float, float]]:

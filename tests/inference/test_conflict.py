@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.inference.conflict import RARE, Conflict, conflicts
+from surae.inference.conflict import Conflict, conflicts
 from surae.inference.evidence import LaplaceApproximation
 from surae.model.source import Gaussian
+from surae.model.statements import RARE
 
 NAMES = ("m", "axis_forward", "axis_up")
 WIDE = {"axis_forward": Gaussian(0.0, 0.01), "axis_up": Gaussian(0.0, 0.01)}

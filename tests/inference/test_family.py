@@ -20,7 +20,6 @@ from surae.inference.latent import emg_noise
 from surae.inference.marginal import _by_path
 from surae.inference.random_effects import trial_spread
 from surae.inference.saved.fit_json import load_saved, save_fit
-from surae.inference.search import resumed
 from surae.model import with_optional
 from surae.model.laboratory import ALL, laboratory
 from surae.model.parameters import OPTIONAL
@@ -29,6 +28,7 @@ from surae.protocol import Protocol, generate
 from surae.recording import Recording, read
 from surae.signals import prepare
 from surae.studies import virtual_subject, virtual_trial
+from surae_posterior.resumed import resumed
 
 #: Rate [Hz] and durations [s] of the legs of which less is claimed than so many samples tell.
 THIN, SHORT, BRIEF = 64.0, 20.0, 12.0

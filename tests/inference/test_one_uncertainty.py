@@ -17,7 +17,6 @@ from surae.inference.identifiability.identified import identifiability
 from surae.inference.residuals import simulators
 from surae.inference.uncertainty.combined import combined
 from surae.measures.compute import evaluate, points
-from surae.model.knowledge import Knowledge, StatedAxis, StatedNumber
 from surae.model.sources import SOURCES
 from surae.protocol.planning.legs import fit_legs
 from surae.report.parameters import parameters_section
@@ -141,28 +140,17 @@ def test_draws_are_within_bounds_and_each_has_its_opposite(fit) -> None:
     assert (one + other)[straight] == pytest.approx(2.0 * known.values[straight])
 
 
-def test_what_hands_set_is_as_unsure_as_a_deviation_of_five_readings(auto) -> None:
-    """Student's t of JCGM 100:2008: the axis counts for more where its sd was said, not else.
-
-    What recordings and images show, crosstalk and arms, has the deviation that these tell.
-    """
-    known = Knowledge(
-        axis_mm=StatedAxis(0.0, 3.0), angle_zero_deg=StatedNumber(0.0, 1.0),
-        crosstalk={"xt_ta_gl": StatedNumber(0.02, 0.01)}, geometry_sd_percent=3.0,
-    )  # fmt: skip
-
-    def uncertainty(**settings):
-        own = replace(auto.problem, settings=replace(auto.problem.settings, **settings))
-        return combined(replace(auto, problem=own), auto.found.spread)
-
-    before, told = uncertainty(angle_zero_sd=1.0), uncertainty(knowledge=known)
-    for source, rows in before.rows.items():
-        wider = 2.776 / NORMAL if source in {"axis", "angle_zero"} else 1.0
-        assert told.rows[source] == pytest.approx(wider * rows, rel=1e-6), source
-    assert told.half_width(told.along("m")) > before.half_width(before.along("m"))
-    # nobody said it where another keyword has it
-    asked = uncertainty(knowledge=known, angle_zero_sd=1.0)
-    assert np.array_equal(asked.rows["angle_zero"], before.rows["angle_zero"])
+def test_a_parameter_moves_with_the_zero_and_a_measure_at_an_angle_has_its_own(auto) -> None:
+    """What a zero that is off makes of a parameter is in its interval, and in no measure twice."""
+    found = replace(auto.found, turned={"x0_tri": 0.02})
+    known = combined(replace(auto, found=found), found.spread)
+    before = combined(auto, auto.found.spread)
+    zero = np.radians(auto.problem.settings.zero_sd)
+    wider = known.variances(known.along("x0_tri"))["angle_zero"]
+    assert wider == pytest.approx((0.02 * zero) ** 2)
+    assert known.sd(known.along("x0_tri")) > before.sd(before.along("x0_tri"))
+    assert known.sd(known.along("l0_tri")) == before.sd(before.along("l0_tri"))
+    assert np.array_equal(known.covariance(), before.covariance())
 
 
 def test_the_decision_names_every_module_that_makes_or_asks_it() -> None:

@@ -8,8 +8,11 @@ import pytest
 
 from surae.base.errors import InputError
 from surae.model.geometry import moment_arm
-from surae.model.knowledge import Knowledge, Plate, StatedArm, StatedAxis, StatedNumber
+from surae.model.geometry_file import read_geometry
+from surae.model.knowledge import Knowledge, Plate
 from surae.model.knowledge_file import known_from, read_knowledge, read_session_toml
+from surae.model.sources import SOURCES
+from surae.model.statements import StatedArm, StatedAxis, StatedZero
 from surae.model.tare import tared, without
 from surae.settings import FitSettings
 from surae.signals import ModelInputs, inputs_as_given
@@ -150,12 +153,21 @@ def test_knowledge_becomes_priors_with_their_own_uncertainty(tmp_path) -> None:
         "geometry_of = 'person'\n",
     )
     settings = FitSettings.of(knowledge=path)
-    assert settings.zero_sd == 1.0
+    assert settings.zero_sd == pytest.approx(5.0**0.5)  # stated once: readers differ by 2°
     assert settings.fixed["angle_zero"] == pytest.approx(np.radians(2.0))
     beliefs = settings.beliefs
-    assert beliefs["axis_forward"] == pytest.approx((0.005, 0.003))
-    assert beliefs["axis_up"] == pytest.approx((-0.002, 0.003))
-    assert beliefs["arm_scale_tri"] == beliefs["path_scale_tib"] == (0.0, 0.03)
+    assert beliefs["axis_forward"] == pytest.approx((0.005, 0.003 * 2.0**0.5))
+    assert beliefs["axis_up"] == pytest.approx((-0.002, 0.003 * 2.0**0.5))
+    tri, tib = read_geometry(TABLE).arms_mm
+    assert beliefs["arm_scale_tri"] == pytest.approx((0.0, np.hypot(0.03, 4.0 / tri)))
+    assert beliefs["path_scale_tib"] == pytest.approx((0.0, np.hypot(0.03, 4.0 / tib)))
+    # as of a table that is said to be the person's own without any session.toml
+    told = SOURCES["arms"].nuisance.measured["arm_scale_tri"].sd
+    assert told == pytest.approx(np.hypot(0.03, 4.0 / 44.0), abs=2e-3)
+    assert not settings.is_own
+    assert {*settings.knowledge.statements} == {"angle_zero", "axis", "arms"}
+    assert "second way" in settings.advice(SOURCES["arms"])
+    assert settings.advice(SOURCES["plate"]) == SOURCES["plate"].advice
     assert 0.0 < beliefs["plate_sin"][1] < 1.0
     assert settings.options.geometry.name == "g.csv"
     assert settings.geometry_of == "person"
@@ -175,6 +187,8 @@ def test_arms_and_paths_go_with_the_foot_and_the_foot_with_the_height() -> None:
         assert sd == (0.08 if name.startswith("arm") else 0.3)
     assert "arm" in FitSettings.of(knowledge=tall).known
     assert "length" not in FitSettings.of(knowledge=tall).known
+    with pytest.raises(InputError, match="not both"):
+        Knowledge(geometry="g.csv", height_cm=190.0)
     assert FitSettings.of(knowledge={"height_cm": 190.0}).knowledge == tall
 
 
@@ -183,19 +197,53 @@ def test_an_arm_by_excursion_is_that_of_the_model_at_neutral(tmp_path) -> None:
     settings = FitSettings.of(knowledge=path)
     mean, sd = settings.beliefs["arm_scale_tri"]
     assert moment_arm(np.zeros(1), 0)[0] * np.exp(mean) == pytest.approx(0.042)
-    assert sd == pytest.approx(1.5 / 42.0)
+    assert sd == pytest.approx(np.hypot(1.5, 4.0) / 42.0)
     assert settings.beliefs["arm_scale_tib"] == (pytest.approx(np.log(190.0 / 175.0)), 0.08)
-    assert settings.knowledge.lines()[-1][:2] == (
-        "moment arm of the Achilles tendon", "42 ± 1.5 mm",
-    )  # fmt: skip
+    what, how, stated = settings.knowledge.lines()[0]
+    assert what == "moment arms"
+    assert how == "42 ± 1.5 mm"
+    assert "once" in stated
     assert FitSettings.from_dict(settings.as_dict()) == settings
     (name,) = Knowledge(arm_tib_mm=StatedArm(38.0, 2.0)).nuisances()  # the other as of any leg
     assert name == "arm_scale_tib"
 
 
+def told_twice(tmp_path, tri: float, tib: float) -> FitSettings:
+    """Arms of the table, 48.2 and 40.9 mm at neutral, and by the tendon's excursion."""
+    (tmp_path / "g.csv").write_bytes(TABLE.read_bytes())
+    text = "[knowledge]\ngeometry = 'g.csv'\ngeometry_of = 'person'\n"
+    text += f"arm_tri_mm = {{value = {tri}, sd = 1.5}}\narm_tib_mm = {{value = {tib}, sd = 1.5}}\n"
+    return FitSettings.of(knowledge=said(tmp_path, text))
+
+
+def test_arms_that_are_told_twice_alike_make_the_geometry_the_legs_own(tmp_path) -> None:
+    tri, tib = read_geometry(TABLE).arms_mm
+    settings = told_twice(tmp_path, 1.02 * tri, tib)
+    mean, sd = settings.beliefs["arm_scale_tri"]
+    assert 0.0 < mean < np.log(1.02)
+    assert sd < 0.03
+    assert settings.beliefs["path_scale_tri"] == (mean, sd)
+    assert settings.beliefs["length_zero_tib"] == (0.0, 0.0025)
+    assert settings.is_own
+    assert settings.advice(SOURCES["lengths"]) == SOURCES["lengths"].advice
+    assert FitSettings.from_dict(settings.as_dict()) == settings  # without the table
+
+
+def test_arms_that_are_told_twice_otherwise_are_of_nobody(tmp_path) -> None:
+    tri, tib = read_geometry(TABLE).arms_mm
+    settings = told_twice(tmp_path, 1.16 * tri, 0.86 * tib)
+    assert not settings.is_own
+    assert settings.beliefs["arm_scale_tri"][1] > 0.08
+    assert settings.beliefs["path_scale_tri"][1] == 0.3
+    assert "length_zero_tri" not in settings.beliefs
+    arms = settings.knowledge.statements["arms"]
+    assert arms.agrees is False
+    assert arms.texts[1].startswith(f"{1.16 * tri:.3g} ± 1.5 mm and ")
+
+
 def test_what_is_asked_goes_before_what_is_known() -> None:
     known = Knowledge(
-        angle_zero_deg=StatedNumber(2.0, 1.0), axis_mm=StatedAxis(5.0, 3.0), plate=Plate()
+        angle_zero_deg=StatedZero(2.0, 1.0), axis_mm=StatedAxis(5.0, 3.0), plate=Plate()
     )
     asked = {"axis": (0.0, 0.001)}
     settings = FitSettings.of(

@@ -9,9 +9,9 @@ from types import SimpleNamespace
 import pytest
 
 import surae
-from surae import api
 from surae.base.formatting import of_interval
 from surae.report import part_of
+from surae_cohort.visits import visits_blocks
 from surae_workbench.live import judge
 from surae_workbench.web.tasks import summary
 from undrawn import blank_figures
@@ -36,7 +36,7 @@ def test_one_legs_stiffness_is_one_value_through_every_door(done, run, monkeypat
             ("one", date(2026, 1, 1), "left", other),
             ("two", date(2026, 2, 1), "left", joint),
         ]
-        compared = api.visits_blocks(visits, 0, 1)
+        compared = visits_blocks(visits, 0, 1)
     change = surae.change(other, joint).measures[STIFFNESS]
     Path("legs.csv").write_text(
         f"fit,subject\n{folder / 'joint.json'},S1\n{folder / 'joint.json'},S2\n"

@@ -21,7 +21,10 @@ from ankle_legs.movement import FINE, angles, fine_times
 from ankle_legs.muscle import Array
 from ankle_legs.subject import Geometry
 
-STEPS = ("tare", "zero", "axis", "geometry", "alone", "maximal", "slow", "fast", "active")
+STEPS = (
+    *("tare", "zero", "axis", "geometry", "excursion", "again"),
+    *("alone", "maximal", "slow", "fast", "active"),
+)
 #: What may be wrong of what a laboratory says: what each is, in words.
 WRONG = {
     "tare": "the empty device had another plate",
@@ -39,7 +42,7 @@ KINDS = {
 HELD = ("alone", "maximal", "isometric")
 SECONDS = {"alone": 48.0, "maximal": 30.0, "slow": 45.0, "fast": 30.0, "isometric": 64.0}
 ACTIVE = 35.0
-ZERO_SD, AXIS_SD, GEOMETRY_SD = 1.0, 3.0, 3.0  # [deg], [mm], [%]
+ZERO_SD, AXIS_SD, GEOMETRY_SD, ARM_SD = 1.0, 3.0, 3.0, 1.5  # [deg], [mm], [%], [mm]
 STRAP = 0.13  # from the device's axis to where the foot presses on the plate [m]
 
 
@@ -98,6 +101,9 @@ class Session:
     steps: tuple[str, ...]
     truth: dict[str, Any]
     minutes: float
+    arms: tuple[float, float]  # by the tendons' excursion, triceps and tibialis [mm]
+    zero_again: float  # by another reader [deg]
+    axis_again: tuple[float, float]  # [mm]
 
 
 def _device(rng: np.random.Generator) -> Device:
@@ -198,9 +204,19 @@ def measure(
             k: getattr(device, k) for k in ("inertia", "weight", "angle", "drag", "friction")
         },
     }
-    waits = {"zero": 0.5, "axis": 0.5, "geometry": 2.0}  # minutes of the leg's time, beside trials
+    # minutes of the leg's time, beside trials
+    waits = {"zero": 0.5, "axis": 0.5, "geometry": 2.0, "excursion": 0.75, "again": 0.5}
     minutes = sum(waits.get(s, 0.0) for s in steps) + sum(t for _, t in moves) / 60
-    return Session(one, device, files, table, tuple(steps), truth, minutes + 0.25 * len(moves))
+    minutes += 0.25 * len(moves)
+    # second statements are of this leg, whatever is wrong with the first
+    true = 1000 * one.lasting(one.subject).geometry.arm(np.zeros(1))[:, 0]
+    excursion = tuple(float(x) for x in true + ARM_SD * one.rng(28).normal(size=2))
+    zero_again = float(ZERO_SD * one.rng(29).normal() - zero)
+    axis_again = tuple(float(x) for x in axis + AXIS_SD * one.rng(30).normal(size=2))
+    return Session(
+        *(one, device, files, table, tuple(steps), truth, minutes),
+        *(excursion, zero_again, axis_again),
+    )
 
 
 def _other_leg(family: str, seed: int) -> Any:
@@ -235,11 +251,16 @@ def _tare(rng: np.random.Generator, one: Leg, device: Device) -> dict[str, Array
 
 def session_toml(session: Session) -> str:
     """Return the session.toml that the laboratory writes."""
-    lines = ["[knowledge]"]
+    lines, twice = ["[knowledge]"], "again" in session.steps
     if "zero" in session.steps:
-        lines.append(f"angle_zero_deg = {{value = 0.0, sd = {ZERO_SD}}}")
+        again = f", again = {session.zero_again:.1f}" if twice else ""
+        lines.append(f"angle_zero_deg = {{value = 0.0, sd = {ZERO_SD}{again}}}")
     if "axis" in session.steps:
-        lines.append(f"axis_mm = {{value = 0.0, sd = {AXIS_SD}}}")
+        again = ", again = [{:.0f}.0, {:.0f}.0]".format(*session.axis_again) if twice else ""
+        lines.append(f"axis_mm = {{value = [0.0, 0.0], sd = {AXIS_SD}{again}}}")
+    if "excursion" in session.steps:
+        for group, arm in zip(("tri", "tib"), session.arms, strict=True):
+            lines.append(f"arm_{group}_mm = {{value = {arm:.1f}, sd = {ARM_SD}}}")
     if "tare" in session.steps:
         lines.append('plate = "empty.csv"')
     if "geometry" in session.steps:

@@ -11,7 +11,7 @@ from surae.inference import FitResult, PosteriorMode, fit_problem
 from surae.inference.least_squares import Outcome, column_norms, minimise, sum_of_squares
 from surae.inference.posterior import LogPosterior, Point
 from surae.inference.residuals import Residuals, curved_move
-from surae.inference.search import resumed
+from surae_posterior.resumed import resumed
 
 #: A failed step ends the iteration when no more than this many noise variances are to be gained.
 _STALL = 0.01

@@ -5,7 +5,6 @@ from surae.api.answers import fit_of as fit_of
 from surae.api.answers import other_change as other_change
 from surae.api.answers import predictions_part as predictions_part
 from surae.api.answers import validate as validate
-from surae.api.answers import visits_blocks as visits_blocks
 from surae.api.answers import write_change_page as write_change_page
 from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design

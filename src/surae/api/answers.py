@@ -1,7 +1,7 @@
 """Answers of fits: predictions and changes."""
 
 from collections.abc import Sequence
-from datetime import date, datetime
+from datetime import datetime
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -98,21 +98,6 @@ def write_change_page(
         change, fits, created=datetime.now().astimezone(), baselines=baselines,
         language=language, angle=angle,
     ).write(path)  # fmt: skip
-
-
-def visits_blocks(
-    visits: Sequence[tuple[str, date, str, Fit | PathLike]], before: int, after: int,
-    language: str = "en",
-) -> dict[str, Any]:  # fmt: skip
-    """What changed between two of these visits, and stiffness over all of them, as plain data.
-
-    A visit is its name, its day, its side and its fit; see `surae.report.visits.visits_report`.
-    """
-    from surae.report.visits import Visit, visits_report  # matplotlib
-
-    made = [Visit(name, day, side, fit_of(fit)) for name, day, side, fit in visits]
-    plain = visits_report(made, before, after, language=language).plain(lines=True)
-    return {key: plain[key] for key in ("blocks", "images")}
 
 
 def predictions_part(fit: Fit, predictions: Sequence[Prediction]) -> str:

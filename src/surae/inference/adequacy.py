@@ -16,7 +16,6 @@ from surae.base.file_form import filed
 from surae.base.records import OrNaN
 from surae.base.units import FloatArray
 from surae.inference import FitResult
-from surae.inference.conflict import RARE
 from surae.inference.fascicles import fascicles_of
 from surae.inference.reasons import Reason, against
 from surae.inference.residual import centred_r2, counted
@@ -25,6 +24,7 @@ from surae.model.joint import Joint
 from surae.model.laboratory import group_of
 from surae.model.source import Gaussian
 from surae.model.sources import LABELS
+from surae.model.statements import RARE
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, steady_emg
 
@@ -200,6 +200,10 @@ def _stated(result: FitResult) -> Iterator[Reason]:
     known = result.problem.settings.knowledge
     for doubt in () if known is None else known.doubts:
         yield against("said", text=doubt)
+    for source, made in ({} if known is None else known.statements).items():
+        if made.agrees is False:
+            label, texts = result.problem.options.anatomy.worded(LABELS[source]), made.texts
+            yield against("disagree", label=label, first=texts[0], second=texts[1])
     for group, probability in sorted(result.found.contradicted.items()):
         label = result.problem.options.anatomy.worded(LABELS[group])
         if probability < RARE:

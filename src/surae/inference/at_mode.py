@@ -55,7 +55,7 @@ def summed(
     if lost := max(recording.emg_lost for recording in inputs):
         heard = [float(name in original.spec.weights) for name in post.names]
         shifts["emg_band"] = lost * np.array([heard])
-    against = _against(post, point, original)
+    against, turned = _against(post, point, original)
     said = {g: c.probability for g, c in against.items() if c.probability < SAID}
     zero = against.pop(ZERO_NAME, None)
     for group, conflict in against.items():
@@ -107,20 +107,28 @@ def summed(
             gained=_gained(post, point),
             zero_wider=max(zero.ratio, 1.0) if zero else 1.0,
             softening=tuple(laplace.softened(post, point, V)),
+            turned=FrozenDict(zip(problem.free, (change @ turned).tolist(), strict=True)),
         ),
     )  # fmt: skip
 
 
-def _against(post: LogPosterior, point: Point, original: FitProblem) -> dict[str, Conflict]:
-    """How far what was stated is from what the torque says."""
-    known, groups = original.settings.knowledge, original.settings.known
-    stated = None if known is None else known.angle_zero_deg
-    wide = laboratory(joint=original.options.anatomy)
-    if stated is not None and ZERO_NAME not in post.names:
-        zero, sd = np.radians((stated.value, stated.sd))
-        post, point = with_zero(post, point, Gaussian(float(zero), float(sd)))
-        wide[ZERO_NAME], groups = Gaussian(float(zero), FAR_ZERO), groups | {ZERO_NAME}
-    return conflicts(post.laplace(point), post.of, post.beliefs, wide, groups)
+def _against(
+    post: LogPosterior, point: Point, original: FitProblem
+) -> tuple[dict[str, Conflict], FloatArray]:
+    """How far what was stated is from what the torque says.
+
+    And how far another zero of the angle moves what is searched, shape (q,): −H⁻¹·∂²(−ln p)/∂z∂θ₀.
+    """
+    settings, groups, names = original.settings, original.settings.known, post.names
+    turned, wide = np.zeros(len(point.z)), laboratory(joint=original.options.anatomy)
+    looked = settings.told_zero is not None or settings.is_own  # own lengths hang on it
+    if looked and settings.zero_sd and ZERO_NAME not in names:
+        zero, sd = settings.fixed.get(ZERO_NAME, 0.0), float(np.radians(settings.zero_sd))
+        post, point = with_zero(post, point, Gaussian(zero, sd))
+        wide[ZERO_NAME], groups = Gaussian(zero, FAR_ZERO), groups | {ZERO_NAME}
+        V, at = post.covariance(point), post.of.index(ZERO_NAME)
+        turned = np.delete(V[:, at], at) / V[at, at]
+    return conflicts(post.laplace(point), post.of, post.beliefs, wide, groups), turned
 
 
 def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecording, ...]:

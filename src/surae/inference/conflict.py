@@ -21,9 +21,9 @@ from surae.model import with_optional
 from surae.model.laboratory import group_of
 from surae.model.source import Gaussian
 
-#: Probability of a right statement to look as wrong, from which on that is said, and from which on
-#: it is doubted: of five that are tested, in one right session in five and in one in twenty.
-SAID, RARE = 0.05, 0.01
+#: Probability of a right statement to look as wrong, from which on that is said; from `RARE` on it
+#: is doubted: of five that are tested, in one right session in five and in one in twenty.
+SAID = 0.05
 #: Standard deviation, in parts of that of a laboratory that knows nothing, below which the torque
 #: has something of its own to say.
 _TOLD = 0.7

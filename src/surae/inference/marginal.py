@@ -14,7 +14,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from surae.base.names import GEOMETRY_OF
 from surae.base.normal import NORMAL
 from surae.base.words import Message
 from surae.inference import FitProblem
@@ -30,7 +29,6 @@ from surae.inference.parameter import (
 )
 from surae.inference.result import PosteriorMode
 from surae.inference.uncertainty.combined import Budget, Uncertainty
-from surae.model.joint import Joint
 from surae.model.laboratory import group_of
 from surae.model.sources import SOURCES
 from surae.signals import steady_emg
@@ -61,7 +59,7 @@ def marginal(
         half = (ci95[1] - ci95[0]) / 2.0
         again = known.interval(name, NORMAL * budget.repeat)
         repeatable = (again[1] - again[0]) / 2.0 <= IDENTIFIED * abs(p.value) and not withheld
-        verdict, note = _judge(p, half, budget, joint, repeatable=repeatable, withheld=withheld)
+        verdict, note = _judge(p, half, budget, problem, repeatable=repeatable, withheld=withheld)
         prior = found.population.get(name)
         if verdict is Verdict.IDENTIFIED and prior:
             value, scale = p.value, 1.0
@@ -96,7 +94,7 @@ def _by_path(name: str, problem: FitProblem) -> bool:
         return False
     films = ("gl", "sol", "gm", "tri") if group == "tri" else ("ta", "tib")
     filmed = any(f"film_zero_{at}" in problem.free for at in films)
-    return not filmed and problem.settings.geometry_of != GEOMETRY_OF[1]
+    return not filmed and not problem.settings.is_own
 
 
 def _filmed(
@@ -114,11 +112,11 @@ def _filmed(
 
 
 def _judge(
-    p: ParameterEstimate, half: float, budget: Budget, joint: Joint, *, repeatable: bool,
+    p: ParameterEstimate, half: float, budget: Budget, problem: FitProblem, *, repeatable: bool,
     withheld: Message | None,
 ) -> tuple[Verdict, Message]:  # fmt: skip
     """Verdict, and what is missing and would help."""
-    relative = half / abs(p.value) if p.value else np.inf
+    relative, joint = half / abs(p.value) if p.value else np.inf, problem.options.anatomy
     within_bounds = half < 0.45 * (p.upper - p.lower)
     if withheld:
         weak = relative <= 1.0 and within_bounds
@@ -134,7 +132,7 @@ def _judge(
         known = Message("note/repeatable", joint.worded, known=known)
     source = max(budget.shares, key=lambda s: budget.shares[s])
     if budget.shares[source] >= _WORTH:
-        advice = Message(SOURCES[source].advice, joint.worded)
+        advice = Message(problem.settings.advice(SOURCES[source]), joint.worded)
         known = Message("note/advised", known=known, advice=advice)
         left = budget.without.get(source)
         if left is not None and left < 0.8 * budget.sd:

@@ -127,6 +127,7 @@ class LeastSquares(_Found):
     contradicted: ClassVar[Mapping[str, float]] = FrozenDict()
     gained: ClassVar[tuple[float, ...]] = (1.0, 1.0)
     zero_wider: ClassVar[float] = 1.0
+    turned: ClassVar[Mapping[str, float]] = FrozenDict()
     softening: ClassVar[tuple[tuple[float, float], ...]] = ()
     #: Parameters that may lie at their lower bound without being held by it.
     may_vanish: ClassVar[tuple[str, ...]] = ()
@@ -167,6 +168,8 @@ class PosteriorMode(_Found):
     gained: tuple[float, ...] = (1.0, 1.0)
     #: By how much wider the stated zero of the angle is taken, for the torque says another.
     zero_wider: float = 1.0
+    #: How far each free parameter moves with the zero of the angle, where that is told [1/rad].
+    turned: Mapping[str, float] = field(default_factory=FrozenDict)
     #: How much stiffer tissue was when each recording began, as a part of its torque, and its
     #: standard deviation; of the muscle group that tells it best.
     softening: tuple[tuple[float, float], ...] = ()

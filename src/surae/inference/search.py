@@ -9,20 +9,19 @@
 import time
 from dataclasses import replace
 
-from surae.base.errors import InputError
 from surae.base.frozen import FrozenDict
 from surae.base.progress import SearchProgress
 from surae.base.threads import one_blas_thread
 from surae.base.words import Message
 from surae.inference.at_mode import summed
 from surae.inference.departures import Chosen, choose
-from surae.inference.empirical_bayes import NEARLY_NONE, RESTS, Reached
-from surae.inference.family import RATE_HZ, Family
+from surae.inference.empirical_bayes import RESTS
+from surae.inference.family import Family
 from surae.inference.interrupt import postponed_interrupt
 from surae.inference.least_squares import Outcome
 from surae.inference.look_back import LESS, followed, simplest
 from surae.inference.problem import FitProblem
-from surae.inference.result import FitResult, PosteriorMode, Stage
+from surae.inference.result import FitResult, Stage
 from surae.inference.valleys import first
 from surae.model.laboratory import RIGID
 
@@ -42,32 +41,6 @@ def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -
         except KeyboardInterrupt:
             result = _stopped(family)
     return replace(result, seconds=time.perf_counter() - begin)
-
-
-def resumed(result: FitResult) -> Reached:
-    """The posterior that a fit of `fit_family` chose, and its mode."""
-    found = result.found
-    assert isinstance(found, PosteriorMode)
-    with one_blas_thread():
-        family = Family(result.problem)
-        if found.sizes["gain"] == NEARLY_NONE["gain"]:
-            family.hold_still()
-        sizes = {**NEARLY_NONE, **found.sizes}  # older fits know of no softening
-        post = family.posterior(found.candidates[0].groups, RATE_HZ, found.noise, sizes)
-        if len(found.films) != sum(len(own.films) for own in post.latents):
-            raise InputError("this fit kept no noise of its films: fit again")
-        noise = iter(found.films)
-        latents = tuple(
-            replace(own, films=tuple([replace(film, noise=next(noise)) for film in own.films]))
-            for own in post.latents
-        )
-        fast = None if family.is_perfect else found.sizes.get("drive")
-        post = post.having(latents=latents, fast=fast)
-        z = post.start(result.values)
-        for j, name in enumerate(post.own):
-            if name in found.each:  # older fits share the EMG at rest
-                post.each(z)[:, j] = found.each[name]
-        return post, post.descend(z, tolerance=1e-3)
 
 
 def _result(family: Family, progress: SearchProgress | None) -> FitResult:

@@ -124,6 +124,14 @@ class GeometryTable:
         return float(np.interp(0.0, self.angle, self.held().length[group]))
 
     @property
+    def arms_mm(self) -> tuple[float, float]:
+        """Size of both arms at 0 rad [mm]."""
+        import numpy as np
+
+        tri, tib = (1e3 * abs(float(self.at(group, np.zeros(1))[3][0])) for group in (0, 1))
+        return tri, tib
+
+    @property
     def travels_far(self) -> bool:
         """Whether the triceps travels as by virtual work, not as little as equation (9) says."""
         length, (low, high) = self.held().length[0], self.range

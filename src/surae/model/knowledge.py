@@ -1,26 +1,29 @@
 """What a laboratory knows of leg and device before a fit, each with how far it may be off.
 
 Nothing is known exactly: what is stated becomes the prior of what a fit estimates, never a
-constant, so that it is in every interval by its own uncertainty.
+constant, so that it is in every interval by its own uncertainty. What is stated once is as unsure
+as laboratories and methods differ; two statements that agree earn the spread of each.
 """
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
 
 from surae.base.errors import InputError
 from surae.base.file_form import filed
 from surae.base.formatting import nearest
 from surae.base.frozen import FrozenDict
 from surae.base.names import GEOMETRY_OF
-from surae.base.setting import Request, Setting, setting
+from surae.base.setting import Request, setting
 from surae.base.words import N_
 from surae.model.geometry_table import GeometryTable
+from surae.model.statements import Pooled, Said, StatedArm, StatedAxis, StatedNumber, StatedZero
 
-#: How well the scale of a person's own geometry is known where nobody says [%]: two readers of one
+#: How well the scale of a person's own geometry repeats where nobody says [%]: two readers of one
 #: image differ by 3 % (Maganaris et al. 1998).
 GEOMETRY_SD = 3.0
+#: How well a leg's own lengths are known where its arms are told twice [m]; assumed.
+_LENGTH = 0.0025
 #: How well size tells a moment arm [%]: adults' differ by 9.5 % (Wolfram et al. 2018), of which the
 #: foot's length explains half (Waugh et al. 2011), and published legs of one height by 8 to 14 %.
 #: What paths travel is as unknown as of any leg. Arms are assumed of men of so many cm, whose feet
@@ -34,46 +37,6 @@ _TARED = (0.003, 0.5)
 _SEAT = 0.5
 #: What a tare leaves at least, and the part of both that a foot strapped in may move.
 _LEAST, _PART = (5e-4, 0.1), 0.03
-
-
-def _number(meaning: str, **limits: Any) -> Any:
-    return field(metadata={"setting": Setting(meaning=meaning, **limits)})
-
-
-@filed(strict=True)
-@dataclass(frozen=True, slots=True)
-class StatedNumber(Request):
-    """A number that a laboratory measured, and its standard deviation."""
-
-    value: float = _number("What was measured.", least=-30.0, most=30.0)
-    sd: float = _number("How far it may be off, one standard deviation.", above=0.0, most=30.0)
-
-
-@filed(strict=True)
-@dataclass(frozen=True, slots=True)
-class StatedArm(StatedNumber):
-    """A moment arm with the foot perpendicular to the shank, by the tendon's excursion."""
-
-    value: float = _number("Excursion over the angle turned [mm/rad].", least=25.0, most=70.0)
-
-
-@filed(strict=True)
-@dataclass(frozen=True, slots=True)
-class StatedAxis(Request):
-    """Where the ankle's axis lies from the device's, forward, or forward and up [mm]."""
-
-    value: float | tuple[float, float]
-    sd: float = _number("Of each way, one standard deviation.", above=0.0, most=30.0)
-
-    def __post_init__(self) -> None:
-        """Check each number."""
-        for way in self.ways:
-            StatedNumber(way, self.sd)
-
-    @property
-    def ways(self) -> tuple[float, float]:
-        """Forward and up."""
-        return self.value if isinstance(self.value, tuple) else (self.value, 0.0)
 
 
 @filed(sparse=("file", "values", "sds", "range", "residual"))
@@ -114,17 +77,18 @@ class Plate:
 
 @filed(
     "table", strict=True, sparse=(
-        "geometry", "geometry_of", "geometry_sd_percent", "height_cm", "foot_mm", "arm_tri_mm",
-        "arm_tib_mm", "crosstalk", "crosstalk_of", "doubts",
+        "geometry", "geometry_of", "geometry_sd_percent", "geometry_arms_mm", "height_cm",
+        "foot_mm", "arm_tri_mm", "arm_tib_mm", "crosstalk", "crosstalk_of", "doubts",
     ),
 )  # fmt: skip
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Knowledge(Request):
     """What is known beforehand, as a session's steps and its `session.toml` give it."""
 
-    angle_zero_deg: StatedNumber | None = setting(
-        None, "Angle of the ankle, from neutral, where the recordings say 0 [deg]."
-    )
+    angle_zero_deg: StatedZero | None = setting(
+        None, "Angle of the ankle, from neutral, where the recordings say 0 [deg].",
+        label=N_("Ankle’s angle where the recordings say 0 [°]"),
+    )  # fmt: skip
     axis_mm: StatedAxis | None = setting(
         None, "How far the ankle's axis lies before the device's [mm], or before and above it.",
         label=N_("Ankle’s axis before the device’s [mm]"),
@@ -137,6 +101,8 @@ class Knowledge(Request):
         None, "Standard deviation of the scale of a person's own lengths and moment arms [%].",
         above=0.0, most=50.0, label=N_("Geometry, scale ± [%]"),
     )  # fmt: skip
+    #: Arms of that file, triceps and tibialis, with the foot perpendicular to the shank.
+    geometry_arms_mm: tuple[float, float] | None = None
     height_cm: float | None = setting(
         None, "Body height [cm]: the assumed moment arms and paths grow with it.", least=130.0,
         most=230.0, label=N_("Body height [cm]"),
@@ -167,8 +133,10 @@ class Knowledge(Request):
             near = nearest(self.geometry_of, GEOMETRY_OF)
             known = ", ".join(GEOMETRY_OF)
             raise InputError(f"geometry_of is {self.geometry_of!r}{near}; use one of: {known}")
-        if self.geometry and (self.size or self.arms):
-            raise InputError("give a geometry's file, or height, foot and arms; not both")
+        if self.geometry and self.size:
+            raise InputError("give a geometry's file, or height and foot; not both")
+        if self.table is not None:
+            object.__setattr__(self, "geometry_arms_mm", self.table.arms_mm)
 
     def filled(self, other: "Knowledge") -> "Knowledge":
         """The same, with what it does not say from another."""
@@ -183,10 +151,28 @@ class Knowledge(Request):
         return (self.foot_mm or 10.0 * _FOOT * (self.height_cm or 0.0)) / (10.0 * _FOOT * _HEIGHT)
 
     @property
-    def arms(self) -> dict[str, StatedArm]:
-        """Moment arms that were measured, by group."""
+    def statements(self) -> dict[str, Pooled]:
+        """What was stated of zero [deg], axis and arms [mm], by source of uncertainty."""
+        said: dict[str, list[Said]] = {}
+        if self.angle_zero_deg is not None:
+            said["angle_zero"] = self.angle_zero_deg.said
+        if self.axis_mm is not None:
+            said["axis"] = self.axis_mm.said
+        if self.geometry_sd_percent is not None and not self.size:
+            part = self.geometry_sd_percent / 100.0
+            said["arms"] = [{group: (arm, part * arm) for group, arm in self.usual.items()}]
         arms = {"tri": self.arm_tri_mm, "tib": self.arm_tib_mm}
-        return {group: arm for group, arm in arms.items() if arm is not None}
+        if own := {group: (arm.value, arm.sd) for group, arm in arms.items() if arm is not None}:
+            said.setdefault("arms", []).append(own)
+        return {source: Pooled.of(source, *each) for source, each in said.items()}
+
+    @property
+    def usual(self) -> dict[str, float]:
+        """Arms of the geometry in use [mm], by group."""
+        from surae.model.geometry import ARMS  # NumPy, which help does without
+
+        arms = self.geometry_arms_mm or (1e3 * ARMS[0][0], 1e3 * ARMS[1][0])
+        return dict(zip(("tri", "tib"), arms, strict=True))
 
     @property
     def name(self) -> str:
@@ -197,58 +183,50 @@ class Knowledge(Request):
     def groups(self) -> frozenset[str]:
         """Groups of nuisances of which something is known: these are in every fit."""
         known = {"axis": self.axis_mm, "plate": self.plate, "crosstalk": self.crosstalk,
-                 "arm": self.geometry_sd_percent or self.size or self.arms}  # fmt: skip
+                 "arm": self.size or "arms" in self.statements}  # fmt: skip
         return frozenset(group for group, stated in known.items() if stated)
 
     def nuisances(self) -> dict[str, tuple[float, float]]:
         """Priors, mean and standard deviation, by parameter, in SI units."""
-        from surae.model.geometry import ARMS  # NumPy, which help does without
         from surae.model.parameters import OPTIONAL
 
-        priors: dict[str, tuple[float, float]] = {}
-        if self.axis_mm is not None:
-            ways = zip(OPTIONAL["axis"], self.axis_mm.ways, strict=True)
-            priors |= {name: (value / 1e3, self.axis_mm.sd / 1e3) for name, value in ways}
+        priors, made = dict[str, tuple[float, float]](), self.statements
+        if "axis" in made:
+            ways = zip(OPTIONAL["axis"], made["axis"].told.values(), strict=True)
+            priors |= {name: (value / 1e3, sd / 1e3) for name, (value, sd) in ways}
         if self.plate is not None:
             inertia, weight = self.plate.left if self.plate.file else _TARED
             sizes = (inertia, weight, max(weight, _SEAT))
             priors |= {n: (0.0, sd) for n, sd in zip(OPTIONAL["plate"], sizes, strict=True)}
         priors |= {name: (stated.value, stated.sd) for name, stated in self.crosstalk.items()}
-        if self.geometry_sd_percent is not None or self.size:
-            arm = self.geometry_sd_percent or SCALED_SD
-            sds = {"arm_scale": arm, "path_scale": _TRAVEL if self.size else arm}
+        if self.size:
+            sds = {"arm_scale": self.geometry_sd_percent or SCALED_SD, "path_scale": _TRAVEL}
             scales = [n for n in OPTIONAL["arm"] if n.startswith(tuple(sds))]
-            mean = math.log(self.size or 1.0)
-            priors |= {name: (mean, sds[name[:-4]] / 100.0) for name in scales}
-        for group, own in self.arms.items():
-            assumed = 1e3 * ARMS[("tri", "tib").index(group)][0]
-            priors[f"arm_scale_{group}"] = math.log(own.value / assumed), own.sd / own.value
+            priors |= {name: (math.log(self.size), sds[name[:-4]] / 100.0) for name in scales}
+        if "arms" in made:
+            usual, arms = self.usual, made["arms"]
+            for group, (arm, sd) in arms.told.items():
+                scale = math.log(arm / usual[group]), sd / arm
+                priors[f"arm_scale_{group}"] = scale
+                if self.geometry_sd_percent is not None and not self.size:
+                    whose = (scale[0], _TRAVEL / 100.0) if arms.agrees is False else scale
+                    priors[f"path_scale_{group}"] = whose
+            if self.geometry and arms.agrees:
+                priors |= dict.fromkeys(OPTIONAL["length_zero"], (0.0, _LENGTH))
         return priors
 
     def lines(self) -> tuple[tuple[str, str, str], ...]:
         """What was known, how well, and where it is from, for readers."""
-        rows: list[tuple[str, str, str]] = []
-        if (zero := self.angle_zero_deg) is not None:
-            rows.append(("zero of the angle", f"{zero.value:g} ± {zero.sd:g}°", "stated"))
-        if (axis := self.axis_mm) is not None:
-            forward, up = axis.ways
-            text = f"{forward:g} mm forward, {up:g} mm up, each ± {axis.sd:g} mm"
-            rows.append(("axis of the ankle from the device’s", text, "stated"))
+        rows = [made.line for made in self.statements.values()]
         if self.plate is not None:
             rows.append(("empty device", self.plate.words, self.plate.file or "stated"))
         if self.geometry:
             whose = "this person’s" if self.geometry_of == GEOMETRY_OF[1] else "a generic one"
-            sd = self.geometry_sd_percent
-            how = "" if sd is None else f", its scale ± {sd:g} %"
-            rows.append(("lengths and moment arms", whose + how, self.geometry))
+            rows.append(("lengths and moment arms", whose, self.geometry))
         if self.size:
-            how = (
-                f"{self.size:.3g} times the assumed, ± {self.geometry_sd_percent or SCALED_SD:g} %"
-            )
+            sd = self.geometry_sd_percent or SCALED_SD
+            how = f"{self.size:.3g} times the assumed, ± {sd:g} %"
             rows.append(("moment arms", how, "height and foot"))
-        for group, arm in self.arms.items():
-            whose = {"tri": "of the Achilles tendon", "tib": "of the tibialis’s tendon"}[group]
-            rows.append((f"moment arm {whose}", f"{arm.value:g} ± {arm.sd:g} mm", "stated"))
         if self.crosstalk:
             largest = max(self.crosstalk.values(), key=lambda stated: stated.value)
             sds = sorted(stated.sd for stated in self.crosstalk.values())

@@ -12,9 +12,10 @@ from surae.base.frozen import FrozenDict
 from surae.base.names import GEOMETRY_OF
 from surae.base.records import from_file, from_plain, read_toml
 from surae.model.geometry_file import read_geometry
-from surae.model.knowledge import GEOMETRY_SD, Knowledge, Plate, StatedNumber
+from surae.model.knowledge import GEOMETRY_SD, Knowledge, Plate
 from surae.model.parameters import CROSSTALK
 from surae.model.sources import NUISANCES
+from surae.model.statements import StatedNumber
 from surae.model.tare import tared
 from surae.recording import Recording
 from surae.recording.described import ALONE, EFFORTS, EMPTY

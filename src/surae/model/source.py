@@ -74,6 +74,7 @@ class UncertaintySource:
     again: tuple[float, float] | None = None
     #: Whether it can be known, so that the budget says how narrow an interval then is.
     knowable: bool = True
+    again_by: str = ""  #: `advice` where one statement alone is there: a second one.
     #: Parameters that a plugin adds to models for it, each the factor of a torque (`Added`).
     adds: tuple[Parameter, ...] = ()
 

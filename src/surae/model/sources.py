@@ -11,6 +11,7 @@ from surae.model.parameters import ADDED, OPTIONAL
 from surae.model.source import Fill, Gaussian, Nuisance, UncertaintySource
 from surae.recording import FILMED
 
+_AGAIN = N_("measure the moment arms in a second way too, as by the tendon’s excursion")
 _SOURCES = (
     UncertaintySource(
         "noise", "noise of the torque", "what scatters in the torque without a pattern",
@@ -39,7 +40,8 @@ _SOURCES = (
     UncertaintySource(
         "axis", "axis", "how far the ankle’s axis lies from the device’s",
         N_("align the ankle’s axis with the device’s, or measure their distance"),
-        Fill("surface", "|"), Nuisance(
+        Fill("surface", "|"), again_by=N_("let another reader measure where the ankle’s axis lies"),
+        nuisance=Nuisance(
             "axis", OPTIONAL["axis"], Gaussian(0.0, 0.01), "m",
             "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting", of_device=True)),
     UncertaintySource(
@@ -151,7 +153,8 @@ _SOURCES = (
     UncertaintySource(
         "arms", "moment arms", "how far the leg’s moment arms differ from the assumed ones",
         N_("give the leg’s own geometry, from images or a scaled model"), Fill("series-2"),
-        Nuisance(
+        again_by=_AGAIN,
+        nuisance=Nuisance(
             "arm", OPTIONAL["arm"], Gaussian(0.0, 0.15), "",
             "moment arms differ by 6 to 12 % between adults (Maganaris et al. 1998, 1999); muscles "
             "travel by half more or less in published geometries; bends are assumed",
@@ -160,9 +163,9 @@ _SOURCES = (
                 {f"arm_scale_{g}": Gaussian(0.0, 0.06) for g in ("tri", "tib")}
                 | {f"path_scale_{g}": Gaussian(0.0, 0.3) for g in ("tri", "tib")}
                 | {f"path_bend_{g}": Gaussian(0.0, 0.005) for g in ("tri", "tib")}),
-            # two readers of one image differ by 3 %; what else is assumed
+            # one image: readers differ by 3 %, methods by 4 mm; what else is assumed
             measured=FrozenDict(
-                {f"{of}_{g}": Gaussian(0.0, 0.03) for of in ("arm_scale", "path_scale")
+                {f"{of}_{g}": Gaussian(0.0, 0.095) for of in ("arm_scale", "path_scale")
                  for g in ("tri", "tib")}
                 | {f"{of}_{g}": Gaussian(0.0, 0.05) for of in ("arm_slope", "arm_bend")
                    for g in ("tri", "tib")}
@@ -170,10 +173,9 @@ _SOURCES = (
     UncertaintySource(
         "lengths", "muscle lengths", "how much longer the leg’s muscles are than assumed",
         N_("give the length of the leg’s own muscles, from images or a scaled model"),
-        Fill("series-2", "-"), Nuisance(
+        Fill("series-2", "-"), again_by=_AGAIN, nuisance=Nuisance(
             "length", OPTIONAL["length_zero"], Gaussian(0.0, 0.005), "m",
-            "fascicles are 10 to 20 % off what size predicts (Ward et al. 2009)", of_leg=True,
-            measured=FrozenDict(dict.fromkeys(OPTIONAL["length_zero"], Gaussian(0.0, 0.0025)))),
+            "fascicles are 10 to 20 % off what size predicts (Ward et al. 2009)", of_leg=True),
         again=(0.0, 0.0)),
     UncertaintySource(
         "curves", "muscle curves", "widths of force over length, bend of force over velocity",
@@ -213,7 +215,7 @@ _SOURCES = (
         "angle_zero", "zero of the angle", "how far the angle’s zero is from the ankle’s own",
         N_("strap the foot tighter, or measure the angle at the ankle"), Fill("measured", "/"),
         # half of it another mounting by the same hands has anew; assumed
-        again=(0.0, 0.25)),
+        again=(0.0, 0.25), again_by=N_("let another reader set the zero of the angle too")),
     UncertaintySource(
         "population", "population prior", "the spread of legs in the population",
         N_("record more trials, with other movement and effort, and fit them together"),

@@ -114,11 +114,12 @@ def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
             gains.setdefault(remedy, {})[name] = part, text
 
     known, worded = assessment.uncertainty, result.problem.options.anatomy.worded
+    advice = result.problem.settings.advice
     for name in result.problem.free:
         budget = known.budget(known.along(name))
         for source, without in budget.without.items():
             if budget.shares.get(source, 0.0) >= _WORTH:
-                note(worded(SOURCES[source].advice), name, without / budget.sd)
+                note(worded(advice(SOURCES[source])), name, without / budget.sd)
     for muscle, words in _MUSCLES.items():
         filmed = covariance_if_filmed(result, known, muscle)
         if filmed is not None:

@@ -315,5 +315,7 @@ def next_trial(
                     weights[source] = weights.get(source, 0.0) + share
         if not weights:
             return ()
-        text = _.sentence(SOURCES[max(weights, key=lambda s: weights[s])].advice)
+        assert joint is not None
+        largest = SOURCES[max(weights, key=lambda s: weights[s])]
+        text = _.sentence(joint.result.problem.settings.advice(largest))
     return (block.Text(text, lead=_("What helps next:")),)

@@ -20,17 +20,10 @@ from surae.inference.residuals import stiffness_valleys
 from surae.inference.result import FitResult, PosteriorMode
 from surae.inference.uncertainty.covariance import Covariance, inverse_root
 from surae.inference.uncertainty.robust import RobustCovariance
-from surae.model.knowledge import Knowledge
 from surae.model.sources import SOURCES
-from surae.settings import FitSettings
 
 #: The angle of the fit at which the ankle has its own zero [rad], of which measures alone are made.
 ZERO = "zero_of_angle"
-#: By how much wider a stated axis or zero is taken, which hands and eyes set: its standard
-#: deviation is itself known only to a third, like that of five readings (JCGM 100:2008, E.4.3 and
-#: G.3), so that 95 % are Student's 2.78 of it. Plate and crosstalk have that of their recordings,
-#: arms and lengths that of repeated readings of many images.
-STATED = 2.776 / NORMAL
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +56,9 @@ class Uncertainty(Comparable):
     at_bound: tuple[str, ...]  #: Those that lie at a bound.
     #: Those that the recordings cannot tell from others at all: they have no variance.
     lost: tuple[str, ...]
+    #: How far each moves with the zero of the angle [1/rad]; measures at an angle have that of
+    #: their own.
+    turned: Mapping[str, float] = FrozenDict()
 
     @property
     def scale(self) -> FloatArray:
@@ -76,7 +72,8 @@ class Uncertainty(Comparable):
 
     def along(self, name: str) -> FloatArray:
         """The gradient of a parameter itself."""
-        return np.array([float(other == name) for other in self.names])
+        own = {name: 1.0, ZERO: self.turned.get(name, 0.0)} if name != ZERO else {ZERO: 1.0}
+        return np.array([own.get(other, 0.0) for other in self.names])
 
     def covariance(self, *names: str) -> FloatArray:
         """Covariance of these, or of all, in the products of their units, shape (k, k)."""
@@ -191,21 +188,11 @@ def combined(
         lower, upper = np.append(lower, -1.0), np.append(upper, 1.0)
         rows = {source: np.pad(by, ((0, 0), (0, 1))) for source, by in rows.items()}
         rows["angle_zero"] = np.array([[0.0] * (len(names) - 1) + [zero]])
-    for source in rows.keys() & _set_by_hand(problem.settings):
-        rows[source] = STATED * rows[source]
     return Uncertainty(
         names, values, lower, upper, origin,
         FrozenDict({source: read_only(by) for source, by in rows.items()}), moved, dof,
-        result.at_bound, lost,
+        result.at_bound, lost, result.found.turned,
     )  # fmt: skip
-
-
-def _set_by_hand(settings: FitSettings) -> frozenset[str]:
-    """Sources of which somebody said how far hands may have set them off."""
-    known = settings.knowledge or Knowledge()
-    zero = known.angle_zero_deg if settings.angle_zero_sd is None else None
-    told = {"axis": known.axis_mm, "angle_zero": zero}
-    return frozenset(source for source, stated in told.items() if stated)
 
 
 def of_least_squares(

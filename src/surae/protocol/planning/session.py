@@ -22,11 +22,11 @@ from surae.base.units import FloatArray
 from surae.base.words import Message
 from surae.inference.laplace import DYNAMICS, ORDER
 from surae.inference.parameter import IDENTIFIED
-from surae.inference.uncertainty.combined import STATED
-from surae.model.knowledge import GEOMETRY_SD, Knowledge, Plate, StatedAxis
+from surae.model.knowledge import GEOMETRY_SD, Knowledge, Plate
 from surae.model.laboratory import laboratory
-from surae.model.parameters import CROSSTALK, OPTIONAL
+from surae.model.parameters import CROSSTALK
 from surae.model.registry import get_model
+from surae.model.statements import StatedArm, StatedAxis
 from surae.protocol import Trajectory
 from surae.protocol.planning.information import information, shared
 from surae.protocol.planning.legs import Legs
@@ -61,8 +61,8 @@ class SessionStep:
 #: Steps beside the trials, and the minutes that each takes.
 _STEPS = (
     SessionStep(EMPTY, 0.8),
-    SessionStep("axis", 0.5),
-    SessionStep("geometry", 2.0),
+    SessionStep("axis", 0.75),
+    SessionStep("geometry", 2.75),
     SessionStep(ALONE, 1.05),
 )
 
@@ -182,16 +182,16 @@ class _Judge:
         trials = counts[len(_STEPS) :]
         if not any(trials):
             return np.zeros(len(self.own))
+        tri, tib = (StatedArm(48.0, 1.5), StatedArm(39.3, 1.5)) if geometry else (None, None)
         stated = Knowledge(
-            axis_mm=StatedAxis(0.0, 3.0) if axis else None, plate=Plate() if empty else None,
-            geometry_sd_percent=GEOMETRY_SD if geometry else None,
+            axis_mm=StatedAxis(0.0, 3.0, 0.0) if axis else None, plate=Plate() if empty else None,
+            geometry_sd_percent=GEOMETRY_SD if geometry else None, arm_tri_mm=tri, arm_tib_mm=tib,
+            geometry="images" if geometry else "",
         ).nuisances()  # fmt: skip
         priors = laboratory(stated, measured=bool(geometry))
         sds = {n: priors[n].sd if geometry else b.sd for n, b in self._legs.priors.items()}
         crosstalk = dict.fromkeys(CROSSTALK.values(), (0.0, _CROSSTALK)) if alone else {}
         sds |= {n: sd for n, (_, sd) in {**stated, **crosstalk}.items() if n in sds}
-        if axis:  # as much wider as a fit takes it
-            sds |= {n: STATED * sds[n] for n in OPTIONAL["axis"] if n in sds}
         known = np.diag([sds[n] ** -2.0 if n in sds else 0.0 for n in self._names])
         total = sum(n * each for n, each in zip(trials, self._matrices, strict=True)) + known
         scale = 1.0 / np.sqrt(np.maximum(np.diagonal(total, axis1=1, axis2=2), 1e-300))

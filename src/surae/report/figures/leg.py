@@ -1,7 +1,6 @@
 """Figures of a leg's page: measured torque over angle, and what the torque is made of."""
 
 from collections.abc import Sequence
-from datetime import date
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -75,39 +74,6 @@ def visits_figure(visits: Sequence[tuple[str, TorqueCurve]], _: Words) -> Figure
     for (name, curve), colour, dash in zip(visits, (INK, BLUE), ("-", "--"), strict=False):
         _curve(axes, curve, colour, dash, name)
     _dressed(axes, [curve.torque for _name, curve in visits], _)
-    return figure
-
-
-def over_time_figure(
-    points: Sequence[tuple[date, str, float, float]], band: tuple[float, float] | None, title: str,
-    _: Words,
-) -> Figure:  # fmt: skip
-    """A value over the days of visits, by side, each with its half-width.
-
-    `band` is the middle and half-width of what could not be told from the visit compared with.
-    """
-    figure = new_figure(2.6, width=CARD_WIDTH)
-    axes = figure.subplots()
-    days = sorted({day for day, *_rest in points})
-    apart = 0.012 * max((days[-1] - days[0]).days, 1)
-    if band is not None:
-        axes.axhspan(band[0] - band[1], band[0] + band[1], color=GREY, alpha=0.3, linewidth=0)
-    names = {"left": _("left leg"), "right": _("right leg")}
-    looks = {"left": ("o", INK, -apart), "right": ("s", BLUE, apart)}
-    for side in sorted({side for _day, side, *_rest in points}):
-        mark, colour, shift = looks.get(side, ("o", INK, 0.0))
-        own = sorted(point for point in points if point[1] == side)
-        at = [(day - days[0]).days + shift for day, *_rest in own]
-        values, halves = [value for *_at, value, _h in own], [half for *_at, half in own]
-        axes.errorbar(at, values, halves, fmt=f"{mark}-", color=colour, ms=5, lw=1.2, capsize=3,
-                      label=names.get(side, "_"))  # fmt: skip
-    dress(axes, title, _("Day of the visit"))
-    axes.set_xticks([(day - days[0]).days for day in days], [f"{day:%Y-%m-%d}" for day in days],
-                    rotation=20 if len(days) > 2 else 0)  # fmt: skip
-    axes.margins(x=0.15)
-    axes.yaxis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
-    if set(names) & {side for _day, side, *_rest in points}:
-        axes.legend(frameon=False, fontsize=8, labelcolor=INK)
     return figure
 
 

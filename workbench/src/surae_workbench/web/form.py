@@ -1,5 +1,7 @@
 """The form of a fit, made from its settings."""
 
+from dataclasses import fields as parts
+from dataclasses import is_dataclass
 from types import NoneType
 from typing import Any
 
@@ -37,6 +39,8 @@ def fields(kind: Any, *within: str) -> list[dict[str, Any]]:
             "most": record.most,
             "default": default_of(each),
             "optional": NoneType in parts_of(each.type),
+            "parts": [part.name for kind in parts_of(each.type) if is_dataclass(kind)
+                      for part in parts(kind)],
             "needs": record.needs,
             "first": record.first,
             "file": record.file,

@@ -265,9 +265,11 @@ def change(comparison: str, language: str) -> str:
 
 
 def _compared(comparison: str, language: str) -> dict[str, Any]:
+    from surae_cohort.visits import visits_blocks  # matplotlib
+
     asked = json.loads(comparison)
     visits = [(name, date.fromisoformat(day), *rest) for name, day, *rest in asked["visits"]]
-    return api.visits_blocks(visits, asked["before"], asked["after"], language)
+    return visits_blocks(visits, asked["before"], asked["after"], language)
 
 
 def nerve(recordings: Mapping[str, str], by: str, language: str, output: str = "") -> str:

@@ -69,19 +69,20 @@ function setting(one, draft, store) {
   return field(_(one.label), knob);
 }
 
-/** A number that was measured, and how far it may be off: both, or neither. */
+/** A number that was measured, how far it may be off, and perhaps what another reader said: the first two, or none. */
 function stated(one, now, id, keep) {
   const number = (part, text, more) => h("input", { type: "number", step: "any", id: `${id}-${part}`, value: now?.[part] ?? "", placeholder: text, "aria-label": `${_(one.label)}: ${text}`, ...more });
   const [value, sd] = [number("value", _("not known"), {}), number("sd", "±", { min: 0.01 })];
+  const again = one.parts.includes("again") ? [number("again", _("again"), {})] : [];
   const change = () => {
     const empty = [value, sd].filter((knob) => knob.value === "").length;
-    if (empty === 1 || ![value, sd].every((knob) => knob.reportValidity())) return null;
-    const said = empty ? null : { value: Number(value.value), sd: Number(sd.value) };
-    return keep(said, `${_(one.label)} ${said ? `${said.value} ± ${said.sd}` : _("not known")}`);
+    if (empty === 1 || ![value, sd, ...again].every((knob) => knob.reportValidity())) return null;
+    const more = again.filter((knob) => knob.value !== "").map((knob) => ["again", Number(knob.value)]);
+    const said = empty ? null : { value: Number(value.value), sd: Number(sd.value), ...Object.fromEntries(more) };
+    return keep(said, `${_(one.label)} ${said ? `${said.value}${"again" in said ? `, ${said.again}` : ""} ± ${said.sd}` : _("not known")}`);
   };
-  value.addEventListener("change", change);
-  sd.addEventListener("change", change);
-  return field(_(one.label), h("div", { class: "stated" }, value, sd));
+  for (const knob of [value, sd, ...again]) knob.addEventListener("change", change);
+  return field(_(one.label), h("div", { class: "stated" }, value, sd, ...again));
 }
 
 /** The empty device, which is recorded with the trials, or was taken away before. */

@@ -4,7 +4,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import date
+from typing import Any
 
+from surae.api import Fit, fit_of
+from surae.base.files import PathLike
 from surae.base.formatting import significant
 from surae.base.normal import NORMAL
 from surae.inference import AssessedFit
@@ -12,9 +15,9 @@ from surae.measures.change import compare_sessions
 from surae.measures.compared import common_end
 from surae.measures.table import LEADING
 from surae.report import block
-from surae.report.figures import Figure
-from surae.report.figures.leg import over_time_figure
-from surae.report.language import words_in
+from surae.report.figures import BLUE, GREY, INK, Figure, dress, new_figure
+from surae.report.figures.leg import CARD_WIDTH
+from surae.report.language import Words, words_in
 from surae.report.leg import fixed_quantities
 from surae.report.leg_cards import change_card, over
 from surae.report.output import Report
@@ -72,3 +75,49 @@ def visits_report(
         blocks.append(block.Picture("visits", _("Stiffness over the visits"), said, "here", 100))
     document = block.Document("", "", "", "", tuple(blocks), "", language)
     return Report(document, figures)
+
+
+def visits_blocks(
+    visits: Sequence[tuple[str, date, str, Fit | PathLike]], before: int, after: int,
+    language: str = "en",
+) -> dict[str, Any]:  # fmt: skip
+    """What changed between two of these visits, and stiffness over all of them, as plain data.
+
+    A visit is its name, its day, its side and its fit; see `visits_report`.
+    """
+    made = [Visit(name, day, side, fit_of(fit)) for name, day, side, fit in visits]
+    plain = visits_report(made, before, after, language=language).plain(lines=True)
+    return {key: plain[key] for key in ("blocks", "images")}
+
+
+def over_time_figure(
+    points: Sequence[tuple[date, str, float, float]], band: tuple[float, float] | None, title: str,
+    _: Words,
+) -> Figure:  # fmt: skip
+    """A value over the days of visits, by side, each with its half-width.
+
+    `band` is the middle and half-width of what could not be told from the visit compared with.
+    """
+    figure = new_figure(2.6, width=CARD_WIDTH)
+    axes = figure.subplots()
+    days = sorted({day for day, *_rest in points})
+    apart = 0.012 * max((days[-1] - days[0]).days, 1)
+    if band is not None:
+        axes.axhspan(band[0] - band[1], band[0] + band[1], color=GREY, alpha=0.3, linewidth=0)
+    names = {"left": _("left leg"), "right": _("right leg")}
+    looks = {"left": ("o", INK, -apart), "right": ("s", BLUE, apart)}
+    for side in sorted({side for _day, side, *_rest in points}):
+        mark, colour, shift = looks.get(side, ("o", INK, 0.0))
+        own = sorted(point for point in points if point[1] == side)
+        at = [(day - days[0]).days + shift for day, *_rest in own]
+        values, halves = [value for *_at, value, _h in own], [half for *_at, half in own]
+        axes.errorbar(at, values, halves, fmt=f"{mark}-", color=colour, ms=5, lw=1.2, capsize=3,
+                      label=names.get(side, "_"))  # fmt: skip
+    dress(axes, title, _("Day of the visit"))
+    axes.set_xticks([(day - days[0]).days for day in days], [f"{day:%Y-%m-%d}" for day in days],
+                    rotation=20 if len(days) > 2 else 0)  # fmt: skip
+    axes.margins(x=0.15)
+    axes.yaxis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
+    if set(names) & {side for _day, side, *_rest in points}:
+        axes.legend(frameon=False, fontsize=8, labelcolor=INK)
+    return figure
