@@ -81,6 +81,24 @@ def test_tables_are_as_near_as_is_said_and_another_legs_is_not() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("wrong", [None, "geometry", "zero", "axis"])
+def test_second_statements_are_of_the_leg_whatever_is_wrong_with_the_first(wrong) -> None:
+    steps, far = ("zero", "axis", "geometry", "excursion", "again", "slow"), []
+    for seed in range(4):
+        made = laboratory.measure("a", seed, steps, wrong=wrong)
+        own = 1000 * made.leg.lasting(made.leg.subject).geometry.arm(np.zeros(1))[:, 0]
+        far += list((np.array(made.arms) - own) / laboratory.ARM_SD)
+        far.append((made.zero_again + made.truth["zero_deg"]) / laboratory.ZERO_SD)
+        far += list(np.subtract(made.axis_again, made.truth["axis_mm"]) / laboratory.AXIS_SD)
+    assert np.sqrt(np.mean(np.square(far))) < 1.5
+    told = tomllib.loads(laboratory.session_toml(made))["knowledge"]
+    assert told["angle_zero_deg"]["again"] == pytest.approx(made.zero_again, abs=0.05)
+    assert told["arm_tib_mm"]["value"] == pytest.approx(made.arms[1], abs=0.05)
+    once = laboratory.session_toml(laboratory.measure("a", 0, ("zero", "axis", "slow")))
+    assert "again" not in once
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("wrong", laboratory.WRONG)
 def test_what_is_wrong_is_wrong_and_the_rest_is_not(wrong: str) -> None:
     steps = ("tare", "geometry", "alone", "slow")

@@ -16,7 +16,6 @@ from surae.model.knowledge import Knowledge
 from surae.model.options import ModelOptions, with_files
 
 if TYPE_CHECKING:  # what computes comes when it is needed: help reads the fields alone
-    from surae.model.source import UncertaintySource
     from surae.recording import Recording
     from surae.signals import ModelInputs, Weighting
 
@@ -236,15 +235,8 @@ class FitSettings(Request):
     @property
     def is_own(self) -> bool:
         """Whether lengths are the person's own, and two statements of the arms agree."""
-        made = {} if self.knowledge is None else self.knowledge.statements
-        own = self.geometry_of == names.GEOMETRY_OF[1] and "arms" in made
-        return own and bool(made["arms"].agrees)
-
-    def advice(self, source: "UncertaintySource") -> str:
-        """What would make a source smaller: another statement, where none agrees with one."""
-        made = {} if self.knowledge is None else self.knowledge.statements
-        told = made.get("arms" if source.name == "lengths" else source.name)
-        return source.advice if told is None or told.agrees else source.again_by
+        known = self.knowledge if self.geometry_of == names.GEOMETRY_OF[1] else None
+        return known is not None and bool(known.agrees("arms"))
 
     @property
     def beliefs(self) -> str | Mapping[str, tuple[float, float]]:

@@ -11,7 +11,7 @@ from surae.model.geometry import moment_arm
 from surae.model.geometry_file import read_geometry
 from surae.model.knowledge import Knowledge, Plate
 from surae.model.knowledge_file import known_from, read_knowledge, read_session_toml
-from surae.model.sources import SOURCES
+from surae.model.sources import SOURCES, advice
 from surae.model.statements import StatedArm, StatedAxis, StatedZero
 from surae.model.tare import tared, without
 from surae.settings import FitSettings
@@ -166,8 +166,8 @@ def test_knowledge_becomes_priors_with_their_own_uncertainty(tmp_path) -> None:
     assert told == pytest.approx(np.hypot(0.03, 4.0 / 44.0), abs=2e-3)
     assert not settings.is_own
     assert {*settings.knowledge.statements} == {"angle_zero", "axis", "arms"}
-    assert "second way" in settings.advice(SOURCES["arms"])
-    assert settings.advice(SOURCES["plate"]) == SOURCES["plate"].advice
+    assert "second way" in advice("arms", settings.knowledge)
+    assert advice("plate", settings.knowledge) == SOURCES["plate"].advice
     assert 0.0 < beliefs["plate_sin"][1] < 1.0
     assert settings.options.geometry.name == "g.csv"
     assert settings.geometry_of == "person"
@@ -225,7 +225,7 @@ def test_arms_that_are_told_twice_alike_make_the_geometry_the_legs_own(tmp_path)
     assert settings.beliefs["path_scale_tri"] == (mean, sd)
     assert settings.beliefs["length_zero_tib"] == (0.0, 0.0025)
     assert settings.is_own
-    assert settings.advice(SOURCES["lengths"]) == SOURCES["lengths"].advice
+    assert advice("lengths", settings.knowledge) == SOURCES["lengths"].advice
     assert FitSettings.from_dict(settings.as_dict()) == settings  # without the table
 
 

@@ -30,7 +30,7 @@ from surae.inference.parameter import (
 from surae.inference.result import PosteriorMode
 from surae.inference.uncertainty.combined import Budget, Uncertainty
 from surae.model.laboratory import group_of
-from surae.model.sources import SOURCES
+from surae.model.sources import advice
 from surae.signals import steady_emg
 
 #: Share of the variance from which a source is worth a remedy.
@@ -132,8 +132,8 @@ def _judge(
         known = Message("note/repeatable", joint.worded, known=known)
     source = max(budget.shares, key=lambda s: budget.shares[s])
     if budget.shares[source] >= _WORTH:
-        advice = Message(problem.settings.advice(SOURCES[source]), joint.worded)
-        known = Message("note/advised", known=known, advice=advice)
+        more = Message(advice(source, problem.settings.knowledge), joint.worded)
+        known = Message("note/advised", known=known, advice=more)
         left = budget.without.get(source)
         if left is not None and left < 0.8 * budget.sd:
             narrowed = percent(relative * left / budget.sd)

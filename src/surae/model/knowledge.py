@@ -153,11 +153,8 @@ class Knowledge(Request):
     @property
     def statements(self) -> dict[str, Pooled]:
         """What was stated of zero [deg], axis and arms [mm], by source of uncertainty."""
-        said: dict[str, list[Said]] = {}
-        if self.angle_zero_deg is not None:
-            said["angle_zero"] = self.angle_zero_deg.said
-        if self.axis_mm is not None:
-            said["axis"] = self.axis_mm.said
+        by_hand = {"angle_zero": self.angle_zero_deg, "axis": self.axis_mm}
+        said: dict[str, list[Said]] = {s: of.said for s, of in by_hand.items() if of is not None}
         if self.geometry_sd_percent is not None and not self.size:
             part = self.geometry_sd_percent / 100.0
             said["arms"] = [{group: (arm, part * arm) for group, arm in self.usual.items()}]
@@ -173,6 +170,11 @@ class Knowledge(Request):
 
         arms = self.geometry_arms_mm or (1e3 * ARMS[0][0], 1e3 * ARMS[1][0])
         return dict(zip(("tri", "tib"), arms, strict=True))
+
+    def agrees(self, source: str) -> bool | None:
+        """Whether two statements of a source agree; None where there is no statement."""
+        made = self.statements.get("arms" if source == "lengths" else source)
+        return None if made is None else bool(made.agrees)
 
     @property
     def name(self) -> str:

@@ -7,6 +7,7 @@ not what some recording showed; all can be changed (`nuisances` of `surae.fit`).
 
 from surae.base.frozen import FrozenDict
 from surae.base.words import N_
+from surae.model.knowledge import Knowledge
 from surae.model.parameters import ADDED, OPTIONAL
 from surae.model.source import Fill, Gaussian, Nuisance, UncertaintySource
 from surae.recording import FILMED
@@ -234,3 +235,9 @@ _BY_PARAMETER = {name: source for source in _SOURCES for name in source.paramete
 def source_of(parameter: str) -> UncertaintySource | None:
     """The source that a parameter is of; None for one of the leg that is its own."""
     return _BY_PARAMETER.get(parameter)
+
+
+def advice(name: str, known: Knowledge | None) -> str:
+    """What would make a source smaller: a second statement, where there is one without it."""
+    alone = known is not None and known.agrees(name) is False
+    return SOURCES[name].again_by if alone else SOURCES[name].advice

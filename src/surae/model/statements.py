@@ -19,8 +19,8 @@ from surae.base.setting import Request, Setting, setting
 #: Biomechanics 2021, 116:110204).
 _OF = {
     "angle_zero": ("zero of the angle", "°", 2.0),
-    "axis": ("axis of the ankle before and above the device’s", "mm", 3.0),
-    "arms": ("moment arms", "mm", 4.0),
+    "axis": ("axis of the ankle before and above the device’s", " mm", 3.0),
+    "arms": ("moment arms", " mm", 4.0),
 }
 #: By how much wider two statements are, of five readings each: Student's t over the normal's.
 _TWICE = 2.306 / 1.960
@@ -140,7 +140,7 @@ class Pooled:
     def texts(self) -> tuple[str, ...]:
         """What each says, for readers."""
         unit = _OF[self.source][1]
-        return tuple(" and ".join(f"{value:.3g} ± {sd:.2g} {unit}" for value, sd in one.values())
+        return tuple(" and ".join(f"{value:.3g} ± {sd:.2g}{unit}" for value, sd in one.values())
                      for one in self.said)  # fmt: skip
 
     @property

@@ -12,7 +12,7 @@ from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.norms import Norm, placed
 from surae.measures.table import LEADING
 from surae.measures.torque_curve import HeldPoint, MeasuredSlope, Stretch
-from surae.model.sources import SOURCES
+from surae.model.sources import advice
 from surae.report import block
 from surae.report.language import PARTS, Words
 
@@ -316,6 +316,6 @@ def next_trial(
         if not weights:
             return ()
         assert joint is not None
-        largest = SOURCES[max(weights, key=lambda s: weights[s])]
-        text = _.sentence(joint.result.problem.settings.advice(largest))
+        largest = max(weights, key=lambda s: weights[s])
+        text = _.sentence(advice(largest, joint.result.problem.settings.knowledge))
     return (block.Text(text, lead=_("What helps next:")),)

@@ -56,8 +56,7 @@ class Uncertainty(Comparable):
     at_bound: tuple[str, ...]  #: Those that lie at a bound.
     #: Those that the recordings cannot tell from others at all: they have no variance.
     lost: tuple[str, ...]
-    #: How far each moves with the zero of the angle [1/rad]; measures at an angle have that of
-    #: their own.
+    #: How far each moves with the zero of the angle [1/rad], as measures do by `ZERO`.
     turned: Mapping[str, float] = FrozenDict()
 
     @property
