@@ -289,6 +289,7 @@ import surae
 from surae import api
 from surae.inference.population_priors import wide_priors
 from surae.model.laboratory import laboratory
+from surae.base.records import from_plain
 from surae.model import get_model, ModelOptions
 from surae.report.language import words_in
 from surae_workbench.web.form import form
@@ -337,7 +338,7 @@ json.dump({
     "refused": [refused(0), refused("often"), refused(1)],
     "fit": json.loads(Path("fit.json").read_text(encoding="utf-8")),
     "spring": json.loads(Path("spring.json").read_text(encoding="utf-8")),
-    "older": surae.FitSettings.from_dict(older).patience,
+    "older": from_plain(surae.FitSettings, older).patience,
     "prior": laboratory()["friction"].sd,
     "sources": {n: dict(known.budget(known.along(n)).shares) for n in ("m", "k_tri")},
     "wide": wide_priors()["viscosity"],

@@ -331,31 +331,6 @@ class FitSettings(Request):
 
         return dict(to_plain(self))
 
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> "FitSettings":
-        """The settings that `as_dict` made plain.
-
-        Parameters
-        ----------
-        data : mapping
-            What it gave.
-
-        Returns
-        -------
-        FitSettings
-            The same settings.
-
-        Raises
-        ------
-        InputError
-            They are damaged, or ask for something unknown.
-        """
-        from surae.base.records import from_plain
-
-        for name in data.keys() - {f.name for f in fields(cls)}:
-            raise InputError(f"{name} is no setting that this surae knows")
-        return from_plain(cls, data)
-
 
 def _with_geometry(
     base: FitSettings, given: dict[str, Any], switches: dict[str, Any]

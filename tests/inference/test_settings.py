@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from surae.base.errors import InputError
+from surae.base.records import from_plain
 from surae.inference import make_problem, solve
 from surae.model import ModelOptions
 from surae.protocol import Protocol, generate
@@ -42,8 +43,8 @@ def trial():
 @pytest.mark.parametrize("settings", [FULL, FitSettings(), FitSettings.of(weights=Weighting())])
 def test_settings_survive_a_file(settings):
     plain = json.loads(json.dumps(settings.as_dict(), allow_nan=False))
-    assert FitSettings.from_dict(plain) == settings
-    assert hash(FitSettings.from_dict(plain)) == hash(settings)
+    assert from_plain(FitSettings, plain) == settings
+    assert hash(from_plain(FitSettings, plain)) == hash(settings)
 
 
 def test_keywords_stand_for_fields():

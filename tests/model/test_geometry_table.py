@@ -9,6 +9,7 @@ import pytest
 
 import surae
 from surae.base.errors import InputError
+from surae.base.records import from_plain
 from surae.model import (
     GeometryTable,
     ModelOptions,
@@ -323,7 +324,7 @@ def test_a_persons_own_geometry_narrows_what_is_believed():
     with pytest.raises(InputError, match="no effect without a geometry's file"):
         FitSettings.of(geometry_of="person")
     settings = FitSettings.of(geometry=BENT, geometry_of="person")
-    assert FitSettings.from_dict(settings.as_dict()) == settings
+    assert from_plain(FitSettings, settings.as_dict()) == settings
     older = FitSettings().as_dict()
     del older["geometry_of"]
-    assert FitSettings.from_dict(older) == FitSettings()
+    assert from_plain(FitSettings, older) == FitSettings()

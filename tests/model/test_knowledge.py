@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from surae.base.errors import InputError
+from surae.base.records import from_plain
 from surae.model.geometry import moment_arm
 from surae.model.geometry_file import read_geometry
 from surae.model.knowledge import Knowledge, Plate
@@ -172,7 +173,7 @@ def test_knowledge_becomes_priors_with_their_own_uncertainty(tmp_path) -> None:
     assert settings.options.geometry.name == "g.csv"
     assert settings.geometry_of == "person"
     assert settings.known >= {"axis", "plate", "arm", "length"}
-    assert FitSettings.from_dict(settings.as_dict()) == settings
+    assert from_plain(FitSettings, settings.as_dict()) == settings
 
 
 def test_arms_and_paths_go_with_the_foot_and_the_foot_with_the_height() -> None:
@@ -203,7 +204,7 @@ def test_an_arm_by_excursion_is_that_of_the_model_at_neutral(tmp_path) -> None:
     assert what == "moment arms"
     assert how == "42 ± 1.5 mm"
     assert "once" in stated
-    assert FitSettings.from_dict(settings.as_dict()) == settings
+    assert from_plain(FitSettings, settings.as_dict()) == settings
     (name,) = Knowledge(arm_tib_mm=StatedArm(38.0, 2.0)).nuisances()  # the other as of any leg
     assert name == "arm_scale_tib"
 
@@ -226,7 +227,7 @@ def test_arms_that_are_told_twice_alike_make_the_geometry_the_legs_own(tmp_path)
     assert settings.beliefs["length_zero_tib"] == (0.0, 0.0025)
     assert settings.is_own
     assert advice("lengths", settings.knowledge) == SOURCES["lengths"].advice
-    assert FitSettings.from_dict(settings.as_dict()) == settings  # without the table
+    assert from_plain(FitSettings, settings.as_dict()) == settings  # without the table
 
 
 def test_arms_that_are_told_twice_otherwise_are_of_nobody(tmp_path) -> None:

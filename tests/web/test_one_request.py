@@ -13,6 +13,7 @@ import pytest
 from pydantic import ValidationError
 
 import surae
+from surae.base.records import from_plain
 from surae.cli import group
 from surae.model import ModelOptions
 from surae.protocol import Protocol, generate
@@ -182,7 +183,7 @@ def test_all_fields_at_once_are_one_request(trial, monkeypatch) -> None:
         monkeypatch, "surae.api.fit_inputs", lambda: group.main(command, standalone_mode=False)
     )
     assert of_command == of_draft(**change) == wanted
-    assert FitSettings.from_dict(json.loads(json.dumps(wanted.as_dict()))) == wanted
+    assert from_plain(FitSettings, json.loads(json.dumps(wanted.as_dict()))) == wanted
 
 
 @pytest.mark.slow
@@ -210,7 +211,7 @@ def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> 
     )
     for fit in (by_python, by_command, by_browser):
         assert fit.pop("seconds") > 0
-        assert FitSettings.from_dict(fit["settings"]) == FitSettings.of(**keywords)
+        assert from_plain(FitSettings, fit["settings"]) == FitSettings.of(**keywords)
     assert by_command == by_python
     assert by_browser == by_python
 

@@ -16,7 +16,9 @@ from surae.base.file_form import filed
 from surae.base.records import OrNaN
 from surae.base.units import FloatArray
 from surae.inference import FitResult
+from surae.inference.conflict import SAID
 from surae.inference.fascicles import fascicles_of
+from surae.inference.random_effects import farthest_apart
 from surae.inference.reasons import Reason, against
 from surae.inference.residual import centred_r2, counted
 from surae.inference.uncertainty.combined import Uncertainty
@@ -98,7 +100,7 @@ def judge_adequacy(result: FitResult) -> Adequacy:
         *_bounds(result),
         *_laboratory(result),
         *_stated(result),
-        *_agreement(inputs, residuals, r2),
+        *_agreement(result, r2),
         *_films(result),
         *_softened(result),
     ]
@@ -210,15 +212,17 @@ def _stated(result: FitResult) -> Iterator[Reason]:
             yield against("contradicted", grave=probability < _WRONG, label=label)
 
 
-def _agreement(
-    inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray], r2: float
-) -> Iterator[Reason]:
+def _agreement(result: FitResult, r2: float) -> Iterator[Reason]:
     """Several recordings of a leg should follow one set of parameters alike.
 
     A hold's torque may hardly change: it is held against what the others leave too; in one that is
     strong the same share of the torque is more of it.
     """
-    pairs = list(map(counted, inputs, residuals))
+    inputs, residuals = result.problem.inputs, result.residuals
+    pairs, alone = list(map(counted, inputs, residuals)), result.found.recordings
+    name, rare = farthest_apart(alone) if alone else ("", 1.0)
+    if rare < SAID:
+        yield against("not-one-leg", grave=rare < _WRONG, name=name)
     usual = float(np.median([np.sqrt(np.mean(e**2)) for _, e in pairs]))
     for recording, pair in zip(inputs, pairs, strict=True):
         own = centred_r2([pair])

@@ -115,14 +115,11 @@ def summed(
 def _against(
     post: LogPosterior, point: Point, original: FitProblem
 ) -> tuple[dict[str, Conflict], FloatArray]:
-    """How far what was stated is from what the torque says.
-
-    And how far another zero of the angle moves what is searched, shape (q,): −H⁻¹·∂²(−ln p)/∂z∂θ₀.
-    """
-    settings, groups, names = original.settings, original.settings.known, post.names
+    """How far what was stated is from what the torque says; −H⁻¹·∂²(−ln p)/∂z∂θ₀ by the zero θ₀."""
+    settings, groups = original.settings, original.settings.known
     turned, wide = np.zeros(len(point.z)), laboratory(joint=original.options.anatomy)
     looked = settings.told_zero is not None or settings.is_own  # own lengths hang on it
-    if looked and settings.zero_sd and ZERO_NAME not in names:
+    if looked and settings.zero_sd and ZERO_NAME not in post.names:
         zero, sd = settings.fixed.get(ZERO_NAME, 0.0), float(np.radians(settings.zero_sd))
         post, point = with_zero(post, point, Gaussian(zero, sd))
         wide[ZERO_NAME], groups = Gaussian(zero, FAR_ZERO), groups | {ZERO_NAME}

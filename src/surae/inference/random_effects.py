@@ -38,6 +38,22 @@ def trial_spread(recordings: Sequence[OfRecording]) -> dict[str, tuple[float, fl
     return {n: (float(a), float(b)) for n, a, b in zip(names, middle, most, strict=True)}
 
 
+def farthest_apart(recordings: Sequence[OfRecording]) -> tuple[str, float]:
+    """The parameter that trials of one leg tell least alike, and how rarely they do by chance.
+
+    Q = Σ(θᵢ − θ̄)²/sᵢ² is χ² of n − 1 (Cochran 1954, Biometrics 10:101-129), or less, as one prior
+    holds all together; the farthest of k is so far apart in 1 − (1 − p)ᵏ (Šidák 1967).
+    """
+    from scipy.special import gammaincc
+
+    names = [n for n, sem in recordings[0].sem.items() if sem > 0.0]
+    values, sems = (np.array([[of[n] for n in names] for of in each]) for each in (
+        [r.values for r in recordings], [r.sem for r in recordings]))  # fmt: skip
+    away = values - (values / sems**2).sum(axis=0) / (1.0 / sems**2).sum(axis=0)
+    alike = gammaincc(0.5 * (len(recordings) - 1), 0.5 * ((away / sems) ** 2).sum(axis=0))
+    return names[int(alike.argmin())], 1.0 - (1.0 - float(alike.min())) ** len(names)
+
+
 def _weighed(estimates: FloatArray, errors: FloatArray) -> FloatArray:
     """Probability of each τ of each parameter, shape (p, τ), their scale sought among them all."""
     precision = 1.0 / (errors[:, :, None] ** 2 + _SPREADS**2)

@@ -211,8 +211,8 @@ class Knowledge(Request):
                 scale = math.log(arm / usual[group]), sd / arm
                 priors[f"arm_scale_{group}"] = scale
                 if self.geometry_sd_percent is not None and not self.size:
-                    whose = (scale[0], _TRAVEL / 100.0) if arms.agrees is False else scale
-                    priors[f"path_scale_{group}"] = whose
+                    far = scale[0], _TRAVEL / 100.0  # whose it is is not known either
+                    priors[f"path_scale_{group}"] = far if arms.agrees is False else scale
             if self.geometry and arms.agrees:
                 priors |= dict.fromkeys(OPTIONAL["length_zero"], (0.0, _LENGTH))
         return priors

@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from surae import api
+from surae.base.records import from_plain
 from surae_workbench.web.schemas import DraftChange
 
 #: Keys whose entries a change adds to or, with None, takes away; it replaces all others.
@@ -117,7 +118,7 @@ def settings_of(draft: Draft, recordings: Sequence[str]) -> api.FitSettings:
 
 def _settings(draft: Draft) -> api.FitSettings:
     """The draft's settings, without what it says of single recordings."""
-    return api.FitSettings.from_dict({key: draft[key] for key in _SETTINGS})
+    return from_plain(api.FitSettings, {key: draft[key] for key in _SETTINGS})
 
 
 def spec_of(draft: Draft) -> api.ModelSpec:
