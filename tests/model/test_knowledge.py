@@ -154,11 +154,11 @@ def test_knowledge_becomes_priors_with_their_own_uncertainty(tmp_path) -> None:
         "geometry_of = 'person'\n",
     )
     settings = FitSettings.of(knowledge=path)
-    assert settings.zero_sd == pytest.approx(5.0**0.5)  # stated once: readers differ by 2°
+    assert settings.zero_sd == pytest.approx(np.hypot(1.0, 2.3))  # readers differ by 2.3°
     assert settings.fixed["angle_zero"] == pytest.approx(np.radians(2.0))
     beliefs = settings.beliefs
-    assert beliefs["axis_forward"] == pytest.approx((0.005, 0.003 * 2.0**0.5))
-    assert beliefs["axis_up"] == pytest.approx((-0.002, 0.003 * 2.0**0.5))
+    assert beliefs["axis_forward"] == pytest.approx((0.005, np.hypot(0.003, 0.009)))
+    assert beliefs["axis_up"] == pytest.approx((-0.002, np.hypot(0.003, 0.009)))
     tri, tib = read_geometry(TABLE).arms_mm
     assert beliefs["arm_scale_tri"] == pytest.approx((0.0, np.hypot(0.03, 4.0 / tri)))
     assert beliefs["path_scale_tib"] == pytest.approx((0.0, np.hypot(0.03, 4.0 / tib)))

@@ -14,7 +14,7 @@ def one(value: float, sd: float) -> dict[str, tuple[float, float]]:
 
 def test_one_statement_is_as_unsure_as_laboratories_differ() -> None:
     told = Pooled.of("angle_zero", one(1.0, 1.0))
-    assert told.told[""] == (1.0, pytest.approx(math.sqrt(5.0)))  # s² + b², ISO 5725
+    assert told.told[""] == (1.0, pytest.approx(math.hypot(1.0, 2.3)))  # s² + b², ISO 5725
     assert told.probability is None
     assert told.agrees is None
     assert not Pooled.of("angle_zero", {}).told

@@ -70,7 +70,7 @@ def test_the_joint_fit_has_what_was_known(folder, tmp_path) -> None:
     raw = surae.read(folder / "one.csv")
     apart = np.interp(one.time, raw["torque"].time, raw["torque"].values) - one.torque
     assert apart.mean() == pytest.approx(4.0 * np.cos(one.angle - 0.3).mean(), abs=0.1)
-    assert fit.settings.zero_sd == pytest.approx(5.0**0.5)
+    assert fit.settings.zero_sd == pytest.approx(np.hypot(1.0, 2.3))
     fit.save(tmp_path / "joint.json")
     stored = json.loads((tmp_path / "joint.json").read_text())
     assert '"axis_mm": {"value": 0.0, "sd": 3.0}' in json.dumps(stored)

@@ -13,13 +13,13 @@ from surae.base.setting import Request, Setting, setting
 
 #: By source: what it is called, its unit, and by how much one statement may be off beyond what it
 #: repeats, one standard deviation. Zero: a goniometer's standard error at the ankle is 1.8 to 2.8°
-#: (Konor et al. 2012). Axis: a standard deviation of 3 mm that is itself known to a third only,
-#: like that of five readings (JCGM 100:2008, G.3). Arms: methods that repeat within 2.5 % (Obst et
-#: al. 2018) differ on the same legs by 3.8 mm (Hashizume et al. 2016), or by 20 to 45 % (Journal of
-#: Biomechanics 2021, 116:110204).
+#: (Konor et al. 2012). Axis: that of the malleoli and the functional one differ by 7 % of the foot
+#: (Salami et al. 2020), torques by 5 to 9 % (Arampatzis et al. 2007). Arms: methods that repeat
+#: within 2.5 % (Obst et al. 2018) differ by 3.8 mm (Hashizume et al. 2016), or by 45 % (J Biomech
+#: 2021, 116:110204).
 _OF = {
-    "angle_zero": ("zero of the angle", "°", 2.0),
-    "axis": ("axis of the ankle before and above the device’s", " mm", 3.0),
+    "angle_zero": ("zero of the angle", "°", 2.3),
+    "axis": ("axis of the ankle before and above the device’s", " mm", 9.0),
     "arms": ("moment arms", " mm", 4.0),
 }
 #: By how much wider two statements are, of five readings each: Student's t over the normal's.
