@@ -39,8 +39,12 @@ def fields(kind: Any, *within: str) -> list[dict[str, Any]]:
             "most": record.most,
             "default": default_of(each),
             "optional": NoneType in parts_of(each.type),
-            "parts": [part.name for kind in parts_of(each.type) if is_dataclass(kind)
-                      for part in parts(kind)],
+            "parts": [
+                part.name
+                for kind in parts_of(each.type)
+                if is_dataclass(kind)
+                for part in parts(kind)
+            ],
             "needs": record.needs,
             "first": record.first,
             "file": record.file,
