@@ -166,7 +166,7 @@ def test_a_banded_system_is_solved_as_a_dense_one() -> None:
     rng = np.random.default_rng(4)
     lower = np.tril(rng.normal(size=(9, 9))) * (np.subtract.outer(range(9), range(9)) < 4)
     lower += 5.0 * np.eye(9)
-    band = np.array([np.pad(np.diag(lower, -d), (0, d)) for d in range(4)])
+    band = np.array([np.pad(np.diag(lower, -d), (0, d)) for d in range(4)]).T.copy()
     right = rng.normal(size=(9, 3))
     np.testing.assert_allclose(solve_band(band, right), np.linalg.solve(lower, right))
     np.testing.assert_allclose(solve_band_transposed(band, right), np.linalg.solve(lower.T, right))

@@ -51,15 +51,15 @@ def lifted(columns: FloatArray, first: IntArray, heights: FloatArray, out: Float
 
 @jit
 def solve_band_transposed(band: FloatArray, right: FloatArray) -> FloatArray:
-    """X of Lᵀ·X = right, L a lower band (b + 1, k), right (k, d)."""
+    """X of Lᵀ·X = right, L a lower band by columns (k, b + 1), right (k, d)."""
     k, d = right.shape
     x = right.copy()
     for j in range(k - 1, -1, -1):
-        for s in range(1, min(band.shape[0], k - j)):
+        for s in range(1, min(band.shape[1], k - j)):
             for a in range(d):
-                x[j, a] -= band[s, j] * x[j + s, a]
+                x[j, a] -= band[j, s] * x[j + s, a]
         for a in range(d):
-            x[j, a] /= band[0, j]
+            x[j, a] /= band[j, 0]
     return x
 
 
@@ -70,8 +70,8 @@ def solve_band(band: FloatArray, right: FloatArray) -> FloatArray:
     x = right.copy()
     for j in range(k):
         for a in range(d):
-            x[j, a] /= band[0, j]
-        for s in range(1, min(band.shape[0], k - j)):
+            x[j, a] /= band[j, 0]
+        for s in range(1, min(band.shape[1], k - j)):
             for a in range(d):
-                x[j + s, a] -= band[s, j] * x[j, a]
+                x[j + s, a] -= band[j, s] * x[j, a]
     return x

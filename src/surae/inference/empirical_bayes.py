@@ -196,7 +196,7 @@ def _taken(V: FloatArray, b: Block, rows: SensorRows, noise: NoiseModel) -> Floa
 
 def _drawn(rows: SensorRows, band: FloatArray) -> FloatArray:
     """Rows whose products are on average those of what fast gains take of the noise."""
-    white = np.random.default_rng(0).standard_normal((band.shape[1], _DRAWS)) / np.sqrt(_DRAWS)
+    white = np.random.default_rng(0).standard_normal((len(band), _DRAWS)) / np.sqrt(_DRAWS)
     # L·Lᵀ = D, so that L⁻ᵀ·white has the covariance D⁻¹
     return np.ascontiguousarray(rows.lifted(solve_band_transposed(band, white)).T)
 

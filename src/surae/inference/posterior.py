@@ -50,8 +50,8 @@ class Block:
     cost: float
     latent_gain: float  #: By how much latents alone lower it.
     at: IntArray  #: Positions in z of what moves this recording, shape (p,).
-    #: Of the k fast gains: their factor L, and L⁻¹·(derivatives by those p and c, gradient), shape
-    #: (k, p + m + 1).
+    #: Of the k fast gains: their factor L, by columns, and L⁻¹·(derivatives by those p and c, then
+    #: gradient), shape (k, p + m + 1).
     band: FloatArray
     fast: FloatArray
 
@@ -59,7 +59,7 @@ class Block:
     def log_width(self) -> float:
         """Logarithm of the determinant of the latents' part, lost by integrating over them."""
         slow = np.log(np.abs(np.diag(self.factor[0]))).sum()
-        return 2.0 * float(slow + np.log(self.band[0]).sum())
+        return 2.0 * float(slow + np.log(self.band[:, 0]).sum())
 
     def followed(self, moved: FloatArray) -> FloatArray:
         """What fast gains go back by, (k, d), where columns, (p + m + 1, d), move the rest."""
@@ -187,7 +187,7 @@ class LogPosterior(Coordinates):
         H[q : q + m, q : q + m] += P
         H[q : q + m, -1] += P @ c
         cost = float(H[-1, -1] + c @ P @ c)
-        band, fast, gain = np.zeros((1, 0)), np.zeros((0, q + m + 1)), 0.0
+        band, fast, gain = np.zeros((0, 1)), np.zeros((0, q + m + 1)), 0.0
         if len(w):
             prior, mean = self._fast[number]
             muscles = len(prior) - 1
@@ -201,7 +201,7 @@ class LogPosterior(Coordinates):
             pull = self.fast_product(number, away[:, None])[:, 0]
             cost += float(away @ pull)
             border[:, -1] += pull
-            band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
+            band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False).T
             fast = solve_band(band, border)
             H -= fast.T @ fast
             gain = float(fast[:, -1] @ fast[:, -1])
