@@ -1,12 +1,15 @@
 """Versions of everything that a number can depend on."""
 
 import platform
+from functools import cache
 from importlib.metadata import version
 
 from surae._version import __version__
+from surae.base.frozen import FrozenDict
 
 
-def versions() -> dict[str, str]:
+@cache
+def versions() -> FrozenDict[str, str]:
     """Versions of surae, Python, NumPy, SciPy and numba, by name."""
     libraries = {name: version(name) for name in ("numpy", "scipy", "numba")}
-    return {"surae": __version__, "python": platform.python_version(), **libraries}
+    return FrozenDict({"surae": __version__, "python": platform.python_version(), **libraries})

@@ -186,8 +186,7 @@ class Observed:
 
     def rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
         """What moves the torque of a recording, weighted, then what moves each of its films."""
-        made = _known(self._kept[number], (z, c, w), lambda: self._rows(z, c, w, number))
-        return list(made)
+        return list(_known(self._kept[number], (z, c, w), lambda: self._rows(z, c, w, number)))
 
     def _simulated(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> "_Seen":
         """A recording at a point, but for what latents add to it."""

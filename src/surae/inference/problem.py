@@ -53,7 +53,7 @@ class FitProblem(Comparable):
     @property
     def columns(self) -> list[int]:
         """Positions of the free parameters in the parameter vector."""
-        return [self.spec.names.index(name) for name in self.free]
+        return list(map(self.spec.names.index, self.free))
 
     @property
     def start(self) -> FloatArray:

@@ -65,7 +65,6 @@ class Leg:
     gained: tuple[float, ...] = (1.0, 1.0)
     _holds: dict[tuple[str, float, float], MuscleHold] = field(default_factory=dict, compare=False)
     _muscles: dict[str, Muscle] = field(default_factory=dict, compare=False)
-    _angles: dict[tuple[str, float], float] = field(default_factory=dict, compare=False)
     # What all legs of these recordings and options share:
     _ties: list[Simulator] = field(default_factory=list, compare=False)
     _geometry: dict[tuple[float, float | None], tuple[MusclePlace, MusclePlace]] = field(
@@ -184,16 +183,12 @@ class Leg:
         """Angle [deg] at which muscle and tendon, but for its slack length, are so long."""
         from scipy.optimize import brentq
 
-        if (known := self._angles.get((group, length))) is not None:
-            return known
-
         def missing(degrees: float) -> float:
             return self.rigid_length(group, degrees) - length
 
         if not missing(_ENDS[0]) * missing(_ENDS[1]) < 0.0:
             raise NotDefinedError("none/long")
-        self._angles[group, length] = float(brentq(missing, *_ENDS, xtol=1e-12))
-        return self._angles[group, length]
+        return float(brentq(missing, *_ENDS, xtol=1e-12))
 
     def tendon(self, group: str) -> TendonCurve:
         """The tendon's curve, as `surae.model.tendon.tendon_force` takes it."""

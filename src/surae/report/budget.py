@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -89,6 +90,7 @@ def budget_section(budget: BudgetTable) -> block.Section:
     return block.Section("What makes each parameter unsure", tuple(blocks), "budget", "page")
 
 
+@lru_cache(maxsize=4)  # a summary and a report ask of the same fit
 def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
     """What to measure so that parameters that are not identified would be known better.
 
