@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from surae.base.formatting import listed
 from surae.inference import AssessedFit, Assessment, LeastSquares, ParameterEstimate, Verdict
 from surae.inference.adequacy import Grade
 from surae.inference.parameter import percent
-from surae.model.sources import SOURCES, advice
+from surae.model.sources import SOURCES
 from surae.protocol.planning.information import covariance_if_filmed
 from surae.report import block
 
@@ -90,7 +89,6 @@ def budget_section(budget: BudgetTable) -> block.Section:
     return block.Section("What makes each parameter unsure", tuple(blocks), "budget", "page")
 
 
-@lru_cache(maxsize=4)  # a summary and a report ask of the same fit
 def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
     """What to measure so that parameters that are not identified would be known better.
 
@@ -116,12 +114,11 @@ def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
             gains.setdefault(remedy, {})[name] = part, text
 
     known, worded = assessment.uncertainty, result.problem.options.anatomy.worded
-    stated = result.problem.settings.knowledge
     for name in result.problem.free:
         budget = known.budget(known.along(name))
         for source, without in budget.without.items():
             if budget.shares.get(source, 0.0) >= _WORTH:
-                note(worded(advice(source, stated)), name, without / budget.sd)
+                note(worded(SOURCES[source].advice), name, without / budget.sd)
     for muscle, words in _MUSCLES.items():
         filmed = covariance_if_filmed(result, known, muscle)
         if filmed is not None:
