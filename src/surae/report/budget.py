@@ -9,7 +9,7 @@ from surae.base.formatting import listed
 from surae.inference import AssessedFit, Assessment, LeastSquares, ParameterEstimate, Verdict
 from surae.inference.adequacy import Grade
 from surae.inference.parameter import percent
-from surae.model.sources import SOURCES
+from surae.model.sources import SOURCES, advice
 from surae.protocol.planning.information import covariance_if_filmed
 from surae.report import block
 
@@ -114,11 +114,12 @@ def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
             gains.setdefault(remedy, {})[name] = part, text
 
     known, worded = assessment.uncertainty, result.problem.options.anatomy.worded
+    stated = result.problem.settings.knowledge
     for name in result.problem.free:
         budget = known.budget(known.along(name))
         for source, without in budget.without.items():
             if budget.shares.get(source, 0.0) >= _WORTH:
-                note(worded(SOURCES[source].advice), name, without / budget.sd)
+                note(worded(advice(source, stated)), name, without / budget.sd)
     for muscle, words in _MUSCLES.items():
         filmed = covariance_if_filmed(result, known, muscle)
         if filmed is not None:
