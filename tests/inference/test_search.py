@@ -86,13 +86,26 @@ def test_a_search_takes_few_evaluations(tmp_path) -> None:
     assert "come to rest" not in fit.message
 
 
+#: Legs, and of raw EMG how many samples at 1024 Hz there are to one that is kept.
+LEGS = [
+    ("a", 931, 0), ("b", 50, 0), ("c", 40, 0), ("e", 3721, 0), ("f", 3701, 0), ("g", 41, 0),
+    ("h", 46, 0), ("j", 3721, 0), ("o", 3721, 0), ("r", 3721, 0), ("t", 3721, 0), ("u", 3721, 0),
+    ("a", 3721, 1), ("b", 3721, 1), ("m", 3721, 1), ("n", 3721, 2), ("v", 3721, 3),
+    ("h", 4503, 4), ("w", 3721, 4), ("a", 3714, 5),
+]  # fmt: skip
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("family", "seed"), [("a", 931), ("c", 40), ("g", 41), ("h", 46), ("b", 50)]
-)
-def test_values_are_of_the_data_and_not_of_the_path(family: str, seed: int, tmp_path) -> None:
+@pytest.mark.parametrize(("family", "seed", "every"), LEGS)
+def test_values_are_of_the_data_and_not_of_the_path(
+    family: str, seed: int, every: int, tmp_path
+) -> None:
     """The seventh digit moves nothing, nor does the number of threads."""
-    inputs = surae.prepare(surae.read(make(family, seed, tmp_path, (1,))[0]))
+    if every:
+        path = raw_leg(tmp_path, family, seed, every, seconds=35.0)
+    else:
+        path = make(family, seed, tmp_path, (1,))[0]
+    inputs = surae.prepare(surae.read(path))
     one = solve(make_problem([inputs], "auto"))
     assert moved(one, solve(make_problem([disturbed(inputs)], "auto"))) < STABLE
     with threadpool_limits(2):

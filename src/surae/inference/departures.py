@@ -27,11 +27,13 @@ from surae.inference.posterior import LogPosterior, Point
 from surae.inference.valleys import ROUNDED
 from surae.model.laboratory import DEPARTURES, LAWS, RARE, group_of
 
-#: Active state over which it reaches zero at the greater rate until departures are chosen [N].
-_ROUNDED = 3.0
+#: Active state over which it reaches zero at the first rate, of envelopes from elsewhere [N].
+_ROUNDED = 12.0
 #: Slow residual under effort over that at rest from which errors of the drive are sought, and their
 #: standard deviations that are tried.
 _LOUDER, _ERRORS = 1.6, (0.06, 0.11, 0.15, 0.21)
+#: What is to be gained in −2 ln p where sets are weighed: weights are not of the path then.
+_WEIGHED = 0.01
 #: Part of the torque's changes that parameters alone have to follow before: of a model that follows
 #: less, what is left is not the EMG's.
 _FOLLOWED = 0.8
@@ -78,31 +80,32 @@ def _with_all(
     """The posterior with all departures that are to be weighed, its mode, and which they are."""
     possible = family.possible([g for g in DEPARTURES if g not in (*family.known, *RARE)])
     sizes = NEARLY_NONE if family.is_still else BEGIN
-    post = family.posterior(possible, FIRST_HZ, noise, sizes, rest=ROUNDED)
+    rest = ROUNDED if all(r.own_envelopes for r in family.original.inputs) else _ROUNDED
+    post = family.posterior(possible, FIRST_HZ, noise, sizes, rest=rest)
     if post.rectified and not family.is_still:  # what that noise does is no error of the model
         post = post.having(fast=0.0)
     point = post.descend(post.start(values), tolerance=1.0)
     post, point = learnt(post, point, 2, white=True, tolerance=0.3)
-    full = family.posterior(possible, RATE_HZ, post.noise, post.sizes, rest=_ROUNDED)
+    full = family.posterior(possible, RATE_HZ, post.noise, post.sizes)
     full = full.having(fast=post.fast)
     point = full.descend(full.like(post, point.z), point.c, tolerance=0.3)
-    full, point = learnt(full, point)
+    full, point = learnt(full, point, tolerance=_WEIGHED)
     if rare := _rare(family, full, point, possible):
         every = (*possible, *rare)
         more = family.like(full, every)
-        z = more.like(full, point.z)
-        there = more.descend(z, point.c, point.w, tolerance=0.3)
-        more, there = learnt(more, there)
+        there = more.descend(more.like(full, point.z), point.c, point.w, tolerance=0.3)
+        more, there = learnt(more, there, tolerance=_WEIGHED)
         beside = {*_scored(more, there, every)[0].groups} - {*rare, *_PLAIN}
         if len(beside) < _SEVERAL:
             full, point, possible = more, there, every
     # which departures there are would hide behind it; what muscles do that no electrode hears
     # is loud under effort as well, and no error of another's EMG
-    louder = not family.original.has_unheard and effort_ratio(full, point) > _LOUDER
-    if louder and not family.is_still:
+    sought = not (family.is_still or family.original.has_unheard)
+    if sought and effort_ratio(full, point) > _LOUDER:
         inputs = family.given(RATE_HZ)
         if followed((full, point), inputs) > _FOLLOWED:
             full, point = kept(_with_errors_of_drives(full, point), (full, point), inputs)
+            full, point = learnt(full, point, tolerance=_WEIGHED)
     return full, point, possible
 
 

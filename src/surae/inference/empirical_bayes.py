@@ -56,8 +56,7 @@ def learnt(
     for _ in range(rounds):
         sizes = post.sizes
         if sizes != NEARLY_NONE:
-            told = learnt_sizes(post, point, BEGIN)
-            sizes = {source: min(told[source], _MOST[source]) for source in SOURCES}
+            sizes = {s: min(n, _MOST[s]) for s, n in learnt_sizes(post, point, BEGIN).items()}
         noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
         post = post.having(noise=noise, sizes=sizes, latents=latents)
         moved = post.descend(point.z, point.c, point.w, tolerance=tolerance,
@@ -94,11 +93,10 @@ def effort_ratio(posterior: LogPosterior, point: Point) -> float:
     for number, recording in enumerate(posterior.problem.inputs):
         if recording.n < 60:
             return 0.0
-        e = posterior.observed.residual(point.z, point.c[number], point.w[number], number)
+        own = point.c[number], point.w[number]
         high = min(_SLOW[1], 0.4 * recording.rate_hz)
         sos = butter(2, [_SLOW[0], high], "bandpass", fs=recording.rate_hz, output="sos")
-        e = sosfiltfilt(sos, e)
-        own = point.c[number], point.w[number]
+        e = sosfiltfilt(sos, posterior.observed.residual(point.z, *own, number))
         effort = posterior.observed.effort(point.z, *own, number).sum(axis=0)
         level = effort / max(float(np.percentile(effort, 99.0)), 1e-300)
         strong.append(e[level > _EFFORT[1]])

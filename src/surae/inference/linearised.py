@@ -30,7 +30,7 @@ from surae.signals import ModelInputs
 _KEPT = 2
 #: Active state over which it reaches zero in a search [N]: resting muscles cross zero at one value
 #: of crosstalk or of EMG at rest, at which the model's kink would stop it.
-REST = 1.0
+REST = 3.0
 #: Derivatives by fast gains, and their first samples, where there are none.
 _NO_COLUMNS = np.zeros((0, 0)), np.zeros(0, dtype=np.int64)
 

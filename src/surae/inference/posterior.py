@@ -156,10 +156,8 @@ class LogPosterior(Coordinates):
         return [self.noise[number].variance, *(film.noise.variance for film in films)]
 
     def evidence(self, point: Point) -> float:
-        """−2 ln Z of a mode, all that is latent integrated over, but for a constant."""
-        H, _ = self.reduced(point.blocks)
-        total = point.cost + np.linalg.slogdet(H + np.diag(self.weight**2))[1]
-        total -= float(np.sum(np.log(self.weight**2)))
+        """−2 ln Z of the mode near a point, all latent integrated over, but for a constant."""
+        total = self.laplace(point).solved({})[0]
         for number, b in enumerate(point.blocks):
             films = self.latents[number].films
             counts = self.problem.inputs[number].n, *(len(film.length) for film in films)

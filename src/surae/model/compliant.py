@@ -104,8 +104,8 @@ def compliant_states(
     dt : float
         Sample time [s].
     rest : float
-        Active state over which it reaches zero [N]: ½·(α + √(α² + rest²)) pulls; 0 for a kink. A
-        part of it is the force over which tissue goes slack.
+        Active state over which it reaches zero [N]: ½·rest·ln(1 + exp(2·α/rest)) pulls; 0 for a
+        kink. A part of it is the force over which tissue goes slack.
     states : ndarray, shape (5, n)
         Is filled: length x [m], speed x' [m/s], tendon elongation [m], tendon force [N] and passive
         force F_elas [N].
@@ -189,8 +189,9 @@ def compliant_states(
                 raw = alphas[stage, i]
                 alpha, pulling = max(raw, 0.0), 1.0 if raw >= 0.0 else 0.0
                 if rest > 0.0:
-                    far = math.sqrt(raw * raw + rest * rest)
-                    alpha, pulling = 0.5 * (raw + far), 0.5 * (1.0 + raw / far)
+                    away = math.exp(-2.0 * abs(raw) / rest)
+                    alpha += 0.5 * rest * math.log1p(away)
+                    pulling = (1.0 if raw >= 0.0 else away) / (1.0 + away)
                 if stage == 0:
                     rigid, x_before, z_before = lengths[0, i], x_now + lengths[2, i], z_now
                     guess = e_2 + 2.0 / _RHO * (e_2 - e_1) - (e_1 - e_0)

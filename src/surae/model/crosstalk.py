@@ -59,11 +59,11 @@ class OfPowers:
         inverse = np.asarray(np.linalg.inv(mixing**2), dtype=np.float64)
         power = smooth**2 + 1e-300
         powers = np.einsum("ij,jn->in", inverse, power)
-        part = np.clip(powers / power, -1.0, 2.0)  # negative by noise; s may be 0
+        part = powers / power  # negative by noise
         size = part**2 + _SILENT**2
         root = ((1.0 + _SILENT**2) / size) ** 0.25
         kept = part * root
-        by_part = root * (1.0 - 0.5 * part**2 / size) * (np.abs(part - 0.5) < 1.5)
+        by_part = root * (1.0 - 0.5 * part**2 / size)
         return cls(heard * kept, inverse, mixing, powers, kept, heard * by_part / power)
 
     def by_electrode(self, by_own: FloatArray, muscles: slice) -> FloatArray:
