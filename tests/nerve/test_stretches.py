@@ -11,7 +11,7 @@ from perturbed_ankle import ramps
 from surae.base.errors import InputError
 from surae.base.words import Message
 from surae.recording import MUSCLES, Recording
-from surae_nerve.parts import _noise
+from surae_nerve.driven import noise_power
 from surae_nerve.ramps import Stretched
 
 SPEEDS = (10.0, 10.0, 60.0, 60.0, 120.0, 120.0, 180.0, 180.0)
@@ -104,7 +104,7 @@ def test_the_noise_of_an_envelope_is_its_power_not_what_comes_and_goes() -> None
     still = np.zeros(n)
     for emg, power in ((noisy, 0.25 * 2.0 / rate * np.mean(activity**2)), (activity, 0.0)):
         of = Stretched("x", rate, time, still, still, {"sol": emg}, ())
-        assert _noise([of], "sol") == pytest.approx(power, rel=0.3, abs=1e-6)
+        assert noise_power([of], "sol") == pytest.approx(power, rel=0.3, abs=1e-6)
 
 
 @pytest.mark.parametrize(("lasts", "every", "told"), [(0.6, None, False), (0.09, 0.18, True)])

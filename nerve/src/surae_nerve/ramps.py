@@ -66,6 +66,12 @@ def low(values: FloatArray, rate: float, cutoff: float) -> FloatArray:
     return np.asarray(sosfiltfilt(sections, values))
 
 
+def at_rate(of: Stretched, values: FloatArray) -> FloatArray:
+    """A signal at `RATE`, smoothed before."""
+    at = np.arange(of.time[0], of.time[-1], 1.0 / RATE)
+    return np.interp(at, of.time, low(values, of.rate, 0.4 * RATE))
+
+
 def stretched(recording: Recording) -> Stretched:
     """Find the stretches of a recording.
 
