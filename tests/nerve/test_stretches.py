@@ -137,22 +137,57 @@ def test_an_answer_by_will_is_no_reflex_but_clonus_is(lasts, every, told) -> Non
         assert isinstance(found.threshold["gm"].note, Message)  # said in the reader's language
 
 
-def test_what_is_wrong_in_all_repeats_alike_widens_the_interval() -> None:
-    """Tissue that is damped by the root of velocity is not what is fitted."""
-    made = ramps(SPEEDS, neural=6.0)
-    angle, torque = made.channels["angle"], made.channels["torque"]
+def beside(made: Recording, torque) -> Recording:
+    """A recording with torque of angle and velocity beside its own."""
+    angle = made.channels["angle"]
     v = np.gradient(angle.values, angle.time)
     emg = np.column_stack([made.channels[f"emg_{m}"].values for m in MUSCLES])
-    wrong = torque.values + 3.0 * np.sign(v) * np.sqrt(np.abs(v))
-    found = surae.stretches(Recording.from_arrays(
-        angle.time, angle.values, wrong, name="root", emg_kind="envelope", emg=emg,
-    ))  # fmt: skip
+    return Recording.from_arrays(
+        angle.time, angle.values, made.channels["torque"].values + torque(angle.values, v),
+        name="beside", emg_kind="envelope", emg=emg,
+    )  # fmt: skip
+
+
+def test_what_is_wrong_in_all_repeats_alike_widens_the_interval() -> None:
+    """Tissue that is damped here and there is none that is fitted."""
+    found = surae.stretches(
+        beside(ramps(SPEEDS, neural=6.0), lambda x, v: 2.0 * v * np.cos(40 * x))
+    )
     fast = calf(found)[4:]
     assert all(s.neural_ci95[0] < 6.0 < s.neural_ci95[1] for s in fast)
     half, before = (
         np.mean([np.ptp(s.neural_ci95) for s in own]) for own in (fast, calf(usual())[4:])
     )
     assert half > 1.2 * before
+
+
+def test_tissue_of_another_law_is_told_as_what_it_is() -> None:
+    """Damped by the root of velocity, and relaxing more where it is stiffer: both compete."""
+
+    def relaxing(x, v):
+        steep = np.exp(4.0 * x)
+        keep = np.exp(-1.0 / (500.0 * 0.3))
+        return 3.0 * np.sign(v) * np.sqrt(np.abs(v)) + 4.0 * lfilter(
+            [keep, -keep], [1.0, -keep], steep - steep[0]
+        )
+
+    for s in calf(surae.stretches(beside(ramps(SPEEDS, neural=6.0), relaxing)))[4:]:
+        assert s.neural_Nm == pytest.approx(6.0, rel=0.15)
+
+
+def test_torque_that_is_no_line_over_emg_is_in_the_interval() -> None:
+    """EMG that grows faster than torque (Lloyd and Besier 2003): half of it is a third of EMG."""
+    made = ramps(SPEEDS, neural=6.0)
+    emg = np.column_stack([made.channels[f"emg_{m}"].values for m in MUSCLES])
+    t, x, torque = made.channels["angle"].time, made.channels["angle"], made.channels["torque"]
+    bent = emg.max() * (emg / emg.max()) ** 1.6
+    found = surae.stretches(Recording.from_arrays(
+        t, x.values, torque.values, name="bent", emg_kind="envelope", emg=bent,
+    ))  # fmt: skip
+    for s in calf(found)[4:]:
+        low, high = s.neural_ci95
+        assert low < 6.0 < high
+        assert high - low < 6.0
 
 
 def test_tissue_does_not_take_what_a_noisy_emg_leaves(tmp_path) -> None:

@@ -24,6 +24,8 @@ DEPENDENT = 20.0
 MOST, TRIED, KEPT, BEYOND, SAY = 3, 25, 6, 18.0, 40
 #: Most of what drives muscles, beside tissue, that is held to be noise.
 NOISIEST = 0.5
+#: Part of the largest torque that EMG drives from which an answer is strong.
+STRONG = 0.33
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +162,8 @@ class Competition:
         """By what tissue's coefficients change if one label's samples are left out, weighed.
 
         Their squares' sum is the variance of a jackknife over groups (Tukey 1958): what equations
-        get wrong alike in all repeats of one speed shows where other speeds alone predict it.
+        get wrong alike in all repeats of one speed shows where other speeds alone predict it. Last
+        comes what leaving out the strongest answers changes: laws hold for small ones too.
         """
         d = np.concatenate([d[u] for d, u in zip(self.drives(of.law), self.use, strict=True)])
         pull = of.gains != 0.0
@@ -168,10 +171,13 @@ class Competition:
         c = np.concatenate([(of.c - of.diluted)[of.used], of.gains[pull]])
         size = np.sqrt(np.mean(x**2, axis=0)) + 1e-12
         scaled, groups, moved = x / size, np.unique(label), []
+        torque = d[:, pull] @ of.gains[pull]
+        weak = np.abs(torque) <= STRONG * float(np.max(np.abs(torque), initial=0.0))
         ridge = RIDGE * len(self.y) * np.eye(x.shape[1])
-        for group in groups:
-            keep, y = scaled[label != group], self.y[label != group]
+        for stays in (*(label != group for group in groups), weak):
+            keep, y = scaled[stays], self.y[stays]
             # towards the coefficients of all: of what only this group tells nothing is known
             step = np.linalg.solve(keep.T @ keep + ridge, keep.T @ (y - keep @ (c * size)))
             moved.append((step / size)[:k])
-        return np.asarray(np.sqrt((len(groups) - 1.0) / len(groups)) * np.array(moved))
+        weight = math.sqrt((len(groups) - 1.0) / len(groups))
+        return np.array([*(weight * each for each in moved[:-1]), moved[-1]])

@@ -14,7 +14,7 @@ from surae_nerve.ramps import RATE, SMOOTH, Stretched, at_rate, low
 OMEGAS = (5.0, 6.3, 8.0, 10.0, 12.5, 15.5, 19.0, 24.0, 30.0, 40.0, 60.0)
 #: Torque over EMG: (exp(A·u) − 1)/(exp(A) − 1); 0: in proportion. Lloyd and Besier (2003) have −3
 #: to 0; −6 is a power of 0.6; above 0 where large EMG was cut off.
-BENDS = (-6.0, -3.0, 0.0, 2.0)
+BENDS = (-6.0, -3.0, -1.5, 0.0, 2.0)
 #: Samples by which torque is later than EMG: 0 to 60 ms (Cavanagh and Komi 1979).
 LAGS = (0, 1, 3, 6)
 #: Band in which an envelope's noise is seen [Hz]: faster than a muscle is called up, slower than
@@ -71,7 +71,7 @@ class Envelopes:
         That of a critically damped muscle passes ω/8 Hz of it.
         """
         return np.array([
-            n / np.mean(h**2) * np.mean((_slope((h - r) / s, law.bend) * h / s) ** 2)
+            n / (np.mean(h**2) + 1e-100) * np.mean((_slope((h - r) / s, law.bend) * h / s) ** 2)
             for n, h, r, s in zip(self.noise, self.joined, self.rest, self.span, strict=True)
         ]) * law.omega / 8.0  # fmt: skip
 
