@@ -9,6 +9,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.formatting import NO_NUMBER, of_interval
+from surae.base.progress import Progress
 from surae.base.records import Saved, read_json, to_plain
 from surae.base.tables import Tabular, TextTable
 from surae.protocol.protocol import Trajectory
@@ -87,8 +88,9 @@ class NerveExpectation(Tabular, Saved):
 
 
 def expects(
-    trajectory: Trajectory, fit: PathLike | None = None, noise: float | None = None
-) -> NerveExpectation:
+    trajectory: Trajectory, fit: PathLike | None = None, noise: float | None = None,
+    progress: Progress | None = None,
+) -> NerveExpectation:  # fmt: skip
     """What a perturbation or a series of stretches will tell.
 
     Recordings of made legs are estimated as measured ones are; every interval is that of their
@@ -102,6 +104,8 @@ def expects(
         What `surae impedance` saved: of this leg, else of a usual one.
     noise : float, optional
         Standard deviation of the torque sensor's noise, sample by sample [Nm].
+    progress : callable, optional
+        Called with how many recordings are estimated, and of how many.
 
     Raises
     ------
@@ -118,14 +122,14 @@ def expects(
     else:
         leg, who = _saved(fit), f"the ankle of {shown(fit)}"
     if not of_stretches:
-        measures, reflexes = _of_perturbation(trajectory, leg, level)
+        measures, reflexes = _of_perturbation(trajectory, leg, level, progress)
         notes = (
             "The size of a reflex is its share of the torque’s variance; its gain and delay are "
             f"those of {SHARES[1]:g} %.",
             "Made by the equations that are fitted: a real leg’s intervals may be wider.",
         )
         return NerveExpectation(name, seconds, who, level, measures, reflexes, notes)
-    measures, reflexes = _of_stretches(trajectory, level)
+    measures, reflexes = _of_stretches(trajectory, level, progress)
     notes = (
         "The size of a reflex is its part of the torque’s peak in the fastest stretches of the "
         f"calf; numbers are those of {OF_PEAK[1]:g} %, with EMG.",
@@ -147,7 +151,7 @@ def series(trajectory: Trajectory) -> bool:
 
 
 def _of_perturbation(
-    trajectory: Trajectory, leg: Mapping[str, float], noise: float
+    trajectory: Trajectory, leg: Mapping[str, float], noise: float, progress: Progress | None
 ) -> tuple[dict[str, NerveMeasure], tuple[ExpectedReflex, ...]]:
     """Measures and reflexes seen, over `DRAWS` recordings of each share."""
     sides: dict[str, list[tuple[float, float]]] = {n: [] for n in (*_INTRINSIC, *_REFLEX)}
@@ -156,10 +160,12 @@ def _of_perturbation(
         "intrinsic_viscosity": leg["viscosity"] + leg["branch_1"] * leg["time_1"],
         "reflex_delay": 1e3 * leg["delay"],
     }  # fmt: skip
-    seen = []
+    seen = list[ExpectedReflex]()
     for share in SHARES:
         found = 0
         for draw in range(DRAWS):
+            if progress is not None:
+                progress(len(seen) * DRAWS + draw, len(SHARES) * DRAWS)
             recording, gain = perturbed_leg(trajectory, leg, share, noise, draw)
             told = perturbed(recording)
             present = told.reflex.verdict == "present" and told.reflex.direction == "dorsiflexion"
@@ -181,12 +187,14 @@ def _of_perturbation(
 
 
 def _of_stretches(
-    trajectory: Trajectory, noise: float
+    trajectory: Trajectory, noise: float, progress: Progress | None
 ) -> tuple[dict[str, NerveMeasure], tuple[ExpectedReflex, ...]]:
     """Measures and reflexes seen, with EMG and without."""
     measures: dict[str, NerveMeasure] = {}
-    seen = []
+    seen = list[ExpectedReflex]()
     for share in OF_PEAK:
+        if progress is not None:
+            progress(len(seen), len(OF_PEAK))
         recording, silent, truth = stretched_leg(trajectory, share, noise, seed=0)
         told = answers([recording])
         own, alone = (_fastest(each.stretches) for each in (told, answers([silent])))

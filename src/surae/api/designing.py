@@ -11,7 +11,7 @@ from surae.base.files import PathLike
 from surae.base.formatting import check_known
 from surae.base.names import EFFORTS, TELLING
 from surae.base.plugins import plugins
-from surae.base.progress import SearchProgress
+from surae.base.progress import Progress, SearchProgress
 from surae.base.requests import DesignSettings, ExpectSettings, LegSettings
 from surae.base.setting import Setting, checked, renamed, settings_of, takes
 from surae.model import ModelOptions
@@ -281,6 +281,7 @@ def expect(
     model: str = AUTO,
     *,
     fit: Fit | PathLike | None = None,
+    progress: Progress | None = None,
     **keywords: Any,
 ) -> Any:
     """Standard errors, intervals and verdicts that a protocol will give, over many legs.
@@ -302,6 +303,8 @@ def expect(
     fit : Fit or path, optional
         Instead of a population: one leg, as far as this fit knows it, which counts too; model and
         noise are then the fit's. Of perturbations, what `surae.impedance` saved.
+    progress : callable, optional
+        Of perturbations and stretches: called with (done, total) made recordings.
     {settings}
 
     Returns
@@ -322,16 +325,13 @@ def expect(
     small = perturbing(trajectory.angle, trajectory.settings.rate_hz)
     series = plugins("movements", FunctionType).get("series")
     if small or (series is not None and model == AUTO and series(trajectory)):
-        if model != AUTO or keywords.keys() - {"noise"}:
-            given = "model" if model != AUTO else min(keywords.keys() - {"noise"})
-            raise InputError(
-                f"{trajectory.settings.profile}: from perturbations and stretches no model of "
-                f"muscles is expected; leave {given} out")  # fmt: skip
-        return _of_nerve("expects")(trajectory, fit, **keywords)
+        if given := ["model"] * (model != AUTO) or sorted(keywords.keys() - {"noise"}):
+            what = f"{trajectory.settings.profile}: from perturbations and stretches no model of"
+            raise InputError(f"{what} muscles is expected; leave {given[0]} out")
+        return _of_nerve("expects")(trajectory, fit, progress=progress, **keywords)
     fit = fit if fit is None or isinstance(fit, Fit) else load(fit)
     settings, options = parted(ExpectSettings, {"model": model, **keywords})
-    rate_hz = trajectory.settings.rate_hz
-    who, level = requested_legs(settings, fit, settings.legs, options, rate_hz)
+    who, level = requested_legs(settings, fit, settings.legs, options, trajectory.settings.rate_hz)
     legs = filmed(who, muscles_of(settings.film))
     told = {} if fit is None else told_by(fit, legs)
     return expected(trajectory, legs, level, **told)
@@ -353,12 +353,10 @@ def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:
     """The trajectory of a file or a name."""
     if isinstance(protocol, Trajectory):
         return protocol
-    if isinstance(protocol, str) and protocol in ready_protocols():
+    if isinstance(protocol, str) and (protocol in TELLING or protocol in ready_protocols()):
         device = named_device("achilles")
-        return ready_trajectory(protocol, device, allowed_range(device), 256.0)
-    if isinstance(protocol, str) and protocol in TELLING:
-        device = named_device("achilles")
-        return telling(protocol, device, allowed_range(device), 256.0)
+        made = telling if protocol in TELLING else ready_trajectory
+        return made(protocol, device, allowed_range(device), 256.0)
     if isinstance(protocol, str) and protocol in PROFILES:
         passive = PROFILES[protocol].duration <= 11.0
         return generate(Protocol(profile=protocol, task="passive" if passive else "part-passive"))

@@ -1,5 +1,6 @@
 """`surae expect`."""
 
+from functools import partial
 from typing import Any
 
 import click
@@ -32,10 +33,10 @@ def command(protocol: str, fitted: str | None, output: str | None, options: dict
     check_outputs({"--output": output}, [fitted] if fitted is not None else [])
 
     with compilation_notice(), work() as progress:
-        progress.describe("estimating what to expect")
-        expectation = api.expect(protocol, fit=fitted, **options)
+        tell = partial(progress.describe, "estimating what to expect")
+        tell()
+        expectation = api.expect(protocol, fit=fitted, progress=tell, **options)
     if output is not None:
         write_json(output, expectation.to_json())
-
     show_answer(expectation.as_table())
     show_files({"expectation": output})

@@ -70,7 +70,8 @@ def work() -> Iterator[Work]:
         progress.TextColumn("left"),
         progress.TimeRemainingColumn(),
     )
-    with progress.Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with progress.Progress(*columns, console=Console(stderr=True), transient=True,
+                           speed_estimate_period=600.0) as bar:  # fmt: skip
         yield Work(bar, bar.add_task("", total=None))
 
 
