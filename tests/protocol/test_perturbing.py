@@ -81,7 +81,10 @@ def test_stretches_are_of_several_speeds_slow_ones_first() -> None:
 
 def test_stretches_are_expected_to_show_what_noise_does_not_hide() -> None:
     movement = telling("stretches", named_device("achilles"), (-0.7, 0.5), 256.0)
-    told, noisy = surae.expect(movement), surae.expect(movement, noise=8.0)
+    done = list[tuple[int, int]]()
+    told = surae.expect(movement, progress=lambda *news: done.append(news))
+    noisy = surae.expect(movement, noise=8.0)
+    assert done == [(0, 3), (1, 3), (2, 3)]
     assert all(each.seen == each.of > 0 for each in told.reflexes)
     assert noisy.reflexes[0].seen < noisy.reflexes[0].of
     assert all(each.without_emg == 0 for each in told.reflexes)  # it ends with the stretch
