@@ -105,6 +105,10 @@ class Competition:
             for (_, law, columns), w in zip(told, weights, strict=True)
         ]
 
+    def plain(self, law: Law) -> Description:
+        """That of tissue's usual columns alone, by a law."""
+        return self._described(self.laws.index(law), (), 0.0)
+
     def _tried(
         self, more: tuple[int, ...], laws: Sequence[int]
     ) -> list[tuple[float, int, tuple[int, ...]]]:

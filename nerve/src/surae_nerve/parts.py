@@ -10,7 +10,7 @@ from surae.base.units import FloatArray
 from surae_nerve.competing import Competition
 from surae_nerve.driven import Envelopes, driven
 from surae_nerve.ramps import RATE, SMOOTH, RampSpan, Stretched, at_rate, low
-from surae_nerve.tissue import Tissue
+from surae_nerve.tissue import RELAXES, Tissue
 
 #: Without EMG: time from a stretch's begin in which no reflex has torque yet, and how long its
 #: torque lasts after the stretch [s].
@@ -68,6 +68,9 @@ class TissueTorque:
         competition = Competition(self.tissue, self.envelopes, torques, use)
         self.told, rows = competition.best(), self.tissue.rows
         self.best = self.told[0]
+        # columns that compete share what is fast: their single torques are no one's
+        plain = competition.plain(self.best.law).c
+        self.inertia, self.viscosity = float(plain[0]), float(plain[1] + plain[2] * RELAXES[0])
         own = [
             g[np.minimum((np.arange(len(r)) / RATE * of.rate).astype(int), len(g) - 1)]
             for g, r, of in zip(speeds, rows, every, strict=True)
@@ -103,8 +106,7 @@ class TissueTorque:
         window = slice(first + round(BEGINS * RATE), min(last + round(LARGEST * RATE), n))
         curve = rows[:, tissue.curve] @ best.c[tissue.curve]
         end = min(last + round(0.05 * RATE), n - 1)
-        viscous = rows[span][:, tissue.viscous] @ best.c[tissue.viscous]
-        inertial = rows[span][:, tissue.inertial] @ best.c[tissue.inertial]
+        inertial, viscous = rows[span, 0] * self.inertia, rows[span, 1] * self.viscosity
 
         beyond, weights = sign * self.beyond[index], np.array([d.weight for d in self.told])
         each = beyond[:, window].max(axis=1) - beyond[:, before].mean(axis=1)

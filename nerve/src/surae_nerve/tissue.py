@@ -23,8 +23,6 @@ KNOTS = 6
 ALSO, BENT, STEEP = (0.015, 0.15, 0.3, 2.5), (0.05, 0.3, 0.8, 2.0), 5.0
 #: Movement after which what holds has yielded [rad]: cross-bridges, and the skin in its straps.
 YIELDS = np.deg2rad((1.5, 5.0))
-#: What of `ALSO` and `BENT` is as fast as a stretch, and counts as viscous [s].
-FAST_RELAXING = 0.06
 
 
 class Tissue:
@@ -38,15 +36,10 @@ class Tissue:
         inner = np.linspace(*ends, KNOTS)[1:-1]
         self.knots = np.concatenate([[ends[0]] * 4, inner, [ends[1]] * 4])
         made = [self._of(i) for i in range(len(angles))]
-        #: Columns that are always fitted: their number; of the elastic curve; of velocity.
+        #: Columns that are always fitted: their number; those of the elastic curve.
         self.always = made[0][0].shape[1]
         self.curve = slice(2 + len(RELAXES), 2 + len(RELAXES) + len(self.knots) - 5)
         self.rows = [np.hstack(pair) for pair in made]
-        times = (*ALSO, *BENT)
-        fast = [k for k, t in enumerate(times) if t < FAST_RELAXING]
-        powers = range(len(times), len(times) + 3)
-        self.viscous = np.array([1, 2, *(self.always + k for k in (*fast, *powers))])
-        self.inertial = np.array([0, self.rows[0].shape[1] - 1])
 
     def _of(self, index: int) -> tuple[FloatArray, FloatArray]:
         """Columns of one recording: always fitted, and competing."""
