@@ -274,6 +274,7 @@ def test_measured_ankles_show_a_reflex_to_dorsiflexion(shared, name, least) -> N
     low, high = found.measures["intrinsic_stiffness"].ci95
     for value, *_ in recording.structures.values():
         assert low <= value <= high
+    assert not any("moved back" in str(note) for note in recording.notes)
 
 
 def test_no_number_of_a_reflex_is_identified_while_its_law_is_assumed() -> None:
@@ -314,3 +315,4 @@ def test_no_reflex_is_present_in_tissue_of_another_simulator(seed: int, servo: f
     assert found.reflex.verdict != "present"
     assert found.measures["reflex_gain"].value is None
     assert found.measures["reflex_gain"].verdict != "identified"
+    assert not any("moved back" in str(note) for note in found.recordings[0].notes)

@@ -194,6 +194,7 @@ def test_tissue_does_not_take_what_a_noisy_emg_leaves(tmp_path) -> None:
     """A tonic reflex answers every stretch, so that tissue looks alike: once none of 20 held."""
     make, nerve = (pytest.importorskip(f"ankle_legs.{name}") for name in ("make", "nerve"))
     said = surae.stretches(make.make("sd", 62, tmp_path)).as_dict()["stretches"]
+    assert not any("late" in s["neural_note"] for s in said)  # nobody answers by will
     held = [
         low <= true["neural_Nm"] <= high
         for true in nerve.truth("sd", 62)["stretches"]
