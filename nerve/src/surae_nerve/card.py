@@ -11,6 +11,7 @@ from surae.report.figures import GREY, INK, RED, Figure, dress, new_figure
 from surae.report.figures.leg import CARD_WIDTH
 from surae.report.language import Words
 from surae.trials.nerve import Nerve, StretchTold
+from surae_nerve.figures import tick
 
 #: Stretches whose speed is within this part of the fastest are the fast ones [1].
 _ALIKE = 0.15
@@ -154,8 +155,7 @@ def stretches_figure(stretches: Sequence[StretchTold], _: Words) -> Figure:
     dress(axes, _("Torque [Nm]"), _("Speed of stretch [°/s]"))
     axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0))
     axes.set_xlim(0.0, 1.08 * max(s.speed for s in stretches))
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
+    tick(axes, _)
     axes.legend(frameon=False, fontsize=8, labelcolor=INK, loc="lower left", ncols=3,
                 bbox_to_anchor=(0.0, 1.0))  # fmt: skip
     return figure

@@ -11,6 +11,13 @@ from surae.report.language import Words
 from surae_nerve.impedance import NerveMeasure, Perturbed
 
 
+def tick(axes: figures.Axes, _: Words, which: str = "xy") -> None:
+    """Numbers of linear axes as the reader's language writes them."""
+    for name in which:
+        axis = axes.xaxis if name == "x" else axes.yaxis
+        axis.set_major_formatter(lambda tick, _place: _.number(f"{tick:g}".replace("-", "−")))
+
+
 def frequency_figure(recording: Perturbed, _: Words) -> Figure:
     """Coherence, gain and phase of torque over angle, with the equations over them."""
     c = recording.curves
@@ -19,6 +26,7 @@ def frequency_figure(recording: Perturbed, _: Words) -> Figure:
     top.plot(c.f, c.coherence, color=GREY, linewidth=1.6)
     top.set_ylim(0.0, 1.03)
     figures.dress(top, _("Coherence"))
+    tick(top, _, "y")
     middle.loglog(c.f, c.gain, color=GREY, linewidth=2.4, label=_("measured"))
     middle.loglog(c.f, c.model_gain, color=BLUE, linewidth=1.1, label=_("both paths"))
     middle.loglog(
@@ -29,6 +37,7 @@ def frequency_figure(recording: Perturbed, _: Words) -> Figure:
     bottom.semilogx(c.f, c.phase, color=GREY, linewidth=2.4)
     bottom.semilogx(c.f, c.model_phase, color=BLUE, linewidth=1.1)
     figures.dress(bottom, _("Phase [°]"), _("Frequency [Hz]"))
+    tick(bottom, _, "y")
     return figure
 
 
@@ -47,6 +56,8 @@ def impulse_figure(recording: Perturbed, _: Words) -> Figure:
     right.axhline(0.0, color=MUTED, linewidth=0.6)
     figures.dress(right, _("Reflex [Nm/rad]"), _("Lag [ms]"))
     figures.legend(right, 2)
+    for axes in (left, right):
+        tick(axes, _)
     return figure
 
 
@@ -66,6 +77,7 @@ def effort_figure(recordings: Sequence[Perturbed], _: Words) -> Figure:
         for each in of:
             _bar(axes, float(each[at]), each[2])  # type: ignore[arg-type]
         figures.dress(axes, _("Stiffness [Nm/rad]") if at == 0 else "", label)
+        tick(axes, _)
     return figure
 
 
