@@ -13,12 +13,13 @@ from richer_legs import richer_leg
 from surae.base.errors import InputError
 from surae.base.frozen import read_only
 from surae.inference import AssessedFit, LeastSquares, Verdict, assess, make_problem, solve
-from surae.inference.adequacy import _laboratory, judge_adequacy
+from surae.inference.adequacy import Grade, _laboratory, judge_adequacy
 from surae.inference.coordinates import is_straight
 from surae.inference.empirical_bayes import learnt_noise
 from surae.inference.latent import emg_noise
-from surae.inference.marginal import _by_path
+from surae.inference.marginal import _by_path, marginal
 from surae.inference.random_effects import trial_spread
+from surae.inference.reasons import against
 from surae.inference.saved.fit_json import load_saved, save_fit
 from surae.model import with_optional
 from surae.model.laboratory import ALL, laboratory
@@ -64,6 +65,18 @@ def truth_in(worth, parameters):
     claimed = [p for p in worth.parameters.values() if p.verdict is Verdict.IDENTIFIED]
     hits = sum(p.ci95[0] <= parameters[p.name] <= p.ci95[1] for p in claimed)
     return len(claimed), hits
+
+
+def test_what_two_statements_deny_identifies_nothing(fitted):
+    """Numbers that follow from the wrong one of two are precise, and false."""
+    fit = assess(fitted)
+    assert any(p.verdict is Verdict.IDENTIFIED for p in fit.parameters.values())
+    reason = against("disagree", label="the zero of the angle", first="0", second="6 degrees")
+    denied = replace(fit.adequacy, grade=Grade.DOUBTFUL, against=(reason,))
+    every = {**fit.nuisances, **fit.parameters}
+    table = marginal(fitted.found, fitted.problem, fit.uncertainty, denied, every)
+    assert {p.verdict for p in table.values()} <= {Verdict.WEAK, Verdict.UNDETERMINED}
+    assert sum("6 degrees" in p.note for p in table.values()) > 5
 
 
 def test_a_richer_leg_is_found_with_its_laboratory(whole, fitted):

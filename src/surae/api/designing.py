@@ -386,10 +386,9 @@ def telling_words(trajectory: Trajectory) -> list[str]:
 
 
 def _of_nerve(what: str) -> Callable[..., Any]:
-    found = plugins("movements", FunctionType).get(what)
-    if found is None:
+    made: Callable[..., Any] | None = plugins("movements", FunctionType).get(what)
+    if made is None:
         raise InputError(f"{', '.join(TELLING)} are of surae-nerve; run pip install surae-nerve")
-    made: Callable[..., Any] = found
     return made
 
 

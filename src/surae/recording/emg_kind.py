@@ -138,9 +138,7 @@ def _finite(column: Column) -> tuple[FloatArray, FloatArray] | None:
     """Times that increase and finite values, None where there are not two."""
     good = np.isfinite(column.time) & np.isfinite(column.values)
     time, values = column.time[good], column.values[good]
-    if len(time) < 2 or np.any(np.diff(time) <= 0):
-        return None
-    return time, values
+    return None if len(time) < 2 or np.any(np.diff(time) <= 0) else (time, values)
 
 
 def _detrended(values: FloatArray, span_s: float) -> FloatArray:
