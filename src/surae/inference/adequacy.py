@@ -222,7 +222,7 @@ def _agreement(result: FitResult, r2: float) -> Iterator[Reason]:
     pairs, alone = list(map(counted, inputs, residuals)), result.found.recordings
     name, rare = farthest_apart(alone) if alone else ("", 1.0)
     if rare < SAID:
-        yield against("not-one-leg", grave=rare < _WRONG, name=name)
+        yield against("not-one-leg", name=name)
     usual = float(np.median([np.sqrt(np.mean(e**2)) for _, e in pairs]))
     for recording, pair in zip(inputs, pairs, strict=True):
         own = centred_r2([pair])
