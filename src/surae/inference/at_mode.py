@@ -118,11 +118,12 @@ def _against(
     """How far what was stated is from what the torque says; −H⁻¹·∂²(−ln p)/∂z∂θ₀ by the zero θ₀."""
     settings, groups = original.settings, original.settings.known
     turned, wide = np.zeros(len(point.z)), laboratory(joint=original.options.anatomy)
-    looked = settings.told_zero is not None or settings.is_own  # own lengths hang on it
-    if looked and settings.zero_sd and ZERO_NAME not in post.names:
+    if settings.zero_sd and ZERO_NAME not in post.names:
         zero, sd = settings.fixed.get(ZERO_NAME, 0.0), float(np.radians(settings.zero_sd))
         post, point = with_zero(post, point, Gaussian(zero, sd))
-        wide[ZERO_NAME], groups = Gaussian(zero, FAR_ZERO), groups | {ZERO_NAME}
+        wide[ZERO_NAME] = Gaussian(zero, FAR_ZERO)
+        if settings.told_zero is not None or settings.is_own:  # own lengths hang on it
+            groups |= {ZERO_NAME}
         V, at = post.covariance(point), post.of.index(ZERO_NAME)
         turned = np.delete(V[:, at], at) / V[at, at]
     return conflicts(post.laplace(point), post.of, post.beliefs, wide, groups), turned

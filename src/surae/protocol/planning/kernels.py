@@ -27,9 +27,7 @@ def _integral(u: float) -> float:
     """Integral of the step from −∞ to u."""
     if u <= 0.0:
         return 0.0
-    if u >= 1.0:
-        return u - 0.5
-    return u**4 * (2.5 + u * (u - 3.0))
+    return u - 0.5 if u >= 1.0 else u**4 * (2.5 + u * (u - 3.0))
 
 
 @jit
