@@ -67,16 +67,16 @@ def truth_in(worth, parameters):
     return len(claimed), hits
 
 
-def test_what_two_statements_deny_identifies_nothing(fitted):
-    """Numbers that follow from the wrong one of two are precise, and false."""
+def test_recordings_that_tell_another_leg_each_identify_nothing(fitted):
+    """Numbers of two legs at once are precise, and of neither."""
     fit = assess(fitted)
     assert any(p.verdict is Verdict.IDENTIFIED for p in fit.parameters.values())
-    reason = against("disagree", label="the zero of the angle", first="0", second="6 degrees")
+    reason = against("not-one-leg", name="k_rel")
     denied = replace(fit.adequacy, grade=Grade.DOUBTFUL, against=(reason,))
     every = {**fit.nuisances, **fit.parameters}
     table = marginal(fitted.found, fitted.problem, fit.uncertainty, denied, every)
     assert {p.verdict for p in table.values()} <= {Verdict.WEAK, Verdict.UNDETERMINED}
-    assert sum("6 degrees" in p.note for p in table.values()) > 5
+    assert sum("another k_rel each" in p.note for p in table.values()) > 5
 
 
 def test_a_richer_leg_is_found_with_its_laboratory(whole, fitted):

@@ -27,7 +27,6 @@ from surae.inference.parameter import (
     Verdict,
     percent,
 )
-from surae.inference.reasons import DENIES
 from surae.inference.result import PosteriorMode
 from surae.inference.uncertainty.combined import Budget, Uncertainty
 from surae.model.laboratory import group_of
@@ -49,8 +48,9 @@ def marginal(
     """The estimated parameters of the leg with everything that makes them unsure."""
     bounds = [p.name for p in table.values() if p.at_bound and group_of(p.name) is None]
     withheld = Message("note/bounds", names=", ".join(bounds)) if bounds else None
-    if denied := [reason for reason in adequacy.against if reason.code in DENIES]:
-        withheld = Message("note/denied", reason=str(denied[0]))
+    # Of two statements that contradict each other the intervals know; of another leg they do not.
+    if other := [reason for reason in adequacy.against if reason.code == "not-one-leg"]:
+        withheld = Message("note/denied", reason=str(other[0]))
     if adequacy.grade is Grade.INADEQUATE:
         withheld = INADEQUATE
     judged, joint = {}, problem.options.anatomy

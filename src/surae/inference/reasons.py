@@ -7,9 +7,6 @@ from surae.base.file_form import filed
 from surae.base.frozen import FrozenDict
 from surae.base.words import Message, english
 
-#: Codes of reasons by which two things that were stated or recorded cannot both be so.
-DENIES = ("said", "disagree", "contradicted", "not-one-leg")
-
 
 @filed("says")
 @dataclass(frozen=True, slots=True)
