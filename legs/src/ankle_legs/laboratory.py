@@ -210,12 +210,12 @@ def measure(
     minutes += 0.25 * len(moves)
     # second statements are of this leg, whatever is wrong with the first
     true = 1000 * one.lasting(one.subject).geometry.arm(np.zeros(1))[:, 0]
-    excursion = tuple(float(x) for x in true + ARM_SD * one.rng(28).normal(size=2))
+    triceps, tibialis = map(float, true + ARM_SD * one.rng(28).normal(size=2))
     zero_again = float(ZERO_SD * one.rng(29).normal() - zero)
-    axis_again = tuple(float(x) for x in axis + AXIS_SD * one.rng(30).normal(size=2))
+    before, above = map(float, axis + AXIS_SD * one.rng(30).normal(size=2))
     return Session(
         *(one, device, files, table, tuple(steps), truth, minutes),
-        *(excursion, zero_again, axis_again),
+        *((triceps, tibialis), zero_again, (before, above)),
     )
 
 
