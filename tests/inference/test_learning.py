@@ -61,8 +61,9 @@ def dense(posterior: LogPosterior, point) -> dict[str, float]:
         spans.append(at)
         at += m + k
     H = block_diag(np.diag(posterior.weight**2), *priors)
-    for J, begin in zip(columns, spans, strict=True):
-        own = np.r_[:q, begin : begin + len(J) - q]
+    for J, begin, block in zip(columns, spans, point.blocks, strict=True):
+        z = np.arange(q)[block.at]  # not those of other recordings
+        own = np.r_[z, begin : begin + len(J) - len(z)]
         H[np.ix_(own, own)] += J @ J.T
     V = np.linalg.inv(H)
     sizes = {}

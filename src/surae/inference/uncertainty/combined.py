@@ -75,10 +75,13 @@ class Uncertainty(Comparable):
         return np.array([own.get(other, 0.0) for other in self.names])
 
     def covariance(self, *names: str) -> FloatArray:
-        """Covariance of these, or of all, in the products of their units, shape (k, k)."""
-        at = [self.names.index(name) for name in names or self.names]
-        parts = (by[:, at].T @ by[:, at] for by in self.rows.values())
-        return sum(parts, np.zeros((len(at), len(at))))
+        """Covariance of these, or of all beside the zero, in their units' products, shape (k, k)."""
+        along = self._along(*names) if names else np.eye(len(self.names))
+        parts = ((by @ along.T).T @ (by @ along.T) for by in self.rows.values())
+        return sum(parts, np.zeros((len(along), len(along))))
+
+    def _along(self, *names: str) -> FloatArray:
+        return np.array([self.along(name) for name in names])
 
     def variances(self, gradient: FloatArray) -> dict[str, float]:
         """Variance by source."""
@@ -149,7 +152,8 @@ class Uncertainty(Comparable):
 
     def draw(self, count: int, seed: int) -> FloatArray:
         """Values of legs that the fit leaves possible, shape (count, p), each with its opposite."""
-        rows = np.concatenate([*self.rows.values(), np.zeros((1, len(self.names)))]) / self.scale
+        rows = np.concatenate([*self.rows.values(), np.zeros((1, len(self.names)))])
+        rows = rows @ self._along(*self.names).T / self.scale
         sd = np.sqrt(np.sum(rows**2, axis=0))
         unit = np.where(sd > 0.0, sd, 1.0)
         w, vectors = np.linalg.eigh((rows / unit).T @ (rows / unit))
