@@ -75,7 +75,7 @@ class Uncertainty(Comparable):
         return np.array([own.get(other, 0.0) for other in self.names])
 
     def covariance(self, *names: str) -> FloatArray:
-        """Covariance of these, or of all beside the zero, in their units' products, shape (k, k)."""
+        """Covariance of these, or of all beside the zero, in products of their units, (k, k)."""
         along = self._along(*names) if names else np.eye(len(self.names))
         parts = ((by @ along.T).T @ (by @ along.T) for by in self.rows.values())
         return sum(parts, np.zeros((len(along), len(along))))
