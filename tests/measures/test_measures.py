@@ -133,10 +133,11 @@ def test_a_doubtful_fit_identifies_no_measure(fitted) -> None:
     doubt = replace(fit.adequacy, grade=Grade.DOUBTFUL, against=(reason,))
     told = measures(replace(fit, assessment=replace(fit.assessment, adequacy=doubt)))
     sure = {m.name for m in fit.measures().values() if m.verdict is Verdict.IDENTIFIED}
-    assert "end_stiffness" in sure
+    assert len(sure) > 3
     assert Verdict.IDENTIFIED not in {m.verdict for m in told.values()}
-    assert str(reason) in told["end_stiffness"].note
-    assert told["end_stiffness"].ci95 == fit.measures()["end_stiffness"].ci95
+    for name in sure:
+        assert str(reason) in told[name].note
+        assert told[name].ci95 == fit.measures()[name].ci95
 
 
 def test_what_a_model_lacks_is_none_with_the_reason(still) -> None:
