@@ -69,3 +69,10 @@ def test_a_relaxed_trial_claims_no_optimal_length_that_ultrasound_denies(fits):
 def test_no_measured_trial_is_said_to_soften(fits):
     for fit in fits.values():
         assert not any("softened" in reason for reason in fit.adequacy.reasons)
+
+
+@pytest.mark.slow
+def test_measured_trials_of_one_leg_are_not_said_to_be_of_several(fits) -> None:
+    recordings = [fits[trial].result.problem.inputs[0] for trial in TRIALS]
+    together = surae.fit(recordings, fits["PL_50_02"].settings)
+    assert "not-one-leg" not in [reason.code for reason in together.adequacy.against]

@@ -168,7 +168,7 @@ class PosteriorMode(_Found):
     gained: tuple[float, ...] = (1.0, 1.0)
     #: By how much wider the stated zero of the angle is taken, for the torque says another.
     zero_wider: float = 1.0
-    #: How far each free parameter moves with the zero of the angle, where that is told [1/rad].
+    #: How far each free parameter moves with the zero of the angle, which no torque tells [1/rad].
     turned: Mapping[str, float] = field(default_factory=FrozenDict)
     #: How much stiffer tissue was when each recording began, as a part of its torque, and its
     #: standard deviation; of the muscle group that tells it best.
