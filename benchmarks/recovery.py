@@ -82,7 +82,7 @@ def recover(
         covered = None if p.ci95 is None else p.ci95[0] <= truth <= p.ci95[1]
         identified = p.verdict is Verdict.IDENTIFIED
         estimates.append(Estimate(name, truth, p.value, p.trusted_sem, identified, covered))
-    return Recovery(seed, fit.vaf, fit.status, fit.result.found.agreeing, tuple(estimates))
+    return Recovery(seed, fit.vaf, fit.status, fit.result.solution.agreeing, tuple(estimates))
 
 
 def summarise(recoveries: Iterable[Recovery]) -> list[RecoveryRow]:

@@ -136,8 +136,8 @@ def test_ctrl_c_keeps_the_best_so_far(run, files, monkeypatch) -> None:
     assert done.err == "surae: stopped by the user; the best fit so far is shown and written\n"
     assert "k_tri" in done.out
     fit = surae.load(files / "f.json")
-    assert [start.outcome for start in fit.result.found.starts][-1] == "interrupted"
-    assert len(fit.result.found.starts) == 4
+    assert [start.outcome for start in fit.result.solution.starts][-1] == "interrupted"
+    assert len(fit.result.solution.starts) == 4
     assert "stopped by the user in start 4 of 50" in fit.message
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 

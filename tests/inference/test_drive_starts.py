@@ -45,11 +45,11 @@ def late() -> ModelInputs:
 @pytest.mark.slow
 def test_a_delay_is_found_from_all_starts(late) -> None:
     result = fit_problem(make_problem([holds(EMD, noise=0.0)], free=["emd"]))
-    assert len(result.found.starts) == 8
-    for start in result.found.starts:
+    assert len(result.solution.starts) == 8
+    for start in result.solution.starts:
         assert start.values["emd"] == pytest.approx(EMD, abs=0.0008)
     noisy = fit_problem(make_problem([late], free=["emd"]))
-    assert noisy.found.agreeing == 8
+    assert noisy.solution.agreeing == 8
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,8 @@ def test_nor_with_priors(late) -> None:
     given = {"starts": 2, "noise": 2.0}
     problem = make_problem([late], priors=priors)
     freed = make_problem([late], priors=priors, free=["emd"])
-    sums = [min(s.sse for s in fit_problem(one, **given).found.starts) for one in (problem, freed)]
+    fits = [fit_problem(one, **given).solution for one in (problem, freed)]
+    sums = [min(start.sse for start in fit.starts) for fit in fits]
     assert sums[1] <= sums[0] * (1 + 1e-9)
 
 
@@ -82,7 +83,7 @@ def test_each_start_but_for_its_drives_is_that_of_the_fit_without(late) -> None:
     without, freed = (
         fit_problem(make_problem([late], free=names), starts=3) for names in ((), ("emd", "reflex"))
     )
-    for one, other in zip(without.found.starts, freed.found.starts, strict=True):
+    for one, other in zip(without.solution.starts, freed.solution.starts, strict=True):
         assert one.initial.items() <= other.initial.items()
 
 
@@ -150,7 +151,7 @@ def test_with_drives_alone_to_estimate(late) -> None:
     truth = dict(virtual_subject(3).truth("muscle", ModelOptions()))
     result = fit_problem(make_problem([late], free=["emd"], fixed=truth), starts=2)
     assert result.values["emd"] == pytest.approx(EMD, abs=0.003)
-    assert result.found.agreeing == 2
+    assert result.solution.agreeing == 2
 
 
 @pytest.mark.slow
@@ -163,7 +164,7 @@ def test_a_delay_makes_no_measured_trial_worse(shared, trial) -> None:
     )
     assert freed.sse <= without.sse * (1 + 1e-9)
     if trial == "walk36":  # of its two valleys every start finds the lower one
-        assert freed.found.agreeing == len(freed.found.starts) == 8
+        assert freed.solution.agreeing == len(freed.solution.starts) == 8
 
 
 @pytest.mark.parametrize("model", ["muscle", "muscle-tendon"])

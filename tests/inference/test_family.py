@@ -74,14 +74,14 @@ def test_recordings_that_tell_another_leg_each_identify_nothing(fitted):
     reason = against("not-one-leg", name="k_rel")
     denied = replace(fit.adequacy, grade=Grade.DOUBTFUL, against=(reason,))
     every = {**fit.nuisances, **fit.parameters}
-    table = marginal(fitted.found, fitted.problem, fit.uncertainty, denied, every)
+    table = marginal(fitted.solution, fitted.problem, fit.uncertainty, denied, every)
     assert {p.verdict for p in table.values()} <= {Verdict.WEAK, Verdict.UNDETERMINED}
     assert sum("another k_rel each" in p.note for p in table.values()) > 5
 
 
 def test_a_richer_leg_is_found_with_its_laboratory(whole, fitted):
     assert fitted.problem.spec.name == "muscle-tendon-strain"
-    assert {"torque_zero", "emd", "xt_gl_sol"} <= set(fitted.found.beliefs)
+    assert {"torque_zero", "emd", "xt_gl_sol"} <= set(fitted.solution.beliefs)
     assert np.std(fitted.residuals[0]) == pytest.approx(whole.noise, rel=0.1)
     assert fitted.values["torque_zero"] == pytest.approx(whole.zero, abs=0.1)
     # an envelope that lags comes with a longer delay: a recording tells how late force is
@@ -93,22 +93,22 @@ def test_a_richer_leg_is_found_with_its_laboratory(whole, fitted):
         claimed >= 6
     )  # no length, whose path has a zero of its own; nor what the angle's zero moves
     assert hits >= claimed - 1
-    assert set(worth.nuisances) == set(fitted.found.beliefs)
+    assert set(worth.nuisances) == set(fitted.solution.beliefs)
     assert not set(worth.nuisances) & set(worth.parameters)
 
 
 def test_it_says_how_it_was_found(fitted):
-    fast, slow = fitted.found.starts
+    fast, slow = fitted.solution.starts
     assert (fast.initial["tau_rel"], slow.initial["tau_rel"]) == pytest.approx((0.4, 4.0))
     assert min(fast.iterations, slow.iterations) > 5
-    assert 1 <= fitted.found.agreeing <= 2
-    assert {start.outcome for start in fitted.found.starts} <= {"converged", "iteration limit"}
-    first, second = fitted.found.stages
+    assert 1 <= fitted.solution.agreeing <= 2
+    assert {start.outcome for start in fitted.solution.starts} <= {"converged", "iteration limit"}
+    first, second = fitted.solution.stages
     assert first.evaluations == fast.iterations + slow.iterations
     assert second.evaluations > 5
     assert np.isfinite([first.cost, second.cost]).all()
-    assert fitted.found.outcome == "converged"
-    assert fitted.found.evaluations == first.evaluations + second.evaluations
+    assert fitted.solution.outcome == "converged"
+    assert fitted.solution.evaluations == first.evaluations + second.evaluations
 
 
 def test_draws_of_a_posterior_that_was_fitted_are_refused(fitted):
@@ -151,18 +151,18 @@ def test_what_is_fixed_stays_and_what_is_known_is_no_nuisance(short):
     fixed = {"beta": 1.0, "torque_zero": short.zero}
     result = solve(make_problem([short.inputs], "auto", fixed=fixed))
     assert result.values["beta"] == 1.0
-    assert "torque_zero" not in result.found.beliefs
+    assert "torque_zero" not in result.solution.beliefs
 
 
 def test_several_recordings_have_their_own_zeros(short, tmp_path):
     other = richer_leg(0, trial=1, rate_hz=THIN, duration=SHORT)
     result = solve(make_problem([short.inputs, other.inputs], "auto"))
-    assert result.found.each["torque_zero"] == pytest.approx((short.zero, other.zero), abs=0.3)
+    assert result.solution.each["torque_zero"] == pytest.approx((short.zero, other.zero), abs=0.3)
     worth = assess(result)
     claimed, hits = truth_in(worth, short.parameters)
     assert claimed >= 3  # m, k_tri, g1; l0_tib, tau_rel and k_rel are known to 10.2 to 11.4 %
     assert hits >= claimed - 1
-    for each, alone in zip(result.found.recordings, (short, other), strict=True):
+    for each, alone in zip(result.solution.recordings, (short, other), strict=True):
         for name in ("m", "k_tri", "l0_tri"):
             away = abs(each.values[name] - alone.parameters[name])
             assert away < 4.0 * each.sem[name]
@@ -177,12 +177,12 @@ def test_two_legs_are_not_one():
     result = solve(make_problem([leg.inputs for leg in legs], "auto"))
     worth = assess(result)
     assert truth_in(worth, legs[0].parameters)[0] == 0
-    assert trial_spread(result.found.recordings)["g2"][1] > 0.1 * result.values["g2"]
+    assert trial_spread(result.solution.recordings)["g2"][1] > 0.1 * result.values["g2"]
 
 
 def test_a_zero_of_one_recording_is_odd_though_their_mean_is_not(fitted):
     assert judge_adequacy(fitted).grade == "adequate"
-    odd = replace(fitted, found=replace(fitted.found, each={"torque_zero": (35.0, -30.0)}))
+    odd = replace(fitted, solution=replace(fitted.solution, each={"torque_zero": (35.0, -30.0)}))
     judged = judge_adequacy(odd)
     assert judged.grade == "doubtful"
     assert judged.reasons[0].startswith("zero of the torque (torque_zero): implausible")
@@ -246,9 +246,9 @@ def test_ctrl_c_keeps_the_simple_model_and_claims_no_family(short):
 
     problem = make_problem([short.inputs], "auto", priors={"m": (1.5, 0.3)})
     result = solve(problem, progress=press)
-    assert isinstance(result.found, LeastSquares)
+    assert isinstance(result.solution, LeastSquares)
     assert result.problem.spec.name == "muscle"
-    assert result.found.is_interrupted
+    assert result.solution.is_interrupted
     assert "stopped by the user" in result.message
     assert "without priors" in result.message
 
@@ -307,8 +307,9 @@ def test_a_slack_length_is_as_unsure_as_its_stiffness(fitted):
     j = free.index("x0_tib")
     wider = np.zeros((1, len(free)))
     wider[0, j] = 0.01
-    spread = {**fitted.found.spread, "left_out": wider}
-    p = assess(replace(fitted, found=replace(fitted.found, spread=spread))).parameters["x0_tib"]
+    spread = {**fitted.solution.spread, "left_out": wider}
+    wide = replace(fitted, solution=replace(fitted.solution, spread=spread))
+    p = assess(wide).parameters["x0_tib"]
     assert p.value - p.ci95[0] > 1.2 * (p.ci95[1] - p.value)
 
 
@@ -320,7 +321,7 @@ def test_a_search_goes_on_where_it_ended(brief, tmp_path):
     assert posterior.problem.free == brief.problem.free
     away = mode.z - posterior.start(brief.values)
     assert away @ np.linalg.solve(posterior.covariance(mode), away) < 1.0
-    assert posterior.noise == brief.found.noise
+    assert posterior.noise == brief.solution.noise
 
 
 def test_noise_behind_errors_of_the_drive_is_what_the_whole_fit_leaves(brief):
@@ -354,8 +355,8 @@ def test_a_torque_of_inverse_dynamics_has_no_device(brief):
     assert set(laboratory({"give": (0.0, 1e-3)}, mounted=False)) & device == {"plate_give"}
     (measured,) = brief.problem.inputs
     computed = solve(make_problem([replace(measured, fixed={"m": 0.0})], "auto"))
-    assert "axis_forward" in brief.found.beliefs
-    assert not device & set(computed.found.beliefs)
+    assert "axis_forward" in brief.solution.beliefs
+    assert not device & set(computed.solution.beliefs)
 
 
 @pytest.mark.slow
@@ -369,8 +370,8 @@ def test_one_walking_speed_predicts_another_better_than_the_rigid_model(shared):
 def test_a_length_on_a_path_whose_zero_is_free_is_not_the_legs_own(fitted):
     """However narrow its interval: the force-length curve's width, assumed, makes it narrow."""
     lengths = ("l0_tri", "l0_tib", "x0_tri", "x0_tib")
-    sure = {name: 1e-3 * by for name, by in fitted.found.spread.items()}
-    certain = replace(fitted, found=replace(fitted.found, spread=sure))
+    sure = {name: 1e-3 * by for name, by in fitted.solution.spread.items()}
+    certain = replace(fitted, solution=replace(fitted.solution, spread=sure))
     told = assess(certain).parameters
     assert {told[name].verdict for name in lengths} == {Verdict.WEAK}
     assert all("only relative to the assumed path" in told[name].note for name in lengths)
@@ -398,7 +399,7 @@ def test_a_departure_beyond_what_legs_have_makes_the_fit_doubtful_and_is_named(f
         odder = replace(
             fitted, problem=replace(fitted.problem, spec=spec),
             values={**fitted.values, name: value},
-            found=replace(fitted.found, beliefs={**fitted.found.beliefs, name: far}),
+            solution=replace(fitted.solution, beliefs={**fitted.solution.beliefs, name: far}),
         )  # fmt: skip
         reasons = " ".join(map(str, _laboratory(odder)))
         assert ("(joint_damping): implausible" in reasons) == odd
@@ -408,12 +409,12 @@ def test_a_value_that_no_leg_has_is_not_claimed(fitted):
     """A prior that does not fit pulls at an estimate, and its interval does not know."""
     worth = assess(fitted).parameters.values()
     name = next(p.name for p in worth if p.verdict is Verdict.IDENTIFIED and p.name[0] in "kxl")
-    known, told = fitted.found.population[name], []
+    known, told = fitted.solution.population[name], []
     for away in (2.0, 3.5):
         value = fitted.values[name] if is_straight(name) else np.log(fitted.values[name])
         prior = replace(known, mean=value + away * known.sd)
-        family = replace(fitted.found, population={name: prior})
-        told.append(assess(replace(fitted, found=family)).parameters[name])
+        family = replace(fitted.solution, population={name: prior})
+        told.append(assess(replace(fitted, solution=family)).parameters[name])
     assert told[0].ci95 == told[1].ci95
     assert told[0].verdict is Verdict.IDENTIFIED
     assert told[1].verdict is Verdict.WEAK

@@ -55,9 +55,9 @@ def test_what_the_result_says_belongs_together(noisy):
     np.testing.assert_allclose(result.residuals[0], -rows[-1], atol=1e-10)
     assert result.sse == pytest.approx(float(rows[-1] @ rows[-1]), rel=1e-12)
     np.testing.assert_allclose(result.R.T @ result.R, rows[:-1] @ rows[:-1].T, rtol=1e-6, atol=1e-9)
-    assert len(result.found.starts) == 2
-    assert result.sse == pytest.approx(min(start.sse for start in result.found.starts), rel=1e-12)
-    assert tuple(result.found.starts[0].initial.values()) == tuple(problem.start.tolist())
+    assert len(result.solution.starts) == 2
+    assert result.sse == pytest.approx(min(s.sse for s in result.solution.starts), rel=1e-12)
+    assert tuple(result.solution.starts[0].initial.values()) == tuple(problem.start.tolist())
     assert result.seconds > 0
     assert "surae" in result.versions
 
@@ -71,12 +71,12 @@ def test_it_says_how_it_was_found(noisy, monkeypatch):
 
     monkeypatch.setattr(Residuals, "data_rows", counted)
     result = fit_problem(make_problem([noisy], "muscle-tendon"), starts=2)
-    found = result.found
-    assert found.evaluations == len(calls) > sum(start.iterations for start in found.starts)
-    assert {stage.name.split()[0] for stage in found.stages} == {"muscle", "muscle-tendon"}
+    solution = result.solution
+    assert solution.evaluations == len(calls) > sum(start.iterations for start in solution.starts)
+    assert {stage.name.split()[0] for stage in solution.stages} == {"muscle", "muscle-tendon"}
     assert {noisy.n, *calls} == {*calls}
-    assert min(stage.cost for stage in found.stages) <= result.sse * (1 + 1e-9)
-    assert (found.outcome, found.is_interrupted) == ("converged", False)
+    assert min(stage.cost for stage in solution.stages) <= result.sse * (1 + 1e-9)
+    assert (solution.outcome, solution.is_interrupted) == ("converged", False)
     assert not result.R.flags.writeable
     assert not result.residuals[0].flags.writeable
 
@@ -124,29 +124,30 @@ def test_the_same_seed_gives_the_same_bits(noisy):
     once, again = (fit_problem(problem, starts=3, seed=7) for _ in range(2))
     assert_same_bits(once, again)
     other = fit_problem(problem, starts=3, seed=8)
-    assert other.found.starts[0] == once.found.starts[0]
-    assert other.found.starts[1].initial != once.found.starts[1].initial
+    assert other.solution.starts[0] == once.solution.starts[0]
+    assert other.solution.starts[1].initial != once.solution.starts[1].initial
 
 
 def test_more_starts_keep_the_first_ones(noisy):
     problem = make_problem([noisy])
     few, many = (fit_problem(problem, starts=n, seed=1) for n in (2, 4))
-    assert many.found.starts[:2] == few.found.starts
+    assert many.solution.starts[:2] == few.solution.starts
 
 
 def test_six_starts_stay_within_the_bounds_and_most_agree(noisy):
     result = fit_problem(make_problem([noisy]), starts=6)
     problem = result.problem
-    for start in result.found.starts:
+    for start in result.solution.starts:
         for values in (start.initial, start.values):
             x = np.array(list(values.values()))
             assert np.all((x >= problem.lower) & (x <= problem.upper))
 
     # Within one variance of the noise: no data could tell them apart.
     sigma2 = result.sse / (noisy.n - 15)
-    assert result.found.agreeing == sum(s.sse <= result.sse + sigma2 for s in result.found.starts)
-    assert result.found.agreeing >= 4
-    assert f"{result.found.agreeing} of 6 starts reach the best minimum" in result.message
+    solution = result.solution
+    assert solution.agreeing == sum(s.sse <= result.sse + sigma2 for s in solution.starts)
+    assert solution.agreeing >= 4
+    assert f"{solution.agreeing} of 6 starts reach the best minimum" in result.message
 
 
 def test_a_valley_on_the_way_is_not_where_a_start_ends():
@@ -167,8 +168,8 @@ def test_a_valley_on_the_way_is_not_where_a_start_ends():
     best = fit_problem(make_problem([noisy], start=dict(truth)), starts=1)
     found = fit_problem(make_problem([noisy]), starts=10)
     assert found.sse == pytest.approx(best.sse, rel=1e-4)
-    assert found.found.starts[0].sse > 1.01 * best.sse
-    assert found.found.agreeing >= 5
+    assert found.solution.starts[0].sse > 1.01 * best.sse
+    assert found.solution.agreeing >= 5
 
 
 def test_too_few_starts(noisy):
@@ -183,7 +184,7 @@ def test_progress_is_told_after_every_start(noisy):
     )
     assert [given[:2] for given in seen] == [(1, 3), (2, 3), (3, 3)]
     assert [given[2] for given in seen] == [
-        min(s.sse for s in result.found.starts[: i + 1]) for i in range(3)
+        min(s.sse for s in result.solution.starts[: i + 1]) for i in range(3)
     ]
 
 
@@ -210,7 +211,7 @@ def test_interrupted_within_the_first_start(call, noisy, monkeypatch):
     assert result.status == "failed"
     assert "interrupted" in result.message
     assert "stopped by the user in start 1 of 4" in result.message
-    assert len(result.found.starts) == 1
+    assert len(result.solution.starts) == 1
     assert result.sse <= min(sums[1:call]) * (1 + 1e-12)
 
 
@@ -223,7 +224,7 @@ def test_interrupted_in_the_very_first_evaluation(noisy, monkeypatch):
 
 def test_interrupted_in_a_later_start_keeps_the_best(noisy, monkeypatch):
     whole = fit_problem(make_problem([noisy]), starts=1)
-    calls = whole.found.starts[0].iterations
+    calls = whole.solution.starts[0].iterations
     # Within the scan of the second start, and later within its iteration.
     for later in (8, 20):
         with monkeypatch.context() as patched:
@@ -233,7 +234,7 @@ def test_interrupted_in_a_later_start_keeps_the_best(noisy, monkeypatch):
         assert result.values == whole.values
         assert result.status == whole.status
         assert "stopped by the user in start 2 of 4" in result.message
-        assert len(result.found.starts) == 2
+        assert len(result.solution.starts) == 2
 
 
 @pytest.mark.parametrize("after", [1, 2])
@@ -246,7 +247,7 @@ def test_interrupted_between_starts(after, noisy):
     whole = fit_problem(make_problem([noisy]), starts=after)
     assert result.sse == whole.sse
     assert result.status == whole.status
-    assert result.found.starts == whole.found.starts
+    assert result.solution.starts == whole.solution.starts
     assert ("stopped by the user after start 1 of 2" in result.message) == (after == 1)
     assert ("stopped" in result.message) == (after == 1)
 
@@ -285,10 +286,10 @@ def test_one_start_that_overflows_among_others(clean, subject):
 
 def test_a_lone_best_minimum_is_told(noisy, monkeypatch):
     # The second start is stopped at once: the best minimum was reached a single time.
-    calls = fit_problem(make_problem([noisy]), starts=1).found.starts[0].iterations
+    calls = fit_problem(make_problem([noisy]), starts=1).solution.starts[0].iterations
     interrupting(monkeypatch, calls + 2)
     result = fit_problem(make_problem([noisy]), starts=2)
-    assert result.found.agreeing == 1
+    assert result.solution.agreeing == 1
     assert "1 of 2 starts reach the best minimum: it may not be the global one" in result.message
 
 

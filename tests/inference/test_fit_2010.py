@@ -52,7 +52,7 @@ def assert_truth(result, truth=TRUTH):
 def test_every_random_start_finds_the_truth(trial):
     result = fit_problem(make_problem([trial], MODEL), starts=12, seed=5)
     assert_truth(result)
-    for start in result.found.starts:
+    for start in result.solution.starts:
         for name, value in TRUTH.items():
             assert start.values[name] == pytest.approx(value, rel=1e-5), name
 
@@ -60,7 +60,7 @@ def test_every_random_start_finds_the_truth(trial):
 def test_with_noise_all_starts_agree_and_the_truth_is_within_the_errors(noisy_trial):
     result = fit_problem(make_problem([noisy_trial], MODEL), starts=8, seed=1)
     found = assess(result)
-    assert result.found.agreeing == 8
+    assert result.solution.agreeing == 8
     assert 99.5 < found.vaf < 100
     # Noise on the EMG shrinks weights a little: the low-pass leaves some of it.
     for name, value in TRUTH.items():
@@ -82,7 +82,7 @@ def test_only_stiffness_and_cut_off_are_searched(trial):
 
 def test_old_and_new_on_a_trial_of_the_new(noisy, subject):
     old, new = (fit_problem(make_problem([noisy], name), starts=4) for name in (MODEL, "muscle"))
-    assert old.found.agreeing == 4
+    assert old.solution.agreeing == 4
     was, now = assess(old), assess(new)
     # The old model follows the torque, but not to the noise, whatever the number of parameters.
     assert 98.5 < was.vaf < now.vaf - 0.3

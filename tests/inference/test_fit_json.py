@@ -98,7 +98,7 @@ def test_loaded_equals_saved_in_every_field(result, text, tmp_path):
     loaded = load_text(text, tmp_path)
     # Bounds and start have to be given read-only or not alike: only their numbers count.
     assert_same(loaded.result.values, result.values)
-    for name in ("status", "message", "sse", "residuals", "found", "seed", "seconds"):
+    for name in ("status", "message", "sse", "residuals", "solution", "seed", "seconds"):
         assert_same(getattr(loaded.result, name), getattr(result, name), name)
     assert_same(loaded.result.R, result.R)
     assert_same(dict(loaded.result.versions), dict(result.versions))
@@ -178,7 +178,7 @@ def test_the_human_part(result, text):
     assert (one["path"], one["sha256"]) == (None, None)
     assert (two["path"], two["sha256"], two["n"]) == ("b.csv", "1" * 64, len(result.residuals[1]))
     assert data["starts"]["n"] == 3
-    assert data["starts"]["agreeing"] == result.found.agreeing
+    assert data["starts"]["agreeing"] == result.solution.agreeing
     assert (data["seed"], data["seconds"]) == (5, result.seconds)
     assert data["format"] == FORMAT
 
@@ -189,10 +189,9 @@ def test_no_number_that_json_does_not_know(text, result):
 
     json.loads(text, parse_constant=refuse)
     # A start that overflowed has no sum; it comes back as infinite.
-    starts = (replace(result.found.starts[0], sse=math.inf), *result.found.starts[1:])
-    data = as_dict(
-        AssessedFit(replace(result, found=replace(result.found, starts=starts)), assess(result))
-    )
+    starts = (replace(result.solution.starts[0], sse=math.inf), *result.solution.starts[1:])
+    overflowed = replace(result, solution=replace(result.solution, starts=starts))
+    data = as_dict(AssessedFit(overflowed, assess(result)))
     assert data["starts"]["all"][0]["sse"] is None
     json.dumps(data, allow_nan=False)
 

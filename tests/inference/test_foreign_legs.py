@@ -110,7 +110,7 @@ def test_nothing_false_is_claimed_where_envelopes_lag_their_emg(tmp_path) -> Non
 def test_envelopes_that_are_made_here_do_not_lag(tmp_path) -> None:
     for raw in (True, False):
         path = make("a", 46, tmp_path / str(raw), (1,), seconds=20.0, raw=raw)
-        beliefs = surae.fit(path, quality=()).result.found.beliefs
+        beliefs = surae.fit(path, quality=()).result.solution.beliefs
         assert ("emg_lag" in beliefs) == (not raw)
 
 
@@ -118,7 +118,7 @@ def test_envelopes_that_are_made_here_do_not_lag(tmp_path) -> None:
 def test_the_largest_torque_is_right_although_an_electrode_drifts(tmp_path) -> None:
     """By the EMG as it is the tibialis's would be 11 % too large, beside an interval of 9 %."""
     fit = fitted(tmp_path, "c", 2)
-    assert fit.result.found.gained[1] < 0.95
+    assert fit.result.solution.gained[1] < 0.95
     measures, truth = fit.measures(angles=(0,)), truth_of("c", 2, 1)["measures"]
     for name in ("active_torque_max_tri@0deg", "active_torque_max_tib@0deg"):
         low, high = measures[name].ci95
@@ -147,7 +147,7 @@ def test_foreign_legs_that_stayed_as_they_were_have_not_changed(tmp_path) -> Non
 def test_the_noise_of_raw_emg_is_no_error_of_the_drive(tmp_path, family, seed, errs) -> None:
     """Rectified noise is loud under effort too; each size is judged with the noise it leaves."""
     fit = surae.fit(make(family, seed, tmp_path, (1,), raw=not errs), quality=())
-    assert (fit.result.found.sizes["drive"] > 0.0) == errs
+    assert (fit.result.solution.sizes["drive"] > 0.0) == errs
 
 
 @pytest.mark.slow
@@ -158,9 +158,9 @@ def test_noise_of_raw_emg_is_no_release_and_no_curve(tmp_path, family, seed, eve
     lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
     path.write_text("".join([*lines[:2], *lines[2::every]]), encoding="utf-8")
     fit = surae.fit(path, quality=())
-    assert not {"release", "shape"} & {*fit.result.found.candidates[0].groups}
+    assert not {"release", "shape"} & {*fit.result.solution.candidates[0].groups}
     truth = truth_of(family, seed, 1)["parameters"]
     known = [p for p in fit.parameters.values() if p.verdict == "identified"]
     assert known
     assert all(p.ci95[0] <= truth[p.name] <= p.ci95[1] for p in known)
-    assert sum(stage.capped for stage in fit.result.found.stages) == 0
+    assert sum(stage.capped for stage in fit.result.solution.stages) == 0

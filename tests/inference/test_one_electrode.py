@@ -39,7 +39,7 @@ def test_what_the_calf_does_unheard_is_no_error_of_the_tibialis_emg(
     text = [first + DUMB, *(c for c in channels if c.startswith(kept))]
     mapped.write_text("[channels.".join(text), encoding="utf-8")
     fit = surae.fit(mapped, quality=())
-    assert fit.result.found.sizes["drive"] == 0.0
+    assert fit.result.solution.sizes["drive"] == 0.0
     truth = json.loads((tmp_path / "truth" / f"{family}-733.json").read_text(encoding="utf-8"))
     seen, true = truth["fascicles"]["fascicle_tib"], truth["trials"][0]["parameters"]
     for name, p in fit.parameters.items():

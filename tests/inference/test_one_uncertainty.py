@@ -142,10 +142,10 @@ def test_draws_are_within_bounds_and_each_has_its_opposite(fit) -> None:
 
 def test_a_parameter_moves_with_the_zero_and_a_measure_at_an_angle_has_its_own(auto) -> None:
     """What a zero that is off makes of a parameter is in its interval, and in no measure twice."""
-    found = replace(auto.found, turned={"x0_tri": 0.02})
-    known = combined(replace(auto, found=found), found.spread)
-    before = combined(replace(auto, found=replace(auto.found, turned={})), found.spread)
-    assert "g1" in auto.found.turned  # of a fit of which nobody stated a zero
+    solution = replace(auto.solution, turned={"x0_tri": 0.02})
+    known = combined(replace(auto, solution=solution), solution.spread)
+    before = combined(replace(auto, solution=replace(auto.solution, turned={})), solution.spread)
+    assert "g1" in auto.solution.turned  # of a fit of which nobody stated a zero
     zero = np.radians(auto.problem.settings.zero_sd)
     wider = known.variances(known.along("x0_tri"))["angle_zero"]
     assert wider == pytest.approx((0.02 * zero) ** 2)

@@ -41,14 +41,14 @@ def test_bursts_hardly_move_the_estimates(loss, struck, reference):
     result = fit_robust(make_problem([inputs]), loss, starts=1)
     assert result.status == "converged"
     assert distances(result.values, reference).max() < 2.5
-    (weights,) = result.found.outliers.weights
+    (weights,) = result.solution.outliers.weights
     assert weights[hit].max() < 0.1
     assert np.median(weights[~hit]) > 0.75
-    assert result.found.outliers.share == pytest.approx(hit.mean(), abs=0.03)
+    assert result.solution.outliers.share == pytest.approx(hit.mean(), abs=0.03)
     clean = struck[0].torque[~hit]
     noise = spread(result.residuals[0][~hit])
-    assert result.found.outliers.scale == pytest.approx(noise, rel=0.05)
-    assert result.found.outliers.scale < 0.1 * np.abs(clean).mean()
+    assert result.solution.outliers.scale == pytest.approx(noise, rel=0.05)
+    assert result.solution.outliers.scale < 0.1 * np.abs(clean).mean()
 
 
 def test_bursts_ruin_least_squares(struck, reference):
@@ -61,7 +61,7 @@ def test_the_fit_holds_its_weights_and_every_sample_counts(struck):
     weight = np.where(np.arange(inputs.n) < 500, 0.0, 1.0)
     result = fit_robust(make_problem([replace(inputs, weight=weight)]), "tukey", starts=1)
     (one,), (residual,) = result.problem.inputs, result.residuals
-    np.testing.assert_array_equal(one.weight, weight * result.found.outliers.weights[0])
+    np.testing.assert_array_equal(one.weight, weight * result.solution.outliers.weights[0])
     assert result.sse == pytest.approx(float(np.sum(one.weight * residual**2)), rel=1e-9)
     assert one.counted == inputs.n - 500  # an outlier stays a sample
     counted = weight > 0
@@ -86,7 +86,7 @@ def test_intervals_of_a_loss_are_robust_ones(struck, noisy, reference):
 def test_without_outliers_a_loss_costs_little(noisy, reference):
     result = fit_robust(make_problem([noisy]), starts=1)
     assert distances(result.values, reference).max() < 1.0
-    assert result.found.outliers.share == pytest.approx(0.007, abs=0.006)
+    assert result.solution.outliers.share == pytest.approx(0.007, abs=0.006)
     _, sem = reference
     ratios = [p.sem_robust / sem[name] for name, p in assess(result).parameters.items()]
     assert np.median(ratios) == pytest.approx(np.sqrt(1.05), abs=0.03)
@@ -113,7 +113,7 @@ def test_efficiency_under_gaussian_noise_is_about_95_percent(clean, subject):
 
 def test_two_recordings_share_one_scale(noisy, struck):
     result = fit_robust(make_problem([noisy, struck[0]]), starts=1)
-    quiet, hit = result.found.outliers.weights
+    quiet, hit = result.solution.outliers.weights
     assert (quiet < 0.1).mean() < 0.001
     assert (hit < 0.1).mean() > 0.01
 
@@ -130,7 +130,7 @@ def test_priors_are_weighed_against_the_noise_without_outliers(struck, noisy):
 def test_a_fit_without_noise_has_a_scale(clean, subject):
     result = fit_robust(make_problem([clean], start=subject.parameters), starts=1)
     assert result.values["l0_tri"] == pytest.approx(subject.parameters["l0_tri"], rel=1e-4)
-    assert result.found.outliers.scale > 0
+    assert result.solution.outliers.scale > 0
 
 
 def test_a_loss_unknown(noisy):
@@ -150,9 +150,9 @@ def test_ctrl_c_leaves_the_least_squares(noisy, monkeypatch):
     result = fit_robust(problem, starts=1)
     assert calls
     assert result.status == "failed"
-    assert result.found.is_interrupted
+    assert result.solution.is_interrupted
     assert "these are the least squares" in result.message
-    assert result.found.outliers is None
+    assert result.solution.outliers is None
 
 
 def test_weights_that_do_not_rest_are_a_failure(struck, monkeypatch):

@@ -14,8 +14,8 @@ def test_where_none_is_asked_for_nothing_changes(monkeypatch) -> None:
     looked = solve(problem)
     monkeypatch.setattr(departures, "_rare", lambda *_: ())
     without = solve(problem)
-    assert looked.found.evaluations <= without.found.evaluations + 2
-    half = 1.96 * np.sqrt(np.diag(without.found.covariance))
+    assert looked.solution.evaluations <= without.solution.evaluations + 2
+    half = 1.96 * np.sqrt(np.diag(without.solution.covariance))
     for j, name in enumerate(without.problem.free):
         assert abs(looked.values[name] - without.values[name]) < 1e-3 * half[j], name
 
@@ -24,8 +24,8 @@ def test_where_none_is_asked_for_nothing_changes(monkeypatch) -> None:
 def test_short_range_stiffness_is_found_where_it_is(leg: str, there: bool, tmp_path) -> None:
     legs = pytest.importorskip("ankle_legs.make", reason="surae-legs is not installed")
     fit = surae.fit(legs.make(leg, 1004, tmp_path, (1,), seconds=25.0)[0], model="auto", quality=())
-    assert ("bridges" in fit.result.found.candidates[0].groups) == there
-    assert not any(g in fit.result.found.candidates[0].groups for g in departures.LAWS)
+    assert ("bridges" in fit.result.solution.candidates[0].groups) == there
+    assert not any(g in fit.result.solution.candidates[0].groups for g in departures.LAWS)
     if there:  # drawn between 16 and 30, and between 0.6 and 1.4 % of the optimal length
         assert 8.0 < fit.result.values["bridge_stiffness"] < 40.0
         assert fit.adequacy.r2 > 99.5
@@ -36,7 +36,7 @@ def test_no_rare_departure_is_claimed_of_legs_that_have_none(leg: str, seed: int
     """Neither of legs of another generator: other curves, geometry and drives, but no reflex."""
     legs = pytest.importorskip("ankle_legs.make", reason="surae-legs is not installed")
     fit = surae.fit(legs.make(leg, seed, tmp_path, (1,), seconds=25.0)[0], quality=())
-    assert not {*RARE} & {*fit.result.found.candidates[0].groups}
+    assert not {*RARE} & {*fit.result.solution.candidates[0].groups}
 
 
 @pytest.mark.parametrize("trial", ["PL_50_02", "PL_0_01"])
@@ -47,7 +47,7 @@ def test_no_rare_departure_is_claimed_of_measured_trials(trial: str, shared, tmp
     path = shared / "repeats" / f"{trial}.mat"
     mapping.write_text(told.replace("PL_50_01.mat", str(path)), encoding="utf-8")
     fit = surae.fit(mapping, quality=())
-    assert not {*RARE} & {*fit.result.found.candidates[0].groups}
+    assert not {*RARE} & {*fit.result.solution.candidates[0].groups}
     assert not any(name.startswith(("bridge", "reflex")) for name in fit.parameters)
 
 
@@ -55,4 +55,4 @@ def test_no_rare_departure_is_claimed_of_measured_trials(trial: str, shared, tmp
 @pytest.mark.parametrize("trial", ["walk36", "run81"])
 def test_no_rare_departure_is_claimed_of_measured_gait(trial: str, shared) -> None:
     fit = surae.fit(shared / "gait" / f"{trial}.toml", quality=())
-    assert not {*RARE} & {*fit.result.found.candidates[0].groups}
+    assert not {*RARE} & {*fit.result.solution.candidates[0].groups}

@@ -70,8 +70,8 @@ def test_what_carries_no_signal_brings_nothing_in(part: float, held: bool) -> No
     dead = replace(one, emg=read_only(emg))
     without = solve(make_problem([none], "auto", fixed={"g4": 0.0}))
     beside = solve(make_problem([dead], "auto", fixed={"g4": 0.0} if held else {}))
-    assert beside.found.beliefs.keys() == without.found.beliefs.keys()
-    sd = dict(zip(without.problem.free, np.sqrt(np.diag(without.found.covariance)), strict=True))
+    assert beside.solution.beliefs.keys() == without.solution.beliefs.keys()
+    sd = dict(zip(without.problem.free, np.sqrt(np.diag(without.solution.covariance)), strict=True))
     for name in without.problem.free:
         assert abs(beside.values[name] - without.values[name]) < 0.1 * sd[name], name
     assert beside.problem.inputs == (dead,)
@@ -82,7 +82,7 @@ def test_a_search_takes_few_evaluations(tmp_path) -> None:
     inputs = surae.prepare(surae.read(make("g", 41, tmp_path, (1,))[0]))
     fit = solve(make_problem([inputs], "auto"))
     assert fit.status == "converged"
-    assert fit.found.evaluations <= MOST
+    assert fit.solution.evaluations <= MOST
     assert "come to rest" not in fit.message
 
 

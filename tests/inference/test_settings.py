@@ -92,7 +92,7 @@ def test_a_problem_keeps_its_settings_and_is_solved_by_them(trial):
     problem = make_problem([inputs], settings)
     assert problem.settings == settings
     result = solve(problem)
-    assert (len(result.found.starts), result.seed) == (2, 5)
-    assert result.found.outliers is not None
+    assert (len(result.solution.starts), result.seed) == (2, 5)
+    assert result.solution.outliers is not None
     assert result.values["beta"] == 1.0
-    assert len(solve(problem, starts=1).found.starts) == 1
+    assert len(solve(problem, starts=1).solution.starts) == 1

@@ -106,11 +106,11 @@ def test_a_robust_weighted_fit_survives_its_file(robust_fit, tmp_path) -> None:
     assert content["vaf_weighted"] == assessment.vaf_weighted
     assert content["recordings"][0]["vaf_weighted"] == assessment.vaf_weighted
     assert content["outliers"]["loss"] == "tukey"
-    assert content["outliers"]["scale_Nm"] == robust_fit.found.outliers.scale
+    assert content["outliers"]["scale_Nm"] == robust_fit.solution.outliers.scale
     loaded = load_saved(tmp_path / "fit.json").result
     assert loaded.problem.inputs[0].emphasised
     np.testing.assert_array_equal(
-        loaded.found.outliers.weights[0], robust_fit.found.outliers.weights[0]
+        loaded.solution.outliers.weights[0], robust_fit.solution.outliers.weights[0]
     )
     again = assess(loaded)
     for name, p in assessment.parameters.items():
@@ -148,5 +148,5 @@ def test_an_older_file_has_neither(fitted, tmp_path) -> None:
     content["snsem"] = None  # which files no longer have
     path.write_text(json.dumps(content), encoding="utf-8")
     loaded = load_saved(path).result
-    assert loaded.found.outliers is None
+    assert loaded.solution.outliers is None
     assert not loaded.problem.inputs[0].emphasised

@@ -86,7 +86,7 @@ def linear(design: np.ndarray) -> Curve:
 
 def moved(one: FitResult, other: FitResult) -> float:
     """How far values of two fits are apart, in standard deviations of the first."""
-    sd = np.sqrt(np.diag(one.found.covariance))
+    sd = np.sqrt(np.diag(one.solution.covariance))
     away = [other.values[name] - one.values[name] for name in one.problem.free]
     return float(np.abs(away / sd).max())
 

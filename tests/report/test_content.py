@@ -130,14 +130,14 @@ def test_a_failed_fit_claims_nothing(plain):
 
 def test_a_single_agreeing_start_is_a_warning(plain):
     content = content_of(
-        plain, replace(plain.result, found=replace(plain.result.found, agreeing=1))
+        plain, replace(plain.result, solution=replace(plain.result.solution, agreeing=1))
     )
     assert "Only one of 3 starts" in summary_of(content)
 
 
 def test_the_starts_are_in_the_settings(plain, content):
     assert settings_of(content)["Starts"] == (
-        f"{plain.result.found.agreeing} of 3 reach the best minimum; seed 0"
+        f"{plain.result.solution.agreeing} of 3 reach the best minimum; seed 0"
     )
 
 

@@ -61,7 +61,7 @@ def test_many_outliers_are_said_to_be_none(make_trial):
     inputs = make_trial()
     missed = 60.0 * (inputs.time % 1.0 < 0.08)
     result = fit_robust(make_problem([replace(inputs, torque=inputs.torque + missed)]), starts=1)
-    assert result.found.outliers.share == pytest.approx(0.08, abs=0.02)
+    assert result.solution.outliers.share == pytest.approx(0.08, abs=0.02)
     assert "So many are no stray artefacts" in texts(judged(result))[1]
 
 

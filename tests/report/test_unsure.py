@@ -99,8 +99,8 @@ def test_the_sentence_is_not_said(auto, monkeypatch, why):
     elif why == "little gain":
         budget = replace(budget, without={"zero": 0.9 * budget.sd})
     else:
-        own = (getattr(result.found, n) for n in ("starts", "agreeing", "stages", "outcome"))
-        result = replace(result, found=LeastSquares(*own))
+        own = (getattr(result.solution, n) for n in ("starts", "agreeing", "stages", "outcome"))
+        result = replace(result, solution=LeastSquares(*own))
     budgeted(monkeypatch, name, budget)
     monkeypatch.setattr("surae.report.budget.covariance_if_filmed", lambda *_: None)
     assert what_would_help(AssessedFit(result, assessment)) == ()
@@ -110,7 +110,7 @@ def test_the_sentence_is_not_said(auto, monkeypatch, why):
 def test_filming_is_advised_with_what_it_would_narrow(auto, monkeypatch, why):
     result, assessment, budget, name = unsure(auto, "zero")
     at = result.problem.free.index(name)
-    narrowed = result.found.covariance.copy()
+    narrowed = result.solution.covariance.copy()
     narrowed[at, at] *= 0.9**2 if why == "little gain" else 0.25**2
     if why == "inadequate":
         assessment = graded(assessment, Grade.INADEQUATE)
@@ -151,8 +151,8 @@ def test_the_laboratory_says_what_was_assumed_and_who_says_so(auto):
     result, assessment = auto
     (section,) = laboratory_section(AssessedFit(result, assessment))
     rows = parts.rows(section)
-    assert set(rows) == set(result.found.beliefs)
-    zero, belief = rows["torque_zero"], result.found.beliefs["torque_zero"]
+    assert set(rows) == set(result.solution.beliefs)
+    zero, belief = rows["torque_zero"], result.solution.beliefs["torque_zero"]
     assert (zero["Assumed"].text, zero["Unit"].text) == ("0 ± 10", "Nm")
     known = assessment.nuisances["torque_zero"].sem / belief.sd
     assert (zero["Source"].text == "from the data") == (known <= 0.5)
@@ -169,12 +169,12 @@ def test_the_laboratory_says_what_was_assumed_and_who_says_so(auto):
 
 def test_the_evidence_is_said_as_strongly_as_it_is(auto):
     result, assessment = auto
-    first = result.found.candidates[0]
+    first = result.solution.candidates[0]
 
     def said(weight, grade=Grade.ADEQUATE, groups=("arm", "shape")):
         one = replace(first, weight=weight, groups=groups)
-        family = replace(result.found, candidates=(one,))
-        found = replace(result, found=family)
+        family = replace(result.solution, candidates=(one,))
+        found = replace(result, solution=family)
         return family_text(AssessedFit(found, graded(assessment, grade)))
 
     assert said(0.9).startswith(
@@ -202,9 +202,9 @@ def test_trials_are_told_of_only_where_they_differ(auto):
         )
         for at in (0.9, 1.0, 1.1)
     )
-    family = replace(result.found, recordings=recordings)
+    family = replace(result.solution, recordings=recordings)
     inputs = tuple(replace(result.problem.inputs[0], name=each) for each in "abc")
-    joint = replace(result, found=family, problem=replace(result.problem, inputs=inputs))
+    joint = replace(result, solution=family, problem=replace(result.problem, inputs=inputs))
     rows = parts.rows(trials_section(AssessedFit(joint, assessment))[0])
     assert list(rows) == names
     first = rows[names[0]]
@@ -281,7 +281,7 @@ def test_every_source_has_its_words_advice_and_look():
 def test_what_a_fit_can_find_has_a_record(auto):
     """Shifts that a fit adds to its intervals are sources, as are the nuisances it estimates."""
     result, _ = auto
-    assert set(result.found.spread) <= set(SOURCES)
-    assert {"noise", "population", "left_out", "emg_gain"} <= set(result.found.spread)
+    assert set(result.solution.spread) <= set(SOURCES)
+    assert {"noise", "population", "left_out", "emg_gain"} <= set(result.solution.spread)
     named = {name for source in SOURCES.values() for name in source.parameters}
-    assert set(result.found.beliefs) <= named
+    assert set(result.solution.beliefs) <= named

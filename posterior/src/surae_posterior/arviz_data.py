@@ -76,10 +76,10 @@ def of_fit(fit: AssessedFit, draws: int, seed: int, *, log_likelihood: bool) -> 
     legs = known.draw(draws, seed)
     groups = {"posterior": drawn(legs[:, [known.names.index(name) for name in free]], units)}
     priors = dict(problem.priors)
-    for n, p in result.found.population.items():
+    for n, p in result.solution.population.items():
         log = not is_straight(n)
         priors[n] = Prior(float(np.exp(p.mean)) if log else p.mean, p.sd, "population", log)
-    for n, p in result.found.beliefs.items():
+    for n, p in result.solution.beliefs.items():
         priors[n] = Prior(p.mean, p.sd, "laboratory", log=False)
     if shown := {n: prior for n, prior in priors.items() if n in units}:
         groups["prior"] = prior_draws(shown, units, draws, seed)

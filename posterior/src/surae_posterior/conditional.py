@@ -166,13 +166,13 @@ Surface = Callable[[str, Callable[[], bool]], Conditional | ConditionalPosterior
 
 def surface_of(result: FitResult) -> Surface:
     """What profiles of a fit go over: its sum of squares, or the posterior of its family."""
-    if isinstance(result.found, PosteriorMode):
+    if isinstance(result.solution, PosteriorMode):
         posterior, mode = resumed(result)
         return lambda name, stopped: ConditionalPosterior(result, posterior, mode, name, stopped)
     problem, noise = result.problem, 0.0
     if problem.priors:  # they are weighed against what a fit without them leaves
         plain = fit_problem(replace(problem, priors={}), starts=1)
-        if plain.found.is_interrupted:
+        if plain.solution.is_interrupted:
             raise KeyboardInterrupt
         noise = float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
     return lambda name, stopped: Conditional(result, noise, name, stopped)

@@ -170,7 +170,7 @@ def check_profiled(result: FitResult, name: str, variance_inflation: float = 1.0
 
 def profiled(result: FitResult) -> tuple[str, ...]:
     """Parameters of a fit that have a profile: those that all its recordings share."""
-    return tuple(n for n in result.problem.free if n not in result.found.each)
+    return tuple(n for n in result.problem.free if n not in result.solution.each)
 
 
 class _Search:
@@ -194,7 +194,7 @@ class _Search:
         rest = [i for i, other in enumerate(free) if other not in (*at_bound, name)]
         dof = result.problem.n - len(rest) - (name not in at_bound)
         variance = result.sse / dof
-        sigma2 = variance if isinstance(result.found, LeastSquares) else 1.0
+        sigma2 = variance if isinstance(result.solution, LeastSquares) else 1.0
         #: Variance of the noise that makes Δχ² of sums of squares [Nm²]; of −2 ln p, its inflation.
         self.unit = sigma2 * variance_inflation
         self.threshold = half_width(1.0, dof) ** 2

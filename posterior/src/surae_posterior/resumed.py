@@ -11,25 +11,25 @@ from surae.inference.family import RATE_HZ, Family
 
 def resumed(result: FitResult) -> Reached:
     """The posterior that a fit of `fit_family` chose, and its mode."""
-    found = result.found
-    assert isinstance(found, PosteriorMode)
+    solution = result.solution
+    assert isinstance(solution, PosteriorMode)
     with one_blas_thread():
         family = Family(result.problem)
-        if found.sizes["gain"] == NEARLY_NONE["gain"]:
+        if solution.sizes["gain"] == NEARLY_NONE["gain"]:
             family.hold_still()
-        sizes = {**NEARLY_NONE, **found.sizes}  # older fits know of no softening
-        post = family.posterior(found.candidates[0].groups, RATE_HZ, found.noise, sizes)
-        if len(found.films) != sum(len(own.films) for own in post.latents):
+        sizes = {**NEARLY_NONE, **solution.sizes}  # older fits know of no softening
+        post = family.posterior(solution.candidates[0].groups, RATE_HZ, solution.noise, sizes)
+        if len(solution.films) != sum(len(own.films) for own in post.latents):
             raise InputError("this fit kept no noise of its films: fit again")
-        noise = iter(found.films)
+        noise = iter(solution.films)
         latents = tuple(
             replace(own, films=tuple([replace(film, noise=next(noise)) for film in own.films]))
             for own in post.latents
         )
-        fast = None if family.is_perfect else found.sizes.get("drive")
+        fast = None if family.is_perfect else solution.sizes.get("drive")
         post = post.having(latents=latents, fast=fast)
         z = post.start(result.values)
         for j, name in enumerate(post.own):
-            if name in found.each:  # older fits share the EMG at rest
-                post.each(z)[:, j] = found.each[name]
+            if name in solution.each:  # older fits share the EMG at rest
+                post.each(z)[:, j] = solution.each[name]
         return post, post.descend(z, tolerance=1e-3)

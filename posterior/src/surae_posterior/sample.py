@@ -217,7 +217,7 @@ def sample(
     noise for white, its variance `variance_inflation` times what it is, for the reason given. All
     else is as of `surae.posterior`.
     """
-    if not isinstance(result.found, LeastSquares):
+    if not isinstance(result.solution, LeastSquares):
         raise InputError(
             "a fit of auto is a posterior already, of which `ci95` is the interval: profile the "
             "parameters to see more of it, or fit with a named model (model='muscle-tendon')"

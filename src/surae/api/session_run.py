@@ -249,7 +249,7 @@ class _Run:
             fit = fit or fit_inputs(self._of(names)[0], self.settings, self._of(names)[1])
         except (InputError, ComputationError) as error:
             return None, str(error)
-        if fit.result.found.is_interrupted:
+        if fit.result.solution.is_interrupted:
             raise KeyboardInterrupt  # an unfinished fit is none
         if self.root is not None:
             fit.save(self.root / file)

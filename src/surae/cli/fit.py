@@ -116,7 +116,7 @@ def show_fitted(
 
 def judge_end(fit: "api.Fit", output: str | None) -> None:
     """Say where a fit was stopped or failed; the exit code says so too."""
-    if fit.result.found.is_interrupted:
+    if fit.result.solution.is_interrupted:
         written = " and written" if output is not None else ""
         raise StoppedError(f"stopped by the user; the best fit so far is shown{written}")
     if fit.status == "failed":

@@ -174,13 +174,13 @@ def _bounds(result: FitResult) -> Iterator[Reason]:
 
 def _laboratory(result: FitResult) -> Iterator[Reason]:
     """A laboratory that is odder than laboratories are stands for what the model leaves out."""
-    own = result.found.each
+    own = result.solution.each
     joint = result.problem.options.anatomy
     meanings = {p.name: joint.worded(p.meaning) for p in result.problem.spec.parameters}
     stated = result.problem.settings.known
     odd = [
         f"{meanings[name]} ({name})"
-        for name, belief in result.found.beliefs.items()
+        for name, belief in result.solution.beliefs.items()
         if group_of(name) not in stated and _is_odd(own.get(name, (result.values[name],)), belief)
     ]
     if odd:
@@ -206,7 +206,7 @@ def _stated(result: FitResult) -> Iterator[Reason]:
         if made.agrees is False:
             label, texts = result.problem.options.anatomy.worded(LABELS[source]), made.texts
             yield against("disagree", label=label, first=texts[0], second=texts[1])
-    for group, probability in sorted(result.found.contradicted.items()):
+    for group, probability in sorted(result.solution.contradicted.items()):
         label = result.problem.options.anatomy.worded(LABELS[group])
         if probability < RARE:
             yield against("contradicted", grave=probability < _WRONG, label=label)
@@ -219,7 +219,7 @@ def _agreement(result: FitResult, r2: float) -> Iterator[Reason]:
     strong the same share of the torque is more of it.
     """
     inputs, residuals = result.problem.inputs, result.residuals
-    pairs, alone = list(map(counted, inputs, residuals)), result.found.recordings
+    pairs, alone = list(map(counted, inputs, residuals)), result.solution.recordings
     name, rare = farthest_apart(alone) if alone else ("", 1.0)
     if rare < SAID:
         yield against("not-one-leg", name=name)
@@ -248,9 +248,9 @@ def _films(result: FitResult) -> Iterator[Reason]:
 
 def _softened(result: FitResult) -> Iterator[Reason]:
     """What is told is to hold for the leg as it stays: conditioned, as after several stretches."""
-    for recording, (size, sd) in zip(result.problem.inputs, result.found.softening, strict=False):
+    for trial, (size, sd) in zip(result.problem.inputs, result.solution.softening, strict=False):
         if size > max(_SOFTENS, _SURE * sd):
-            yield against("softened", trial=recording.name, stiffer=100.0 * size)
+            yield against("softened", trial=trial.name, stiffer=100.0 * size)
 
 
 def judge_prediction(

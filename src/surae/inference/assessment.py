@@ -138,7 +138,7 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
         )
         for recording, (torque, residual, weight) in zip(problem.inputs, pairs, strict=True)
     )
-    found, laboratory = result.found, result.found.beliefs
+    solution, laboratory = result.solution, result.solution.beliefs
     of_leg = np.array([name not in laboratory for name in estimated.names], dtype=bool)
     leg = replace(
         estimated,
@@ -154,14 +154,14 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
     residuals = np.concatenate([residual for _, residual, _ in pairs])
     adequacy = judge_adequacy(result)
     against = contradiction(result) if alternatives else None
-    if isinstance(found, PosteriorMode):
-        known = combined(result, found.spread)
+    if isinstance(solution, PosteriorMode):
+        known = combined(result, solution.spread)
     else:
         believed = robust if interval is Interval.ROBUST else None
         known = of_least_squares(result, estimated, believed, against)
     table = _parameters(result, estimated, robust, known, interval, adequacy, against)
-    if isinstance(found, PosteriorMode):
-        table |= marginal(found, problem, known, adequacy, table)
+    if isinstance(solution, PosteriorMode):
+        table |= marginal(solution, problem, known, adequacy, table)
     if against is not None:
         missing = ", ".join(against.missing)
         why = Message("interval/contradicted", why=why, missing=missing)
@@ -188,11 +188,11 @@ def _believed(
     result: FitResult, robust: RobustCovariance | None, white: Sequence[Whiteness]
 ) -> tuple[Interval, Message]:
     """Which standard errors to believe: the thesis's where all residuals are white; and why."""
-    if isinstance(result.found, PosteriorMode):
+    if isinstance(result.solution, PosteriorMode):
         return Interval.MARGINAL, Message("interval/marginal")
     if robust is None:
         return Interval.THESIS, Message("interval/none")
-    if result.found.outliers is not None:
+    if result.solution.outliers is not None:
         return Interval.ROBUST, Message("interval/outliers")
     if any(recording.emphasised for recording in result.problem.inputs):
         return Interval.ROBUST, Message("interval/weights")

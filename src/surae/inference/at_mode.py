@@ -89,7 +89,7 @@ def summed(
         seed=original.settings.seed,
         seconds=0.0,
         versions=versions(),
-        found=PosteriorMode(
+        solution=PosteriorMode(
             starts=tuple(start for _, start in met),
             agreeing=sum(cost - best < _ALIKE for cost, _ in met),
             stages=tuple(stages),

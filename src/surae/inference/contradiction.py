@@ -69,7 +69,7 @@ def contradiction(result: FitResult) -> Contradiction | None:
         for n, belief in laboratory(joint=problem.options.anatomy).items()
         if group_of(n) in _HELD_AGAINST and n not in problem.free and n not in known
     }
-    named = isinstance(result.found, LeastSquares) and problem.settings.loss is None
+    named = isinstance(result.solution, LeastSquares) and problem.settings.loss is None
     if not named or result.status == "failed":
         return None
     try:

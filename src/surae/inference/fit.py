@@ -56,7 +56,7 @@ def fit_problem(
     begin = time.perf_counter()
     if noise is None and problem.priors:
         plain = fit_problem(replace(problem, priors={}), starts=1, seed=seed)
-        if plain.found.is_interrupted:
+        if plain.solution.is_interrupted:
             message = Message("ended/priors", message=plain.message)
             return replace(plain, problem=problem, message=message)
         noise = float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
@@ -136,7 +136,7 @@ def _result(
         residuals=tuple(read_only(residual) for residual in left),
         sse=residuals.sse(left),
         R=read_only(best.R),
-        found=LeastSquares(
+        solution=LeastSquares(
             starts=tuple(
                 Start(of_free(initial), of_free(m.x), m.sse, str(m.outcome), m.iterations)
                 for initial, m in zip(initials, minima, strict=False)

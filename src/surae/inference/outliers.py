@@ -121,7 +121,7 @@ def fit_robust(
         if resting is None:
             return replace(
                 first, status="failed",
-                found=replace(first.found, outcome=str(Outcome.INTERRUPTED)),
+                solution=replace(first.solution, outcome=str(Outcome.INTERRUPTED)),
                 message=Message("ended/outliers-stopped"),
             )  # fmt: skip
         x, sse, outliers = resting
@@ -143,9 +143,9 @@ def fit_robust(
     elif status != "failed" and result.sse > sse * (1 + 1 / (problem.n - len(x))):
         status, message = "failed", Message("ended/outliers-lost")
     seconds = time.perf_counter() - begin
-    assert isinstance(result.found, LeastSquares)
-    found = replace(result.found, outliers=outliers)
-    return replace(result, status=status, message=message, found=found, seconds=seconds)
+    assert isinstance(result.solution, LeastSquares)
+    solution = replace(result.solution, outliers=outliers)
+    return replace(result, status=status, message=message, solution=solution, seconds=seconds)
 
 
 @dataclass(frozen=True, slots=True)

@@ -92,7 +92,7 @@ class OfRecording:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Found(Comparable):
+class _Solution(Comparable):
     """How a minimum was found."""
 
     starts: tuple[Start, ...]  #: Every start, the default one first.
@@ -112,7 +112,7 @@ class _Found(Comparable):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LeastSquares(_Found):
+class LeastSquares(_Solution):
     """A named model's least squares: of the laboratory nothing is asked and nothing said."""
 
     outliers: Outliers | None = None  #: How outliers were let count less; None where all count.
@@ -140,7 +140,7 @@ class LeastSquares(_Found):
 
 @filed("starts", "agreeing", "stages", "outcome", beliefs="priors", covariance="covariance")
 @dataclass(frozen=True, slots=True, eq=False)
-class PosteriorMode(_Found):
+class PosteriorMode(_Solution):
     """The mode of a family's posterior: how a model was chosen, and what that leaves unsure."""
 
     candidates: tuple[Candidate, ...]  #: Models that were fitted, the chosen one first.
@@ -184,7 +184,7 @@ class PosteriorMode(_Found):
         return np.asarray(sum(by.T @ by for by in self.spread.values()))
 
 
-@filed("problem", "values", "residuals", "found")
+@filed("problem", "values", "residuals", "solution")
 @dataclass(frozen=True, slots=True, eq=False)
 class FitResult(Comparable):
     """The best minimum found."""
@@ -200,7 +200,7 @@ class FitResult(Comparable):
     #: Triangular factor of the weighted Jacobian by the free parameters: RᵀR = JᵀWJ, of a named
     #: model with what priors add to it, shape (p, p).
     R: FloatArray
-    found: LeastSquares | PosteriorMode  #: How it was found, and what only that kind of fit knows.
+    solution: LeastSquares | PosteriorMode  #: How it was found, and what only its kind knows.
     seed: int  #: Seed of the random starts.
     seconds: float  #: Wall time.
     versions: Mapping[str, str]  #: Versions of surae and of what its numbers depend on.
@@ -208,7 +208,7 @@ class FitResult(Comparable):
     @property
     def at_bound(self) -> tuple[str, ...]:
         """Free parameters that lie at a bound."""
-        return at_bounds(self.problem, self.values, self.found.may_vanish)
+        return at_bounds(self.problem, self.values, self.solution.may_vanish)
 
     @property
     def bounded(self) -> dict[str, float]:

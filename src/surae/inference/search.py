@@ -89,5 +89,5 @@ def _stopped(family: Family) -> FitResult:
     """What is kept where the user stopped: the rigid model, nothing weighed."""
     plain = family.rigid(family.inputs, priors=FrozenDict())
     code = "ended/rigid-without" if family.original.priors else "ended/rigid"
-    found = replace(plain.found, outcome=str(Outcome.INTERRUPTED))
-    return replace(plain, message=Message(code), found=found)
+    solution = replace(plain.solution, outcome=str(Outcome.INTERRUPTED))
+    return replace(plain, message=Message(code), solution=solution)

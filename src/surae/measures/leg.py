@@ -361,5 +361,5 @@ def measured_range(
 def leg_of(result: FitResult) -> Leg:
     """The leg of a fit."""
     problem, moved = result.problem, measured_range(result, _MOVED)
-    gained = result.found.gained
+    gained = result.solution.gained
     return Leg(problem.spec, problem.options, result.values, problem.inputs, moved, gained)

@@ -39,7 +39,7 @@ def budget_of(fit: AssessedFit) -> BudgetTable:
     """The budgets of all parameters in one table."""
     known = {p.name: p for p in fit.assessment.parameters.values() if p.budget and p.ci95}
     helps = what_to_measure(fit.assessment)
-    if isinstance(fit.result.found, LeastSquares) or not known:
+    if isinstance(fit.result.solution, LeastSquares) or not known:
         return BudgetTable((), (), {}, helps)
     met = {source for p in known.values() for source in p.budget if p.budget[source] >= _SHOWN}
     sources = tuple(source for source in SOURCES if source in met)
@@ -97,7 +97,7 @@ def what_would_help(fit: AssessedFit) -> tuple[str, ...]:
     nothing, and none of a named model, which knows of noise alone.
     """
     result, assessment = fit.result, fit.assessment
-    named = isinstance(result.found, LeastSquares)
+    named = isinstance(result.solution, LeastSquares)
     if named or assessment.adequacy.grade is Grade.INADEQUATE:
         return ()
     gains: dict[str, dict[str, tuple[float, str]]] = {}

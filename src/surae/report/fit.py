@@ -180,7 +180,7 @@ def _key(fit: AssessedFit, rms: float) -> block.KeyFigures:
             "another trial would give the same",
         )
     else:
-        agreeing = f"{result.found.agreeing} of {len(result.found.starts)}"
+        agreeing = f"{result.solution.agreeing} of {len(result.solution.starts)}"
         last = ("Starts that agree", agreeing, "on the best minimum")
     r2, rmse = percentage(assessment.adequacy.r2), significant(assessment.rmse, 3)
     return block.KeyFigures((

@@ -36,7 +36,7 @@ def known_section(result: FitResult) -> tuple[block.Section, ...]:
         *block.paragraphs(known.doubts, "warning"),
         *(block.Text(f"{worded(LABELS[g])}: the torque fits this badly (one right statement in "
                      f"{1.0 / p:.3g} is as far off); intervals are wider for it.", "warning")
-          for g, p in result.found.contradicted.items() if p),
+          for g, p in result.solution.contradicted.items() if p),
     )  # fmt: skip
     return (block.Section(title, blocks, "known", "page"),)
 
@@ -51,17 +51,17 @@ _NUISANCES = (
 
 def laboratory_section(fit: AssessedFit) -> tuple[block.Section, ...]:
     """Errors of the laboratory; nothing for a named model, which takes it for perfect."""
-    found, inputs = fit.result.found, fit.result.problem.inputs
-    if not found.candidates:
+    solution, inputs = fit.result.solution, fit.result.problem.inputs
+    if not solution.candidates:
         return ()
     blocks: list[block.Block] = []
-    if not found.beliefs:
+    if not solution.beliefs:
         blocks.append(block.Text(
             "Measurement errors were left out, as requested: the intervals assume a perfect "
             "laboratory."
         ))  # fmt: skip
     else:
-        estimates = [p for name, p in fit.assessment.nuisances.items() if name in found.beliefs]
+        estimates = [p for name, p in fit.assessment.nuisances.items() if name in solution.beliefs]
         present = {group_of(p.name) for p in estimates}
         worded = fit.result.problem.options.anatomy.worded
         groups = [
@@ -70,14 +70,14 @@ def laboratory_section(fit: AssessedFit) -> tuple[block.Section, ...]:
         heads = block.columns("Imperfection", "Assumed", "Estimate", "95 % interval", "Unit",
                               "Source", numbers=(1, 3), wide=(0, 5),
                               looks={2: "number value", 4: "unit"})  # fmt: skip
-        rows = block.rows(_row(p, found.beliefs[p.name]) for p in estimates)
+        rows = block.rows(_row(p, solution.beliefs[p.name]) for p in estimates)
         title = "Imperfections: what was assumed and what came out"
         blocks += [
             block.Text(worded(_NUISANCES)),
             block.Text(f"{'; '.join(groups)}.", "note"),
             block.Grid(title, heads, rows, "laboratory"),
         ]
-        if own := found.each.get("torque_zero"):
+        if own := solution.each.get("torque_zero"):
             zeros = ", ".join(
                 f"{recording.name} {significant(zero, 3)} Nm"
                 for recording, zero in zip(inputs, own, strict=True)
@@ -118,11 +118,11 @@ def _origin(p: ParameterEstimate, belief: Gaussian) -> str:
 
 def family_text(fit: AssessedFit) -> str:
     """Which departures the data ask for; empty for a named model."""
-    if not fit.result.found.candidates:
+    if not fit.result.solution.candidates:
         return ""
     if fit.assessment.adequacy.grade is Grade.INADEQUATE:
         return "The fit is inadequate: what the data ask for means nothing."
-    chosen = fit.result.found.candidates[0]
+    chosen = fit.result.solution.candidates[0]
     departures = _labels(fit.result, chosen) or "the plain model"
     better = "These data fit better with"
     if chosen.weight < 0.5:
@@ -141,9 +141,9 @@ def _labels(result: FitResult, candidate: Candidate) -> str:
 
 def family_section(fit: AssessedFit) -> tuple[block.Section, ...]:
     """The models that were weighed, and what the evidence says; nothing for a named model."""
-    if not fit.result.found.candidates:
+    if not fit.result.solution.candidates:
         return ()
-    chosen, *others = fit.result.found.candidates
+    chosen, *others = fit.result.solution.candidates
     models = [chosen, *(other for other in others if other.model != chosen.model)]
     variants = [other for other in others if other.model == chosen.model]
     heads = block.columns("Model", "Imperfections in it", "Probability", numbers=(2,), wide=(1,))
@@ -174,7 +174,7 @@ TRIALS = (
 
 def trials_section(fit: AssessedFit) -> tuple[block.Section, ...]:
     """How the trials of a joint fit differ; nothing where that was not looked at."""
-    recordings, inputs = fit.result.found.recordings, fit.result.problem.inputs
+    recordings, inputs = fit.result.solution.recordings, fit.result.problem.inputs
     if not recordings:
         return ()
     apart = trial_spread(recordings)

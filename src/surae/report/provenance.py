@@ -22,7 +22,7 @@ def emphasis_text(fit: AssessedFit) -> str:
     texts = []
     if any(recording.emphasised for recording in fit.result.problem.inputs):
         texts.append("Some samples count more than others in this fit.")
-    if (outliers := fit.result.found.outliers) is not None:
+    if (outliers := fit.result.solution.outliers) is not None:
         share = 100 * outliers.share
         texts.append(
             f"Outliers count less ({outliers.loss} loss): {significant(share, 2)} "
@@ -112,18 +112,18 @@ _STAGES = {
 
 def fit_settings(result: FitResult) -> list[tuple[str, str]]:
     """What was fitted and how long it took, then every setting that is not its default."""
-    problem, found = result.problem, result.found
-    chosen = ", chosen by model auto" if found.candidates else ""
+    problem, solution = result.problem, result.solution
+    chosen = ", chosen by model auto" if solution.candidates else ""
     facts = [
         ("Model", f"{problem.spec.title} ({problem.spec.name}){chosen}"),
         ("Samples and estimated parameters", f"{problem.n} and {len(problem.free)}"),
         ("Wall time of the fit", f"{significant(result.seconds, 2)} s"),
     ]
-    count = len(found.starts)
-    text = f"{found.agreeing} of {count} reach the best minimum; seed {result.seed}"
+    count = len(solution.starts)
+    text = f"{solution.agreeing} of {count} reach the best minimum; seed {result.seed}"
     one = "only one: whether its minimum is the best one was not looked into"
     facts.append(("Starts", text if count > 1 else one))
-    for stage in found.stages:
+    for stage in solution.stages:
         name = _STAGES.get(stage.name, stage.name)
         capped = f"; {stage.capped} of its descents ended at a cap" if stage.capped else ""
         facts.append((f"Search {name}", f"{stage.evaluations} evaluations{capped}"))

@@ -49,8 +49,8 @@ def summary(fit: AssessedFit) -> tuple[str, ...]:
     if fit.result.status == "failed":
         return (FAILED,)
     texts = [outdated(fit.assessment), emphasis_text(fit)]
-    if fit.result.found.is_alone:
-        starts = len(fit.result.found.starts)
+    if fit.result.solution.is_alone:
+        starts = len(fit.result.solution.starts)
         texts.append(
             f"Only one of {starts} starts reached this solution. There may be a better one: give "
             "more starts before relying on the values."

@@ -55,7 +55,7 @@ def as_dict(fit: AssessedFit) -> dict[str, Any]:
     problem, found = result.problem, to_plain(result)
     for recording, white in zip(judged["recordings"], judged.pop("whiteness"), strict=True):
         recording["residual"] = white
-    how = result.found
+    how = result.solution
     data: dict[str, Any] = {
         "surae": result.versions.get("surae", __version__),
         "format": FORMAT,
@@ -256,14 +256,14 @@ def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
         "problem": from_plain(FitProblem, {**data, **problem}),
         "values": values,
         "residuals": tuple(left.residual for left in file.left),
-        "found": _found(file, data),
+        "solution": _solution(file, data),
     }
     result = from_plain(FitResult, {**data, **found})
     _check(result)
     return result
 
 
-def _found(file: _File, data: Any) -> LeastSquares | PosteriorMode:
+def _solution(file: _File, data: Any) -> LeastSquares | PosteriorMode:
     """How the fit was found; older files say less of it, or have it within the family."""
     starts, family = file.starts.all, data.get("family")
     ended = starts[-1] if starts[-1].outcome == "interrupted" else min(starts, key=lambda s: s.sse)
@@ -292,7 +292,7 @@ def _family(data: Any) -> Any:
 
 def _check(result: FitResult) -> None:
     """Refuse arrays that do not go with each other, and numbers that no fit gives."""
-    problem, found, outliers = result.problem, result.found, result.found.outliers
+    problem, solution, outliers = result.problem, result.solution, result.solution.outliers
     p, inputs = len(problem.free), problem.inputs
     shapes: list[tuple[str, FloatArray, tuple[int, ...]]] = [("R", result.R, (p, p))]
     shapes.append(("base", problem.base, (len(problem.spec.names),)))
@@ -310,14 +310,14 @@ def _check(result: FitResult) -> None:
         reference = recording.emg_reference
         if reference is not None and not all(v is None or v > 0 for v in reference.values):
             raise InputError(f"traces[{i}].emg_reference.values_V: one is not above zero")
-    if any(len(values) != len(inputs) for values in found.each.values()):
+    if any(len(values) != len(inputs) for values in solution.each.values()):
         raise InputError("family.each: it has not one value for each recording")
-    if other := [source for source in found.spread if source not in SOURCES]:
+    if other := [source for source in solution.spread if source not in SOURCES]:
         raise InputError(
             f"family.spread.{other[0]}: no source of "
             "uncertainty is called so; install what brings it, or fit again"
         )
-    shapes += [(f"family.spread.{s}", by, (len(by), p)) for s, by in found.spread.items()]
+    shapes += [(f"family.spread.{s}", by, (len(by), p)) for s, by in solution.spread.items()]
     if outliers is not None:
         scales = (outliers.tuning, outliers.scale, outliers.widening)
         between = all(w.size and w.min() > 0 and w.max() <= 1 for w in outliers.weights)

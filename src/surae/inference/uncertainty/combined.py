@@ -178,7 +178,7 @@ def combined(
         elif values[j] > 0.0 and not is_straight(name):
             origin[j] = 0.0
     rows = dict(rows)
-    zero = result.found.zero_wider * np.radians(problem.settings.zero_sd)
+    zero = result.solution.zero_wider * np.radians(problem.settings.zero_sd)
     lower, upper = problem.lower, problem.upper
     moved = np.array([(shift or {}).get(name, 0.0) for name in names])
     dof = np.full(len(names), np.inf) if dof is None else dof
@@ -194,7 +194,7 @@ def combined(
     return Uncertainty(
         names, values, lower, upper, origin,
         FrozenDict({source: read_only(by) for source, by in rows.items()}), moved, dof,
-        result.at_bound, lost, result.found.turned,
+        result.at_bound, lost, result.solution.turned,
     )  # fmt: skip
 
 
@@ -229,9 +229,9 @@ def information_root(result: FitResult) -> FloatArray:
 
     Of least squares the factor of the Jacobian; a posterior's comes from its covariance.
     """
-    if not (isinstance(result.found, PosteriorMode) and np.isfinite(result.sse)):
+    if not (isinstance(result.solution, PosteriorMode) and np.isfinite(result.sse)):
         return result.R
-    covariance, problem = result.found.covariance, result.problem
+    covariance, problem = result.solution.covariance, result.problem
     scale = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     scaled = covariance * scale * scale[:, None]
     if not np.isfinite(scaled).all():

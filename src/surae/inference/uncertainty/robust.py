@@ -62,7 +62,7 @@ def robust_covariance(
     the noise's correlation in it.
     """
     problem = result.problem
-    if not estimated.names or not isinstance(result.found, LeastSquares):
+    if not estimated.names or not isinstance(result.solution, LeastSquares):
         return None, tuple(
             whiteness(residual, inputs.rate_hz, inputs.counts)
             for inputs, residual in zip(problem.inputs, result.residuals, strict=True)
@@ -73,7 +73,7 @@ def robust_covariance(
         x = np.array([result.values[name] for name in problem.free])
         rows = Residuals(problem).data_rows(x)
         ends = np.cumsum([inputs.n for inputs in problem.inputs])[:-1]
-        outliers = result.found.outliers
+        outliers = result.solution.outliers
         losses = outliers.weights if outliers else [None] * len(problem.inputs)
         parts = zip(problem.inputs, np.split(rows, ends, axis=1), losses, strict=True)
         seen = [

@@ -109,7 +109,7 @@ def fit_legs(fit: AssessedFit, count: int, *, seed: int = 0) -> Legs:
     problem = result.problem
     if result.status == "failed":
         raise InputError("the fit failed and describes no leg; name a population instead")
-    priors = dict(result.found.beliefs)
+    priors = dict(result.solution.beliefs)
     centre = problem.spec.vector(result.values, problem.options)
     columns = [problem.spec.names.index(name) for name in problem.free]
     rows = np.tile(centre, (count, 1))

@@ -62,7 +62,7 @@ def fit_job(*, where: Where, settings: Plain, others: Mapping[str, Where]) -> Pl
 def _fit(where: Where, settings: FitSettings, others: Mapping[str, Where]) -> Plain:
     recording = _read(**where)
     fit = surae.fit(recording, settings, quality=checks_for(settings, [recording]))
-    if fit.result.found.is_interrupted:
+    if fit.result.solution.is_interrupted:
         raise KeyboardInterrupt
     predicted: dict[str, float | None] = {}
     for name, other in others.items():

@@ -126,7 +126,7 @@ def fit_record(
 ) -> Plain:
     """A fit as plain numbers beside the truth, with what it predicts of other recordings."""
     truth = {**who.subject.parameters, **who.subject.tendons}
-    sums = [start.sse for start in fit.result.found.starts]
+    sums = [start.sse for start in fit.result.solution.starts]
     parts = [fit.parts(number) for number in range(len(fit.result.problem.inputs))]
     measured = np.concatenate([_measured(inputs) for inputs in fit.result.problem.inputs])
     missing = np.concatenate(fit.result.residuals)

@@ -160,7 +160,7 @@ def _fit(task: FitTask) -> TaskOutcome:
     )  # fmt: skip
     settings = FitSettings(task.fitted or task.model, options, starts=task.starts, seed=task.seed)
     result = solve(make_problem([trial], settings))
-    if result.found.is_interrupted:
+    if result.solution.is_interrupted:
         raise KeyboardInterrupt
     assessment = assess(result)
     truth = subject.truth(task.model, options)

@@ -71,7 +71,7 @@ def fit(task: Task) -> dict[str, Any]:
     fitted.save(_file(task, "fit", task["id"]))
     return {
         "message": fitted.message,
-        "interrupted": fitted.result.found.is_interrupted,
+        "interrupted": fitted.result.solution.is_interrupted,
         "summary": summary(fitted),
     }
 
