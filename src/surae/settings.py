@@ -169,7 +169,7 @@ class FitSettings(Request):
         laboratory(self.beliefs)
         if self.geometry_of != names.GEOMETRY_OF[0] and isinstance(self.options.geometry, str):
             raise InputError("geometry_of has no effect without a geometry's file; give one")
-        zero, _ = self.told_zero or (0.0, 0.0)
+        zero, _ = self.stated_zero or (0.0, 0.0)
         if zero:
             at = {"angle_zero": math.radians(zero)}
             object.__setattr__(self, "fixed", FrozenDict({**at, **self.fixed}))
@@ -222,15 +222,15 @@ class FitSettings(Request):
         """How far the angle's zero may be off, one standard deviation [deg]."""
         if self.angle_zero_sd is not None:
             return self.angle_zero_sd
-        if self.told_zero is not None:
-            return self.told_zero[1]
+        if self.stated_zero is not None:
+            return self.stated_zero[1]
         return 0.0 if "angle_zero" in self.fixed else _ZERO
 
     @property
-    def told_zero(self) -> tuple[float, float] | None:
+    def stated_zero(self) -> tuple[float, float] | None:
         """The angle's zero as it was stated, and its standard deviation [deg]."""
         made = {} if self.knowledge is None else self.knowledge.statements
-        return made["angle_zero"].told[""] if "angle_zero" in made else None
+        return made["angle_zero"].numbers[""] if "angle_zero" in made else None
 
     @property
     def is_own(self) -> bool:

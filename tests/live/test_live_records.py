@@ -202,9 +202,9 @@ def test_a_relaxed_first_trial_spoils_none_after_it(tmp_path) -> None:
         write_hdf5(file, virtual_recording(leg, generate(protocol), seed=number))
         output = tmp_path / f"trial-0{number}.h5"
         earlier = [str(tmp_path / "trial-01.h5")] if told else []
-        told.append(judge(str(file), str(output), earlier, efforts=efforts, asked=asked))
+        told.append(judge(str(file), str(output), earlier, efforts=efforts, instructed=asked))
         record = Record.of(trial=number, state="judged", effort_asked=asked, **told[-1])
-        efforts |= {output.stem: record.told_effort} if record.told_effort else {}
+        efforts |= {output.stem: record.confirmed_effort} if record.confirmed_effort else {}
     assert (told[0]["effort_judged"], told[0]["effort"]) == ("unknown", "passive")
     assert told[0]["verdict"] != "repeat"
     assert (told[1]["effort"], told[1]["use"]) == ("active", "fit")

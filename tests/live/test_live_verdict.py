@@ -314,9 +314,9 @@ def test_movements_that_tell_tissue_from_reflex_run_relaxed(short, profile) -> N
     short.load(profile=profile, task="active", duration=20.0)  # both have their own
     angle = short.trajectory.angle
     assert (angle.min() > -0.51, angle.max() < -0.09) == (True, True)
-    assert short.asked["protocol"] == profile
-    assert short.asked["effort"] == "passive"
-    assert short.asked["seconds"] > 50.0
+    assert short.planned["protocol"] == profile
+    assert short.planned["effort"] == "passive"
+    assert short.planned["seconds"] > 50.0
 
 
 def test_what_stretches_will_tell_is_what_expect_says(short) -> None:
@@ -330,7 +330,7 @@ def test_a_perturbed_trial_is_kept_for_what_it_is(tmp_path) -> None:
     moved = Ankle(seconds=30.0).moved()
     columns = {"time_s": moved["time"], "angle_rad": moved["angle"], "torque_Nm": moved["torque"]}
     write_csv(tmp_path / "small.csv", columns)
-    said = judge(str(tmp_path / "small.csv"), str(tmp_path / "small.h5"), asked="passive")
+    said = judge(str(tmp_path / "small.csv"), str(tmp_path / "small.h5"), instructed="passive")
     assert (said["use"], said["verdict"]) == ("nerve", "keep")
     assert "small random perturbations" in said["advice"]
 
@@ -342,7 +342,7 @@ def test_a_designed_protocol_keeps_to_the_device_and_too_much_is_not_loaded(
     room = Room(tmp_path / "out")
     try:
         room.load(profile="passive-20")
-        assert room.asked["effort"] == "passive"
+        assert room.planned["effort"] == "passive"
         assert all("beyond" not in limit["text"] for limit in room.limits)
         most = max(map(abs, load_of(room.trajectory).torque))
         assert f"torque of virtual legs {most:.3g} Nm" in " ".join(e["text"] for e in room.limits)
@@ -350,9 +350,9 @@ def test_a_designed_protocol_keeps_to_the_device_and_too_much_is_not_loaded(
         write_protocol_csv(generate(hard), tmp_path / "hard.csv")
         with pytest.raises(InputError, match=r"hard is not loaded: .*torque.* beyond the 80 Nm"):
             room.load(tmp_path / "hard.csv")
-        assert room.asked["protocol"] == "passive-20"
+        assert room.planned["protocol"] == "passive-20"
         room.load(tmp_path / "hard.csv", beyond=True)
-        assert room.asked["protocol"] == "hard"
+        assert room.planned["protocol"] == "hard"
         command = surae.expect(room._file, legs=2)
         monkeypatch.setattr("surae.api.expect", lambda *_, **__: command)
         told = tells(str(room._file))
@@ -370,7 +370,7 @@ def test_a_proposal_of_another_day_is_not_loaded(short) -> None:
         short.load_next()
     short.trials.session["proposed"] = "passive-20"
     short.load_next()
-    assert short.asked["protocol"] == "next: passive-20"
+    assert short.planned["protocol"] == "next: passive-20"
 
 
 def test_a_range_is_the_subjects_and_the_device_must_reach_it(lsl, tmp_path, monkeypatch) -> None:

@@ -9,14 +9,14 @@ from perturbed_ankle import Ankle, ramps
 from surae.base.records import from_plain, to_plain
 from surae.recording import Recording
 from surae.report.language import words_in
-from surae.trials.nerve import Nerve, StretchTold, Told, nerve_of
+from surae.trials.nerve import IntervalEstimate, Nerve, StretchTorque, nerve_of
 from surae_nerve.card import nerve_card
 from surae_nerve.session import of_session
 
-FAST = StretchTold("dorsiflexion", 200.0, 14.0, 5.0, 1.0, 6.0, (5.0, 7.0))
+FAST = StretchTorque("dorsiflexion", 200.0, 14.0, 5.0, 1.0, 6.0, (5.0, 7.0))
 PRESENT = Nerve(
-    reflex="present", direction="plantarflexion", share=Told(8.86, (8.0, 9.8)),
-    stiffness=Told(57.3, (55.0, 60.0)),
+    reflex="present", direction="plantarflexion", share=IntervalEstimate(8.86, (8.0, 9.8)),
+    stiffness=IntervalEstimate(57.3, (55.0, 60.0)),
 )  # fmt: skip
 
 
@@ -58,7 +58,7 @@ def test_the_fastest_stretches_lead_and_perturbations_follow() -> None:
         (Nerve((replace(FAST, neural=1.0, ci95=(0.0, 2.0)),)), "Cannot tell 0 to 2.0 Nm"),
         (Nerve((replace(FAST, direction="plantarflexion"),)), "Cannot tell these recordings"),
         (replace(PRESENT, reflex="cannot tell", direction=None), "Cannot tell small random"),
-        (replace(PRESENT, reflex="none seen", share=Told(None, (0.0, 1.1))),
+        (replace(PRESENT, reflex="none seen", share=IntervalEstimate(None, (0.0, 1.1))),
          "No reflex seen in small random movements: at most 1.1 %"),
         (Nerve(problems=("a.csv: too short",)), "Cannot tell these recordings"),
     ],

@@ -10,7 +10,7 @@ from surae.report import block
 from surae.report.figures import GREY, INK, RED, Figure, dress, new_figure
 from surae.report.figures.leg import CARD_WIDTH
 from surae.report.language import Words
-from surae.trials.nerve import Nerve, StretchTold
+from surae.trials.nerve import Nerve, StretchTorque
 from surae_nerve.figures import tick
 
 #: Stretches whose speed is within this part of the fastest are the fast ones [1].
@@ -68,11 +68,11 @@ def nerve_card(nerve: Nerve, _: Words) -> tuple[tuple[block.Block, ...], dict[st
     return (*lines, *blocks), figures
 
 
-def _calf(stretches: Sequence[StretchTold]) -> list[StretchTold]:
+def _calf(stretches: Sequence[StretchTorque]) -> list[StretchTorque]:
     return [s for s in stretches if s.direction == "dorsiflexion"]
 
 
-def _fastest(stretches: Sequence[StretchTold]) -> _Fast | None:
+def _fastest(stretches: Sequence[StretchTorque]) -> _Fast | None:
     """Means of the fastest stretches of the calf.
 
     What is wrong in all repeats alike does not get less by averaging: the ends of their intervals
@@ -135,7 +135,7 @@ def _short(value: float, _: Words) -> str:
     return _.number(significant(value, 2))
 
 
-def stretches_figure(stretches: Sequence[StretchTold], _: Words) -> Figure:
+def stretches_figure(stretches: Sequence[StretchTorque], _: Words) -> Figure:
     """Elastic and neural torque [Nm] of each stretch over its speed, the latter with its interval.
 
     The viscous one is not drawn: beside a reflex it may be off by as much as itself.

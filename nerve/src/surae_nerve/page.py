@@ -15,7 +15,7 @@ from surae_nerve.answer import Impedance, measure_rows
 from surae_nerve.card import stretches_figure
 from surae_nerve.figures import effort_figure, frequency_figure, impulse_figure
 from surae_nerve.impedance import NerveMeasure, Perturbed
-from surae_nerve.session import told_of
+from surae_nerve.session import stretch_torque
 from surae_nerve.stretches import Stretches
 
 #: What the page says of itself.
@@ -117,7 +117,7 @@ def stretches_report(
     _, table, figures = words_in(language), found.as_table(), list[tuple[str, Figure]]()
     pictures = list[block.Block]()
     for way in dict.fromkeys(s.direction for s in found.stretches):
-        own = [told_of(s) for s in found.stretches if s.direction == way]
+        own = [stretch_torque(s) for s in found.stretches if s.direction == way]
         figures.append((way, stretches_figure(own, _)))
         caption = _("Elastic and neural torque in stretches to {way}; bars are 95 % intervals.",
                     way=_(way))  # fmt: skip

@@ -66,8 +66,8 @@ class TissueTorque:
         torques = [at_rate(of, low(of.torque, of.rate, SMOOTH)) for of in every]
         use = [at_rate(of, q.astype(float)) > 0.99 for of, q in zip(every, quiet, strict=True)]
         competition = Competition(self.tissue, self.envelopes, torques, use)
-        self.told, rows = competition.best(), self.tissue.rows
-        self.best = self.told[0]
+        self.kept, rows = competition.best(), self.tissue.rows
+        self.best = self.kept[0]
         # columns that compete share what is fast: their single torques are no one's
         plain = competition.plain(self.best.law).c
         self.inertia, self.viscosity = float(plain[0]), float(plain[1] + plain[2] * RELAXES[0])
@@ -79,7 +79,7 @@ class TissueTorque:
         self.apart = competition.left_out(self.best, label)
         #: Torque beyond tissue's by each description, of each recording, (descriptions, n).
         self.beyond = [
-            t - np.stack([d.c for d in self.told]) @ r.T for t, r in zip(torques, rows, strict=True)
+            t - np.stack([d.c for d in self.kept]) @ r.T for t, r in zip(torques, rows, strict=True)
         ]
         drives = competition.drives(self.best.law)
         self.left = [b[0] - d @ self.best.gains for b, d in zip(self.beyond, drives, strict=True)]
@@ -108,7 +108,7 @@ class TissueTorque:
         end = min(last + round(0.05 * RATE), n - 1)
         inertial, viscous = rows[span, 0] * self.inertia, rows[span, 1] * self.viscosity
 
-        beyond, weights = sign * self.beyond[index], np.array([d.weight for d in self.told])
+        beyond, weights = sign * self.beyond[index], np.array([d.weight for d in self.kept])
         each = beyond[:, window].max(axis=1) - beyond[:, before].mean(axis=1)
         neural = float(weights @ each)
         mean = weights @ beyond

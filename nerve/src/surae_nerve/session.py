@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from surae.base.errors import InputError
 from surae.recording import Recording
-from surae.trials.nerve import Nerve, StretchTold, Told
+from surae.trials.nerve import IntervalEstimate, Nerve, StretchTorque
 from surae_nerve.answer import Impedance, joined
 from surae_nerve.impedance import perturbed
 from surae_nerve.stretches import OPPOSED, StretchAnswer, Stretches, answers
@@ -25,10 +25,10 @@ def of_session(small: Sequence[Recording], slow_and_fast: Sequence[Recording]) -
     return nerve_of(joined(told) if told else None, stretches, problems)
 
 
-def told_of(stretch: StretchAnswer) -> StretchTold:
+def stretch_torque(stretch: StretchAnswer) -> StretchTorque:
     """A stretch as the leg's page takes it."""
     s = stretch
-    return StretchTold(s.direction, s.speed_deg_s, s.peak_torque_Nm, s.elastic_Nm, s.viscous_Nm,
+    return StretchTorque(s.direction, s.speed_deg_s, s.peak_torque_Nm, s.elastic_Nm, s.viscous_Nm,
                        s.neural_Nm, s.neural_ci95, bool(s.emg_onset_deg))  # fmt: skip
 
 
@@ -36,11 +36,11 @@ def nerve_of(
     impedance: Impedance | None, stretches: Stretches | None, problems: Sequence[str] = ()
 ) -> Nerve:
     """The same of answers that are there already."""
-    seen, threshold = tuple[StretchTold, ...](), None
+    seen, threshold = tuple[StretchTorque, ...](), None
     if stretches is not None:
-        seen = tuple(told_of(stretch) for stretch in stretches.stretches)
+        seen = tuple(stretch_torque(stretch) for stretch in stretches.stretches)
         sure = [
-            (t.ci95[1] - t.ci95[0], Told(t.angle_deg, t.ci95))
+            (t.ci95[1] - t.ci95[0], IntervalEstimate(t.angle_deg, t.ci95))
             for muscle, t in stretches.threshold.items()
             if muscle in OPPOSED[1] and t.ci95 is not None and t.verdict != "undetermined"
         ]
@@ -48,7 +48,7 @@ def nerve_of(
     if impedance is None:
         return Nerve(seen, threshold, problems=tuple(problems))
     share, stiffness = (
-        Told(m.value, m.ci95)
+        IntervalEstimate(m.value, m.ci95)
         for m in (impedance.measures[n] for n in ("reflex_share", "intrinsic_stiffness"))
     )
     reflex = impedance.reflex

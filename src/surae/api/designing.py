@@ -32,7 +32,7 @@ from surae.protocol.planning.design import Design, make_design
 from surae.protocol.planning.expectation import NOISE, expected
 from surae.protocol.planning.information import filmed
 from surae.protocol.planning.legs import Legs, fit_legs, noise_of, population_legs
-from surae.protocol.planning.next import NextTrial, measure_next_of, told_by
+from surae.protocol.planning.next import NextTrial, fit_precision, measure_next_of
 from surae.protocol.planning.ready import ready_protocols, start_for
 from surae.protocol.planning.session import SessionPlan, best_session
 from surae.quality.position import perturbing
@@ -103,7 +103,7 @@ def design(
     unseen, _ = requested_legs(settings, who, _JUDGED, options, rate_hz)
     legs, unseen = (filmed(each, muscles_of(settings.film)) for each in (legs, unseen))
     limits = as_device(device)
-    told = {} if who is None else told_by(who, unseen)
+    precision = {} if who is None else fit_precision(who, unseen)
     return make_design(
         name=f"design of {duration:g} s",
         seconds=float(duration),
@@ -117,8 +117,8 @@ def design(
         effort=effort,
         evaluations=settings.evaluations or (_EVALUATIONS if rigid else _EVALUATIONS_COMPLIANT),
         seed=settings.seed,
-        known=None if after is None else told["known"],
-        told=told,
+        known=None if after is None else precision["known"],
+        precision=precision,
         start=start_for(duration, AUTO if chosen == AUTO else chosen, settings.aim, effort),
         progress=progress,
     )
@@ -333,8 +333,8 @@ def expect(
     settings, options = parted(ExpectSettings, {"model": model, **keywords})
     who, level = requested_legs(settings, fit, settings.legs, options, trajectory.settings.rate_hz)
     legs = filmed(who, muscles_of(settings.film))
-    told = {} if fit is None else told_by(fit, legs)
-    return expected(trajectory, legs, level, **told)
+    precision = {} if fit is None else fit_precision(fit, legs)
+    return expected(trajectory, legs, level, **precision)
 
 
 def muscles_of(film: str | Sequence[str]) -> tuple[str, ...]:

@@ -281,7 +281,7 @@ class _Beside:
         self._folder = TemporaryDirectory(prefix="surae-")
         self._path = Path(self._folder.name, JOINT)
         self._names: tuple[str, ...] = ()
-        self._end = self._asked("ready")  # to load all that a fit needs takes seconds
+        self._end = self._submit("ready")  # to load all that a fit needs takes seconds
 
     def __enter__(self) -> "_Beside":
         return self
@@ -298,8 +298,8 @@ class _Beside:
     ) -> None:  # fmt: skip
         """Begin the fit of these trials."""
         self._names = names
-        asked = {"inputs": inputs, "quality": quality, "settings": settings}
-        self._end = self._asked("fit_apart", path=str(self._path), **to_plain(asked))
+        request = {"inputs": inputs, "quality": quality, "settings": settings}
+        self._end = self._submit("fit_apart", path=str(self._path), **to_plain(request))
 
     def fit(self, names: tuple[str, ...]) -> Fit | None:
         """The fit of these trials, when it is there; None where none was made."""
@@ -307,7 +307,7 @@ class _Beside:
             return None
         return load(self._path)
 
-    def _asked(self, function: str, **arguments: Plain) -> Future[End]:
+    def _submit(self, function: str, **arguments: Plain) -> Future[End]:
         return self._thread.submit(self._child.call, f"{__name__}:{function}", arguments)
 
 

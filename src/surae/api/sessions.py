@@ -65,7 +65,7 @@ class Session(TrialSet):
         InputError
             A trial is unknown or cannot be fitted, or a setting makes no sense.
         """
-        settings = self.asked(FitSettings.of(model, **keywords))
+        settings = self.with_knowledge(FitSettings.of(model, **keywords))
         chosen = self.fitted if trials is None else [trials] if isinstance(trials, str) else trials
         if not chosen:
             raise InputError(f"{self.name}: no trial can be fitted: none of them moves")
@@ -112,7 +112,7 @@ class Session(TrialSet):
         SessionResult
             Ctrl-C keeps the fits that are complete; `SessionResult.interrupted` says so.
         """
-        settings = self.asked(FitSettings.of(model, **keywords))
+        settings = self.with_knowledge(FitSettings.of(model, **keywords))
         if progress is not None:
             return run(self, settings, output, progress, workers)
         with line_of_progress("fitting the session") as tell:

@@ -122,7 +122,7 @@ def _against(
         zero, sd = settings.fixed.get(ZERO_NAME, 0.0), float(np.radians(settings.zero_sd))
         post, point = with_zero(post, point, Gaussian(zero, sd))
         wide[ZERO_NAME] = Gaussian(zero, FAR_ZERO)
-        if settings.told_zero is not None or settings.is_own:  # own lengths hang on it
+        if settings.stated_zero is not None or settings.is_own:  # own lengths hang on it
             groups |= {ZERO_NAME}
         V, at = post.covariance(point), post.of.index(ZERO_NAME)
         turned = np.delete(V[:, at], at) / V[at, at]

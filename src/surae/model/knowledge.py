@@ -17,7 +17,7 @@ from surae.base.names import GEOMETRY_OF
 from surae.base.setting import Request, setting
 from surae.base.words import N_
 from surae.model.geometry_table import GeometryTable
-from surae.model.statements import Pooled, Said, StatedArm, StatedAxis, StatedNumber, StatedZero
+from surae.model.statements import Pooled, StatedArm, StatedAxis, StatedNumber, StatedZero
 
 #: How well the scale of a person's own geometry repeats where nobody says [%]: two readers of one
 #: image differ by 3 % (Maganaris et al. 1998).
@@ -154,14 +154,14 @@ class Knowledge(Request):
     def statements(self) -> dict[str, Pooled]:
         """What was stated of zero [deg], axis and arms [mm], by source of uncertainty."""
         by_hand = {"angle_zero": self.angle_zero_deg, "axis": self.axis_mm}
-        said: dict[str, list[Said]] = {s: of.said for s, of in by_hand.items() if of is not None}
+        made = {source: by.statements for source, by in by_hand.items() if by is not None}
         if self.geometry_sd_percent is not None and not self.size:
             part = self.geometry_sd_percent / 100.0
-            said["arms"] = [{group: (arm, part * arm) for group, arm in self.usual.items()}]
+            made["arms"] = [{group: (arm, part * arm) for group, arm in self.usual.items()}]
         arms = {"tri": self.arm_tri_mm, "tib": self.arm_tib_mm}
         if own := {group: (arm.value, arm.sd) for group, arm in arms.items() if arm is not None}:
-            said.setdefault("arms", []).append(own)
-        return {source: Pooled.of(source, *each) for source, each in said.items()}
+            made.setdefault("arms", []).append(own)
+        return {source: Pooled.of(source, *each) for source, each in made.items()}
 
     @property
     def usual(self) -> dict[str, float]:
@@ -194,7 +194,7 @@ class Knowledge(Request):
 
         priors, made = dict[str, tuple[float, float]](), self.statements
         if "axis" in made:
-            ways = zip(OPTIONAL["axis"], made["axis"].told.values(), strict=True)
+            ways = zip(OPTIONAL["axis"], made["axis"].numbers.values(), strict=True)
             priors |= {name: (value / 1e3, sd / 1e3) for name, (value, sd) in ways}
         if self.plate is not None:
             inertia, weight = self.plate.left if self.plate.file else _TARED
@@ -207,7 +207,7 @@ class Knowledge(Request):
             priors |= {name: (math.log(self.size), sds[name[:-4]] / 100.0) for name in scales}
         if "arms" in made:
             usual, arms = self.usual, made["arms"]
-            for group, (arm, sd) in arms.told.items():
+            for group, (arm, sd) in arms.numbers.items():
                 scale = math.log(arm / usual[group]), sd / arm
                 priors[f"arm_scale_{group}"] = scale
                 if self.geometry_sd_percent is not None and not self.size:

@@ -32,7 +32,7 @@ _OFTEN = {
     True: "stated twice", False: "stated twice, in contradiction",
 }  # fmt: skip
 #: What somebody says of some numbers: each with its standard deviation.
-Said = Mapping[str, tuple[float, float]]
+Stated = Mapping[str, tuple[float, float]]
 
 
 def _number(meaning: str, **limits: Any) -> Any:
@@ -56,7 +56,7 @@ class StatedZero(StatedNumber):
     again: float | None = setting(None, "What the other one says.", least=-30.0, most=30.0)
 
     @property
-    def said(self) -> list[Said]:
+    def statements(self) -> list[Stated]:
         """What each says."""
         return [{"": (v, self.sd)} for v in (self.value, self.again) if v is not None]
 
@@ -80,15 +80,15 @@ class StatedAxis(Request):
 
     def __post_init__(self) -> None:
         """Check each number."""
-        for value, sd in (number for one in self.said for number in one.values()):
+        for value, sd in (number for one in self.statements for number in one.values()):
             StatedNumber(value, sd)
 
     @property
-    def said(self) -> list[Said]:
+    def statements(self) -> list[Stated]:
         """What each says of both ways."""
-        told = (v if isinstance(v, tuple) else (v, 0.0)
+        both = (v if isinstance(v, tuple) else (v, 0.0)
                 for v in (self.value, self.again) if v is not None)  # fmt: skip
-        return [{"forward": (forward, self.sd), "up": (up, self.sd)} for forward, up in told]
+        return [{"forward": (forward, self.sd), "up": (up, self.sd)} for forward, up in both]
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,13 +96,13 @@ class Pooled:
     """What one or two independent statements make together."""
 
     source: str  #: Of uncertainty.
-    said: Sequence[Said]
-    told: Said  #: What is known after them.
+    statements: Sequence[Stated]
+    numbers: Stated  #: What is known after them.
     #: Probability of two right statements to be as far apart, or farther; None of one.
     probability: float | None
 
     @classmethod
-    def of(cls, source: str, first: Said, second: Said | None = None) -> "Pooled":
+    def of(cls, source: str, first: Stated, second: Stated | None = None) -> "Pooled":
         """What is known after one statement of some numbers, x ± s each, or two.
 
             once   x ± √(s² + b²)                                        reproducibility
@@ -114,7 +114,7 @@ class Pooled:
         ISO 5725-2:2019 (s_R² = s_r² + s_L²); R. T. Birge (1932), Physical Review 40:207-227; JCGM
         100:2008, F.1.2.3 and G.3.
         """
-        told, probability, said = dict[str, tuple[float, float]](), None, [first, second or {}]
+        pooled, probability, said = dict[str, tuple[float, float]](), None, [first, second or {}]
         both = [name for name in said[0] if name in said[1]]
         pairs = [(said[0][name], said[1][name]) for name in both]
         square = sum((y - x) ** 2 / (s**2 + r**2) for (x, s), (y, r) in pairs)
@@ -128,8 +128,8 @@ class Pooled:
             sd = (wider if name in both else 1.0) / math.sqrt(weight)
             if name not in both or (probability or 0.0) < RARE:
                 sd = math.hypot(sd, _OF[source][2])
-            told[name] = sum(x / s**2 for x, s in numbers) / weight, sd
-        return cls(source, said if said[1] else said[:1], told, probability)
+            pooled[name] = sum(x / s**2 for x, s in numbers) / weight, sd
+        return cls(source, said if said[1] else said[:1], pooled, probability)
 
     @property
     def agrees(self) -> bool | None:
@@ -141,7 +141,7 @@ class Pooled:
         """What each says, for readers."""
         unit = _OF[self.source][1]
         return tuple(" and ".join(f"{value:.3g} ± {sd:.2g}{unit}" for value, sd in one.values())
-                     for one in self.said)  # fmt: skip
+                     for one in self.statements)  # fmt: skip
 
     @property
     def line(self) -> tuple[str, str, str]:

@@ -204,7 +204,7 @@ def contradictions(
         (p.name, trial, p.ci95, own.ci95)
         for p in (() if joint is None else joint.parameters.values())
         for trial, assessment in alone.items()
-        if (own := assessment.parameters.get(p.name)) is not None and _tells(p) and _tells(own)
+        if (own := assessment.parameters.get(p.name)) is not None and _is_sure(p) and _is_sure(own)
     ]
     wider = float(ndtri(1.0 - 0.025 / max(len(pairs), 1))) / NORMAL
     contradicted: dict[str, list[str]] = {}
@@ -217,7 +217,7 @@ def contradictions(
     return contradicted
 
 
-def _tells(p: ParameterEstimate) -> bool:
+def _is_sure(p: ParameterEstimate) -> bool:
     """Whether a fit tells a parameter; an interval that a limit of the search cuts does not."""
     told = p.free and not p.at_bound and p.verdict in (Verdict.IDENTIFIED, Verdict.WEAK)
     return told and p.ci95 is not None and p.lower < p.ci95[0] and p.ci95[1] < p.upper

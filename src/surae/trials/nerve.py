@@ -14,7 +14,7 @@ from surae.trials.sorting import Trial
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class IntervalEstimate:
     """A number and its 95 % interval."""
 
     value: float | None  #: None where there is none: the interval then is what it may be.
@@ -22,7 +22,7 @@ class Told:
 
 
 @dataclass(frozen=True, slots=True)
-class StretchTold:
+class StretchTorque:
     """Largest torque [Nm] of one stretch, and of its parts."""
 
     direction: Literal["dorsiflexion", "plantarflexion"]  #: Of the movement.
@@ -39,13 +39,13 @@ class StretchTold:
 class Nerve:
     """How much is nerve, of one leg."""
 
-    stretches: tuple[StretchTold, ...] = ()  #: Of slow and fast stretches, relaxed.
-    threshold: Told | None = None  #: Angle from which the calf answers a slow stretch [deg].
+    stretches: tuple[StretchTorque, ...] = ()  #: Of slow and fast stretches, relaxed.
+    threshold: IntervalEstimate | None = None  #: Where the calf answers a slow stretch [deg].
     #: `reflex`, `direction`: of perturbations, whether there is one, and to which movement.
     reflex: Literal["present", "none seen", "cannot tell"] | None = None
     direction: Literal["dorsiflexion", "plantarflexion"] | None = None
-    share: Told | None = None  #: Reflex's share of the torque's variance [%].
-    stiffness: Told | None = None  #: Of tissue, and of muscles as they were [Nm/rad].
+    share: IntervalEstimate | None = None  #: Reflex's share of the torque's variance [%].
+    stiffness: IntervalEstimate | None = None  #: Of tissue, and of muscles as they were [Nm/rad].
     problems: tuple[str, ...] = ()  #: Why some recordings could not be used.
 
 

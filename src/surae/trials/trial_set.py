@@ -53,7 +53,7 @@ class TrialSet:
             lines.append(f"  {trial.name}: {trial.use}: {described}")
         return "\n".join(lines)
 
-    def asked(self, settings: FitSettings) -> FitSettings:
+    def with_knowledge(self, settings: FitSettings) -> FitSettings:
         """The settings of a fit with what is known of the leg where they do not say it."""
         known, said = self.knowledge, settings.knowledge
         if known is None:

@@ -77,7 +77,7 @@ def make_design(
     *, name: str, seconds: float, rate_hz: float, device: Device | None,
     angle_range: tuple[float, float], legs: Legs, unseen: Legs, noise: float, aim: str,
     effort: bool, evaluations: int, seed: int, known: FloatArray | None = None,
-    told: Mapping[str, Any] = FrozenDict(),
+    precision: Mapping[str, Any] = FrozenDict(),
     start: Ready | None = None, progress: SearchProgress | None = None,
 ) -> Design:  # fmt: skip
     """Search a protocol, hold it to the device, and judge it.
@@ -107,7 +107,7 @@ def make_design(
         notes = (*notes, Message("plan/stopped", n=result.evaluations))
     return Design(
         plan, limits, trajectory, device,
-        expectation=expected(trajectory, unseen, noise, **told),
+        expectation=expected(trajectory, unseen, noise, **precision),
         aimed=FrozenDict(_aimed(trajectory, unseen, noise, aim, known)),
         notes=(*reached, *given_up[:-1], *notes),
         curve=result.curve, seconds=time.perf_counter() - begin, stopped=result.stopped,

@@ -159,7 +159,7 @@ def expected(
 ) -> Expectation:  # fmt: skip
     """What a trial tells of each leg; `known`, shape (p, p), is there before: by default priors.
 
-    `now` are half widths that a fit has already, `stays` what of them no trial lowers (`told_by`).
+    `now` are half widths that a fit has, `stays` what of them no trial lowers (`fit_precision`).
     """
     with one_blas_thread():
         trial = information(trajectory, legs, noise)

@@ -170,7 +170,7 @@ def measure_next_of(
     return NextTrial(ready.name, tuple(sentences), gains, FrozenDict(many), trajectory)
 
 
-def told_by(fit: AssessedFit, legs: Legs) -> dict[str, Any]:
+def fit_precision(fit: AssessedFit, legs: Legs) -> dict[str, Any]:
     """What a fit tells an expectation: information, half widths, and what of these stays."""
     known = known_from(fit, legs)
     now, stays = _kept(fit.assessment, legs, known)

@@ -140,7 +140,7 @@ class Watch:
         self.speed = 0.0  #: Largest that was asked for [rad/s].
         self._device, self._span = device, span
         self._signals: dict[str, _Signal] = {}
-        self._asked: deque[FloatArray] = deque(maxlen=_EFFORT_LOOKS)
+        self._targets: deque[FloatArray] = deque(maxlen=_EFFORT_LOOKS)
         self._efforts: deque[dict[str, float | None]] = deque(maxlen=_EFFORT_LOOKS)
         self._seen: dict[tuple[str, str | None], int] = {}
         self._gone: dict[tuple[str, str | None], int] = {}
@@ -167,8 +167,8 @@ class Watch:
                     if len(finite):
                         known.take(float(times[-1]), finite)
 
-    def look(self, now: float, asked: FloatArray) -> list[Alarm]:
-        """The alarms that are new; `asked` are the four efforts that are asked for at our `now`."""
+    def look(self, now: float, targets: FloatArray) -> list[Alarm]:
+        """The alarms that are new; `targets` are the four efforts asked for at our `now`."""
         with self._lock:
             windows = {role: s.window(now) for role, s in self._signals.items()}
         found = [
@@ -177,7 +177,7 @@ class Watch:
             if window is not None
             for alarm in self._looked(role, window)
         ]
-        self._asked.append(asked)
+        self._targets.append(targets)
         self._efforts.append({m: self._effort(m) for m in MUSCLES})
         found += self._wrong_effort({alarm.role for alarm in found})
         now_wrong = {(alarm.code, alarm.role): alarm for alarm in found}
@@ -276,10 +276,10 @@ class Watch:
         return (signal.level - rest) / (top - rest)
 
     def _wrong_effort(self, faulty: set[str | None]) -> Iterator[Alarm]:
-        if len(self._asked) < _EFFORT_LOOKS:
+        if len(self._targets) < _EFFORT_LOOKS:
             return
-        asked = np.array(self._asked)
-        if not asked.any():
+        targets = np.array(self._targets)
+        if not targets.any():
             for muscle in MUSCLES:
                 efforts = [looked[muscle] for looked in self._efforts]
                 least = min((e for e in efforts if e is not None), default=0.0)
@@ -288,7 +288,7 @@ class Watch:
                     yield Alarm("effort", f"emg_{muscle}", _RESTLESS, given)
                     return
         for side, muscles in _SIDES:
-            wanted = asked[:, [MUSCLES.index(m) for m in muscles]].max(axis=1).min()
+            wanted = targets[:, [MUSCLES.index(m) for m in muscles]].max(axis=1).min()
             heard = [m for m in muscles if f"emg_{m}" not in faulty and f"emg_{m}" in self._signals]
             efforts = [looked[m] for looked in self._efforts for m in heard]
             if wanted >= _ASKED and efforts and all(e is not None and e < _NONE for e in efforts):

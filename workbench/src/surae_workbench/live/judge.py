@@ -93,15 +93,15 @@ def judge(
     efforts: Mapping[str, str] | None = None,
     target: str | None = None,
     begin: float = 0.0,
-    asked: str | None = None,
+    instructed: str | None = None,
 ) -> dict[str, Any]:
     """Read, check and, where it moves, fit a trial; write it as our HDF5.
 
     `earlier` are recordings of the session's other trials: what is rest and what is effort shows in
     them. `mapping` is the file of the session's mapping, `target` that of what was asked for, which
     began at `begin` [s] from the first sample, the recording's time 0; `efforts` are those of the
-    others by name, as `surae.session` takes them, `asked` the one asked for in this trial. Said is
-    a `record.Judgement`; None for what there is not, with `why`.
+    others by name, as `surae.session` takes them, `instructed` the one asked for here. Said is a
+    `record.Judgement`; None for what there is not, with `why`.
     """
     recording = replace(read(file, mapping=mapping), name=Path(output).stem)
     if begin:  # times are those that the operator saw: from where the target began
@@ -117,7 +117,7 @@ def judge(
     quality = api.check(recording, commanded=commanded)
     trial = _session([recording, *earlier], efforts)[recording.name]
     judged = trial.effort  # by the signals alone: what was asked for would be believed
-    effort = counted(asked, judged)
+    effort = counted(instructed, judged)
     if effort is not None and effort != judged:
         trial = _session([recording, *earlier], {**(efforts or {}), recording.name: effort})[
             recording.name
@@ -131,8 +131,8 @@ def judge(
             quality, findings=tuple(f for f in quality.findings if f.severity == "error")
         )
     wrong = None
-    if asked in ("passive", "active") and judged in ("passive", "active") and asked != judged:
-        wrong = _WORKED if asked == "passive" else _RESTED
+    if {instructed, judged} == {"passive", "active"}:
+        wrong = _WORKED if instructed == "passive" else _RESTED
     judgement: dict[str, Any] = {
         "findings": quality.as_dict()["findings"],
         "seconds": max(float(c.time[-1] - c.time[0]) for c in recording.channels.values()),

@@ -119,7 +119,7 @@ class ServedRoom:
             "rehearsal": room.laboratory is not None,
             "trials": [trials.trials[number].shown() for number in sorted(trials.trials)],
             "session": trials.session,
-            "asked": room.asked,
+            "asked": room.planned,
             "moves": {"device": room.device.name, "low": f"{low:.0f}", "high": f"{high:.0f}"},
             **self.health(),
             "limits": room.limits,

@@ -128,20 +128,20 @@ class Record(Judgement):
             write_atomic(path, json.dumps(data, indent=1, allow_nan=False))
 
     @property
-    def told_effort(self) -> str | None:
+    def confirmed_effort(self) -> str | None:
         """The effort that a session is told: the one asked for, unless the signals deny it."""
         return self.effort_asked if self.effort_asked == self.effort else None
 
 
-def counted(asked: str | None, judged: str | None) -> str | None:
+def counted(instructed: str | None, judged: str | None) -> str | None:
     """What a trial counts as: what was asked for, unless the signals show something else.
 
     Signals alone cannot tell a maximal effort, nor a relaxed leg before any muscle has worked.
     """
-    if asked == "maximal" or judged is None:
-        return asked
+    if instructed == "maximal" or judged is None:
+        return instructed
     if judged == "unknown":
-        return "passive" if asked == "passive" else None
+        return "passive" if instructed == "passive" else None
     return judged
 
 

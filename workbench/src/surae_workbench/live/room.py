@@ -118,7 +118,7 @@ class Room:
             raise
         self.target = TargetStream()
         self.trajectory: Trajectory | None = None
-        self.asked: dict[str, Any] = {}
+        self.planned: dict[str, Any] = {}
         #: What the loaded trial asks of the device: sentences, and their parts.
         self.limits: list[dict[str, Any]] = []
         self._expects = Child(nice=10)
@@ -174,7 +174,7 @@ class Room:
             self.trajectory = trajectory
             self.alarms.speed = float(np.abs(trajectory.velocity).max())
             effort = "maximal" if trajectory.settings.task == "maximal" else "active"
-            self.asked = {
+            self.planned = {
                 "protocol": cleaned(name), "seconds": float(trajectory.time[-1]),
                 "effort": effort if trajectory.effort.any() else "passive",
             }  # fmt: skip
@@ -184,7 +184,7 @@ class Room:
             ]
             self.target.load(trajectory)
             self._go_back()
-            self._tell("protocol", {**self.asked, "limits": self.limits})
+            self._tell("protocol", {**self.planned, "limits": self.limits})
 
     def tells(self) -> list[str]:
         """What the loaded trial will tell, in sentences: of this leg, once it was fitted.
@@ -232,7 +232,7 @@ class Room:
         with self._lock:
             if self.laboratory is not None:
                 self.laboratory.wait(_PATIENCE)
-            number = self.trials.start(**self.asked)
+            number = self.trials.start(**self.planned)
             if self.trajectory is not None:
                 with suppress(SuraeError):  # on a full disk the trial goes on, and is judged
                     file = self.trials.path(number, "-target.csv")
@@ -241,7 +241,7 @@ class Room:
                 self.target.begin(self.begin)
                 if self.laboratory is not None:
                     self.laboratory.start(self.begin)
-                seconds = countdown + self.asked["seconds"] + _AFTER
+                seconds = countdown + self.planned["seconds"] + _AFTER
                 self._timer = threading.Timer(seconds, self._over, (number,))
                 self._timer.daemon = True
                 self._timer.start()

@@ -278,7 +278,7 @@ class Trials:
             "output": str(self.path(number, ".h5")),
             "earlier": self._others(number),
             "mapping": None if mapping is None else str(mapping),
-            "asked": self.trials[number].effort_asked,
+            "instructed": self.trials[number].effort_asked,
             "efforts": self._efforts(n for n in list(self.trials) if n != number),
             "target": None if begin is None or not target.exists() else str(target),
             "begin": begin or 0.0,
@@ -320,7 +320,7 @@ class Trials:
 
     def _efforts(self, numbers: Iterable[int]) -> dict[str, str]:
         """The efforts that were asked for and made, by the name of the recording."""
-        told = {n: self.trials[n].told_effort for n in numbers}
+        told = {n: self.trials[n].confirmed_effort for n in numbers}
         return {self.path(n, "").stem: effort for n, effort in told.items() if effort}
 
     def _ask_together(self) -> None:
