@@ -133,7 +133,7 @@ class Quick:
     def call(self, _: str, arguments: dict) -> End:
         self.arguments = arguments
         said = {"findings": [], "verdict": "keep", "advice": "", "use": "fit"}
-        return End("done", {**said, "effort": arguments.get("asked"), **arguments})
+        return End("done", {**said, "effort": arguments.get("instructed"), **arguments})
 
     def close(self) -> None:
         pass
