@@ -53,7 +53,7 @@ def summed(
         shifts["unheard"] = laplace.dynamics(post, V, beta, unheard=True)
     shifts["trials"] = laplace.between_trials(blocks, V)
     if lost := max(recording.emg_lost for recording in inputs):
-        heard = [float(name in original.spec.weights) for name in post.names]
+        heard = [float(name in original.spec.weights) for name in post.of]
         shifts["emg_band"] = lost * np.array([heard])
     against, turned = _against(post, point, original)
     said = {g: c.probability for g, c in against.items() if c.probability < SAID}
