@@ -158,6 +158,10 @@ def test_columns_apart_by_white_space():
         ("2024-05-01 09:41:00.000", "2024-05-01 09:41:00.010"),
         ("12:59:59.995 PM", "1:00:00.005 PM"),
         ("59:59.995", "60:00.005"),
+        ("23:59:59:995", "00:00:00:005"),
+        ("2024-05-01T09:41:00.000+02:00", "2024-05-01T09:41:00.010+02:00"),
+        ("07-Mar-2024 09:41:00.000", "07-Mar-2024 09:41:00.010"),
+        ("0 days 23:59:59.995000", "1 days 00:00:00.005000"),
     ],
 )
 def test_times_of_a_clock_are_seconds_from_the_first(first, second):
@@ -167,7 +171,18 @@ def test_times_of_a_clock_are_seconds_from_the_first(first, second):
     assert "clock's" in column.remark
 
 
-@pytest.mark.parametrize("name", ["Time (%)", "time [%]", "Time (fortnights)"])
+def test_a_time_of_no_clock_that_is_known_says_how_to_write_it():
+    with pytest.raises(InputError, match="row 2: '9:41:00:07' is not a number; write seconds, or"):
+        table(b"Time,angle_rad\n9:41:00:07,1\n9:41:00:08,2\n").load(["angle_rad"])  # frames
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Time (%)", "time [%]", "Time (fortnights)", "Timestamp (ns)", "Zeit [min]", "% cycle",
+        "Gait cycle (%)", "stance_percent", "%", "Normalised time",
+    ],
+)  # fmt: skip
 def test_a_time_that_is_none_in_seconds_is_refused(name):
     with pytest.raises(InputError, match="is not known for time"):
         table(f"{name},angle_rad\n0,1\n1,2\n".encode())
@@ -186,6 +201,15 @@ def test_rounded_stamps_are_read_as_uniform_and_said_so(rate, decimals):
     assert column.time == pytest.approx(np.arange(1000) / rate, abs=10.0**-decimals)
     assert np.ptp(np.diff(column.time)) < 1e-9
     assert f"times rounded to {10 ** (3 - decimals):g} ms: read as uniform" in column.remark
+
+
+@pytest.mark.parametrize(("rate", "n", "digits"), [(1024, 15000, 5), (512, 60000, 6)])
+def test_stamps_of_few_digits_are_read_as_uniform(rate, n, digits):
+    time = np.arange(n) / rate
+    text = "time_s,angle_rad\n" + "".join(f"{t:.{digits}g},1\n" for t in time)
+    column = table(text.encode()).load(["angle_rad"])["angle_rad"]
+    assert column.time == pytest.approx(time, abs=1e-9)
+    assert f"times rounded to {digits} digits: read as uniform" in column.remark
 
 
 @pytest.mark.parametrize(

@@ -152,3 +152,56 @@ def test_imperial_units_are_converted(tmp_path):
     assert "scale = 1.35" in text
     raw = np.array([float(row[2]) for row in table()])
     assert read(toml).channels["torque"].values == pytest.approx(raw * 1.3558179483)
+
+
+def test_a_fault_of_every_channel_is_said_once(tmp_path) -> None:
+    rows = table()
+    rows[200][0] = "later"
+    path = written(tmp_path / "t.csv", rows)
+    (fault,) = inspect(path).faults
+    assert fault.startswith("angle, torque, emg_ta, emg_gl, emg_sol and emg_gm are there, but")
+    assert "column 'Time (s)', row 202: 'later' is not a number; correct the file" in fault
+    names = [name.partition(" (")[0] for name in NAMES]
+    path = written(tmp_path / "u.csv", table(), ("Time (s)", *names))
+    with pytest.raises(
+        InputError, match=r"units of 'Ankle Angle', .* 'GM' are not known"
+    ) as caught:
+        surae.check(path)
+    assert str(caught.value).count("not known") == 1
+
+
+def test_a_channel_in_microvolts_is_not_taken_for_silence(tmp_path) -> None:
+    """Its name says no muscle that is known, but it is there."""
+    names = ("Time (s)", *NAMES[:2], "Muskel 1 (uV)", *NAMES[3:])
+    inspection = inspect(written(tmp_path / "t.csv", table(), names))
+    assert "emg_ta" not in inspection.missing
+    assert [channel.column for channel in inspection.open["emg_ta"]] == ["Muskel 1 (uV)"]
+
+
+def test_a_number_that_is_written_otherwise_is_not_bridged(tmp_path) -> None:
+    rows = table()
+    rows[200][5] = '"1,25"'
+    (fault,) = inspect(written(tmp_path / "t.csv", rows)).faults
+    assert "has a decimal comma" in fault
+    assert "bridge" not in fault
+    rows[200][5] = '"-1,250.5"'
+    assert inspect(written(tmp_path / "t.csv", rows)).roles["emg_sol"].low == -1250.5
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: "sep=,\n" + text,
+        lambda text: text.replace("\n", ",\n").replace(",\n", "\n", 1),
+        lambda text: "Date/Time,07.03.2024 09:41:00\n" + text,
+    ],
+)
+def test_what_programs_add_to_a_table(tmp_path, change) -> None:
+    path = written(tmp_path / "t.csv", table())
+    text = path.read_text(encoding="utf-8")
+    path.write_text(change(text), encoding="utf-8")
+    inspection = inspect(path)
+    assert len(inspection.roles) == 6
+    assert inspection.roles["angle"].rate_hz == pytest.approx(RATE)
+    path.write_bytes(change(text).encode("utf-16-le"))
+    assert inspect(path).roles["angle"].n == N

@@ -26,13 +26,19 @@ DELIMITERS = ("\t", ";", ",")
 _NOTE = re.compile(r"#\s*(name|emg)\s*[:=]\s*(.*?)\s*")
 
 #: Names of the time in files that are described by a mapping, beside our own.
-_OTHER_TIME = re.compile(
-    r"(?:time ?stamps?|(?:elapsed |unix )?time|times|zeit|uhrzeit|tijd|temps|tiempo|tempo|clock"
-    r"|time of day|t)"
-    r"[^\w%]*_*(%|\w*)[\W_]*",
-    re.IGNORECASE,
+_TIME = (
+    r"(?:time ?stamps?|(?:elapsed |unix |relative )?time|times|zeit|uhrzeit|tijd|temps|tiempo|tempo"
+    r"|clock|time of day|date ?[/&]?(?:and )? ?time)"
 )
-_TIME_IN = re.compile(r"time\s*[(\[]\s*(\S{1,10})\s*[)\]]", re.IGNORECASE)
+_OTHER_TIME = re.compile(rf"(?:{_TIME}|t)[^\w%]*_*(%|\w*)[\W_]*", re.IGNORECASE)
+_TIME_IN = re.compile(rf"{_TIME}\s*[(\[]\s*([^()\[\]]{{1,20}}?)\s*[)\]]", re.IGNORECASE)
+#: What a movement was stretched to, in place of a time.
+_PART = r"(?:cycle|gait|stance|swing|stride|step|movement|phase|normali[sz]ed|time)"
+_PERCENT = re.compile(
+    rf"%|normali[sz]ed[ _]time|.*(?:%|percent).*{_PART}.*|.*{_PART}.*(?:%|percent).*", re.IGNORECASE
+)
+#: What Excel writes first, or is told the separator by.
+_SEPARATOR = re.compile(r"sep=.", re.IGNORECASE)
 #: Lines before the names of the columns that a program may write about the recording.
 _LONGEST_PREFACE = 100
 #: Where numbers begin, so many bytes show how they are written.
@@ -65,11 +71,14 @@ def open_table(source: Source) -> Table:
         if _WITH_COMMA.search(body) and not _WITH_POINT.search(body):
             decimal = ","
     first = next(itertools.islice(source.lines(), head.row, None), "")
-    clock = None
-    if time and (cells := split(first, head.delimiter)) and len(cells) == len(head.names):
-        at = head.names.index(time)
+    clock, names = None, head.names
+    cells = split(first, head.delimiter)
+    if len(cells) == len(names) + 1 and not cells[-1]:  # every row ends with a separator
+        names = (*names, "")
+    if time and len(cells) == len(names):
+        at = names.index(time)
         clock = at if is_clock(cells[at]) else None
-    rows = Rows(source, head.row, head.names, head.delimiter, decimal, clock)
+    rows = Rows(source, head.row, names, head.delimiter, decimal, clock)
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         return rows.columns(wanted, time, factor)
@@ -109,7 +118,7 @@ def _header(source: Source) -> _Header:
             if note := _NOTE.fullmatch(line.strip()):
                 notes[note[1]] = _note(note[1], note[2], f"{source.shown}: row {number}")
             continue
-        if not line.strip():
+        if not line.strip() or _SEPARATOR.fullmatch(line.strip()):
             continue
         # What the row below has as often separates the cells, else what is there most often.
         below = next(itertools.islice(source.lines(), number, None), "")
@@ -129,7 +138,8 @@ def _header(source: Source) -> _Header:
                 continue
             raise InputError(f"{source.shown}: row {number}: {error}") from None
         header = _Header(number, names, delimiter, notes)
-        if len(names) > 1 and any(map(is_time, names)):
+        preface = any(_numeric(name) or is_clock(name) for name in names)  # Time, 09:51:39
+        if len(names) > 1 and any(map(is_time, names)) and not preface:
             return _with_units(source, header)
         first = first or header
         if number > first.row + _LONGEST_PREFACE or all(_numeric(name) for name in names):
@@ -172,7 +182,7 @@ def _seconds(unit: str, name: str, where: str) -> float:
     """Factor from a unit of the time to seconds."""
     known = FACTORS["time"].get(spelled(unit) or "")
     if known is None:
-        percent = " (a movement in percent has no speed)" if "%" in unit else ""
+        percent = " (a movement in percent has no speed)" * ("%" in unit or "percent" in unit)
         raise InputError(
             f"{where}, column {name!r}: unit {unit!r} is not known for time{percent}; use "
             f"{' or '.join(TIMES)}"
@@ -193,6 +203,8 @@ def time_column(names: Sequence[str], where: str) -> tuple[str, float]:
             _seconds(name[5:], name, where)
         if (match := _TIME_IN.fullmatch(name.strip())) is not None:
             _seconds(match[1], name, where)
+    if names and _PERCENT.fullmatch(names[0].strip()):
+        _seconds("%", names[0], where)
     return "", 1.0
 
 

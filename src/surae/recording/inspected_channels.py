@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from surae.base.files import shown
+from surae.base.formatting import listed
 from surae.base.records import Plain
 from surae.base.tables import Tabular, TextTable
 from surae.recording.emg_kind import Look
@@ -71,6 +72,22 @@ class Inspection(Tabular, Plain):
             for role, several in self.open.items()
             if not any(channel.usable for channel in several)
         }
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """What is there but unusable and why, in a line for each reason, with what helps."""
+        alike: dict[str, list[str]] = {}
+        for role in self.unusable:
+            alike.setdefault(self.open[role][0].remark, []).append(role)
+        lines = []
+        for reason, roles in alike.items():
+            bridge = max(channel.bridge_s for role in roles for channel in self.open[role])
+            how = f", or give it bridge_s = {bridge:g} in its mapping" if bridge else ""
+            who = f"{listed(roles)} are there, but unusable: {reason}"
+            if len(roles) == 1:
+                who = f"{roles[0]} is there, but unusable: {self.unusable[roles[0]]}"
+            lines.append(f"{who}; correct the file{how}")
+        return tuple(lines)
 
     def as_table(self) -> TextTable:
         """The channels as a table, then what was found and what is left to say.

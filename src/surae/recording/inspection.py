@@ -106,16 +106,14 @@ def recording_by_names(path: PathLike) -> Recording | None:
     stated, is an InputError: none is guessed.
     """
     found = inspect(path)
-    why = [f"{role} is there, but unusable: {reason}" for role, reason in found.unusable.items()]
     emg = [role for role in found.roles if role.startswith("emg_")]
-    if not why and ("angle" not in found.roles or found.open or (emg and found.emg is None)):
+    begins = "which `surae inspect FILE --output MAP.toml` begins"
+    if found.faults:
+        raise InputError(f"{shown(path)}: {'; '.join(found.faults)}")
+    if "angle" not in found.roles or found.open or (emg and found.emg is None):
         return None
-    why += [_unit_unknown(c) for c in found.roles.values() if c.known_unit is None]
-    if why:
-        raise InputError(
-            f"{shown(path)}: {'; '.join(why)}; settle it in a mapping, which `surae inspect FILE "
-            "--output MAP.toml` begins"
-        )
+    if unknown := _units_unknown(found.roles):
+        raise InputError(f"{shown(path)}: {'; '.join(unknown)}; settle it in a mapping, {begins}")
     source = open_source(path)
     table = open_table(source)
     columns = table.load(tuple(c.column for c in found.roles.values()))
@@ -130,9 +128,17 @@ def recording_by_names(path: PathLike) -> Recording | None:
     )  # fmt: skip
 
 
-def _unit_unknown(channel: InspectedChannel) -> str:
-    """That a channel's unit is none that is known."""
-    return f"the unit of {channel.column!r} is not known (the file says {channel.unit or 'none'})"
+def _units_unknown(roles: Mapping[str, InspectedChannel]) -> list[str]:
+    """That units of channels are none that are known, in a line for each unit."""
+    alike: dict[str, list[str]] = {}
+    for channel in roles.values():
+        if channel.known_unit is None:
+            alike.setdefault(channel.unit or "none", []).append(channel.column)
+    return [
+        f"the unit{'s' * (len(names) > 1)} of {some(names)} {'are' if len(names) > 1 else 'is'} "
+        f"not known (the file says {unit})"
+        for unit, names in alike.items()
+    ]
 
 
 def _opened(path: PathLike) -> Table:
@@ -179,7 +185,8 @@ def _described(path: str, table: Table, name: str, column: Column | InputError) 
             gaps = gaps_of(column.time, column.values)
             what = f"{wrong} of {len(column.values)} samples" if gaps is None else gaps.text
             remarks.insert(0, f"{column.position(first)}: {why} ({what})")
-            if gaps is not None and gaps.longest_s <= LONGEST_BRIDGE_S and column.time_name:
+            wordless = "write" not in why  # else it is a number, written otherwise
+            if gaps and gaps.longest_s <= LONGEST_BRIDGE_S and column.time_name and wordless:
                 bridge_s = gaps.bridge_s
     remarks.append(column.remark)
     sampling = Sampling(len(column.time))
@@ -320,10 +327,7 @@ def _advice(inspection: Inspection) -> Iterator[str]:
     together: dict[tuple[int, ...], list[str]] = {}
     for role, candidates in inspection.open.items():
         together.setdefault(tuple(map(id, candidates)), []).append(role)
-    for role, reason in inspection.unusable.items():
-        bridge = max((c.bridge_s for c in inspection.open[role]), default=0.0)
-        how = f", as by bridge_s = {bridge:g}" if bridge else ""
-        yield f"{role} is there, but unusable: {reason}; settle it in the mapping{how}"
+    yield from inspection.faults
     for roles in together.values():
         candidates = inspection.open[roles[0]]
         if roles[0] in inspection.unusable:
@@ -350,9 +354,7 @@ def _advice(inspection: Inspection) -> Iterator[str]:
             f"no channel of {', '.join(silent)}: the mapping fixes their weights at 0, which is "
             "right only while these muscles are silent"
         )
-    for role, c in inspection.roles.items():
-        if c.known_unit is None:
-            yield f"{role}: {_unit_unknown(c)}: see the mapping"
+    yield from (f"{line}: see the mapping" for line in _units_unknown(inspection.roles))
     for c in inspection.roles.values():
         if c.look is not None and inspection.emg is not None:
             yield from filter(None, [contradiction(repr(c.column), c.look, inspection.emg)])

@@ -33,7 +33,7 @@ from surae.recording.source import Source, open_source
 from surae.recording.table import Column, Table, instants, some
 
 #: How the first line of a TOML file begins: a table, or a key with its equals sign.
-_FIRST = re.compile(r"\s*(\[|[\w.\"' -]+=)")
+_FIRST = re.compile(r"\s*(\[|(?!(?i:sep)=.\s*$)[\w.\"' -]+=)")
 #: What stands for the trial's name in the name of a file.
 TRIAL = "{trial}"
 #: What a line of [trials] may say of one trial, beside what differs in its channels.

@@ -17,7 +17,8 @@ capitals. In this order:
    With ``fascicle``, ``FL`` or ``pennation``, ``PEN``, that of the muscle in a film.
 5. ``gas`` without its head, ``tibialis`` without anterior or posterior, EMG without a muscle: no
    role, but the channels that could be one.
-6. A unit of torque or angle alone: *possible*; never written into a mapping as if it were known.
+6. A unit of torque, angle or EMG (mV, µV) alone: *possible*; never written into a mapping as if it
+   were known.
 
 The words ``r``, ``right``, ``l``, ``left`` say the side. A unit that cannot be the role's (``N``
 for a torque) makes it less certain, and an EMG only *possible*; it must be said what it is.
@@ -25,10 +26,12 @@ for a torque) makes it less certain, and an EMG only *possible*; it must be said
 
 import itertools
 import re
+import tomllib
 import unicodedata
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from importlib.resources import files
+from typing import Any, Literal
 
 from surae.base.errors import InputError
 from surae.base.units import FACTORS, kind, plain, spelled, stated, to_si
@@ -87,86 +90,35 @@ Side = Literal["left", "right"]
 #: From what the file states in our own words to what only a unit suggests.
 CONFIDENCES: tuple[Confidence, ...] = ("stated", "named", "likely", "possible")
 
-_SIDES: dict[str, Side] = {
-    "r": "right", "rt": "right", "right": "right", "rechts": "right", "droite": "right",
-    "l": "left", "lt": "left", "left": "left", "links": "left", "gauche": "left",
-}  # fmt: skip
-
-_ANKLE = {"ankle", "ank", "enkel", "cheville", "talocrural", "sprunggelenk", "osg"}
-_OTHER_JOINTS = {
-    "hip", "knee", "pelvis", "lumbar", "subtalar", "mtp", "toe", "toes", "elbow", "wrist",
-    "shoulder", "trunk", "neck", "heup", "knie", "hufte", "hanche", "genou", "coude",
-    "adduction", "abduction", "inversion", "eversion",
-}  # fmt: skip
-_OTHER_SENSORS = {
-    "acc", "accel", "accelerometer", "gyro", "gyroscope", "mag", "imu", "quat", "ecg", "ekg", "eog",
-    "eeg", "force", "grf", "cop", "marker", "trigger", "trig", "sync", "keyboard", "dac", "target",
-    "setpoint", "command", "reference", "temperature", "battery", "status", "saw", "counter",
-    "forces", "power", "powers", "progress", "progression",
-}  # fmt: skip
-#: Words of force plates and load cells: their moments are about their own axes. A plate or platform
-#: alone may be that which the foot is moved by.
-_PLATE = {"forceplate", "ground", "fx", "fy", "fz", "mx", "my", "mz"}
-_TORQUE = {
-    "torque", "moment", "drehmoment", "koppel", "torq", "tor", "couple", "krachtmoment",
-    "draaimoment",
-}  # fmt: skip
-_VELOCITY = {
-    "velocity", "vel", "speed", "omega", "angvel", "vitesse", "snelheid", "hoeksnelheid",
-    "geschwindigkeit", "winkelgeschwindigkeit",
-}  # fmt: skip
-_ACCELERATION = {
-    "acceleration", "accel", "acc", "alpha", "angacc", "winkelbeschleunigung", "hoekversnelling",
-}  # fmt: skip
-_ANGLE = {
-    "angle", "angles", "ang", "position", "pos", "theta", "goniometer", "gonio", "dorsiflexion",
-    "flexion", "winkel", "hoek", "rotation", "gelenkwinkel", "sprunggelenkwinkel",
-    "sprunggelenkswinkel", "enkelhoek", "dorsaalflexie", "dorsalextension",
-}  # fmt: skip
-_EMG = {"emg", "semg", "bip", "bipolar", "emgenv", "envelope"}
-
-#: What a film shows of a muscle, by the words of trackers.
-_FILMS = {  # a fascicle has a pennation: that word goes first
-    "pennation": {"pennation", "pennate", "pen"},
-    "fascicle": {"fascicle", "fascicles", "fl", "fas"},
-}
-#: A tracker's count of the film's frames.
-_FRAMES = {"frame", "frames"}
-
-_LATERAL = {"lat", "lateral", "lateralis", "laterale"}
-_MEDIAL = {"med", "medial", "medialis", "mediale"}
-_GASTROCNEMIUS = {"gas", "gast", "gastro", "gastroc", "gastrocs", "gastrocnemius", "gastrocnemien"}
-_TIBIALIS = {"tib", "tibialis", "tibial"}
-_ANTERIOR = {"ant", "anterior", "anterieur"}
-_OTHER_MUSCLES = {
-    "glut", "gluteus", "gmax", "gmed", "glmax", "glmed", "post", "posterior", "peroneus", "per",
-    "rect", "rectus", "rf", "vas", "vl", "vm", "vastus", "bf", "biceps", "semimem", "semiten",
-    "ham", "hamstrings", "add", "edl", "fdl", "fhl",
-}  # fmt: skip
-_WHOLE = {
-    "tibant": "emg_ta", "tibialisanterior": "emg_ta", "tibialisant": "emg_ta",
-    "latgas": "emg_gl", "gaslat": "emg_gl", "gastroclat": "emg_gl", "gastrolat": "emg_gl",
-    "lgas": "emg_gl", "gaslateralis": "emg_gl",
-    "medgas": "emg_gm", "gasmed": "emg_gm", "gastrocmed": "emg_gm", "gastromed": "emg_gm",
-    "mgas": "emg_gm", "gasmedialis": "emg_gm",
-    "soleus": "emg_sol", "soleaire": "emg_sol",
-}  # fmt: skip
-_SHORT = {
-    "ta": "emg_ta", "gl": "emg_gl", "lg": "emg_gl", "gm": "emg_gm", "mg": "emg_gm",
-    "sol": "emg_sol",
-}  # fmt: skip
-
-#: Muscles by whose EMG a recording shows that its joint is another.
-_OF_OTHER_JOINTS = {
-    **dict.fromkeys(("vas", "vl", "vm", "vastus", "rect", "rectus", "rf"), "knee"),
-    **dict.fromkeys(("bf", "biceps", "semimem", "semiten", "ham", "hamstrings"), "knee"),
-    **dict.fromkeys(("glut", "gluteus", "gmax", "gmed", "glmax", "glmed"), "hip"),
-}
+#: The words of names, by what they say.
+_WORDS: Mapping[str, Any] = tomllib.loads(
+    files("surae.recording").joinpath("roles.toml").read_text(encoding="utf-8")
+)
+_ANKLE, _OTHER_JOINTS, _OTHER_SENSORS, _PLATE, _TORQUE, _VELOCITY, _ACCELERATION, _ANGLE, _EMG = (
+    set(_WORDS[each])
+    for each in ("ankle", "other_joints", "other_sensors", "plate", "torque", "velocity",
+                 "acceleration", "angle", "emg")
+)  # fmt: skip
+_LATERAL, _MEDIAL, _GASTROCNEMIUS, _TIBIALIS, _ANTERIOR, _OTHER_MUSCLES, _FRAMES = (
+    set(_WORDS[each])
+    for each in ("lateral", "medial", "gastrocnemius", "tibialis", "anterior", "other_muscles",
+                 "frames")
+)  # fmt: skip
+_SIDES, _WHOLE, _SHORT, _OF_OTHER_JOINTS = (
+    {word: says for says, words in _WORDS[each].items() for word in words}
+    for each in ("sides", "whole", "short", "of_other_joints")
+)
+_FILMS: Mapping[str, Sequence[str]] = _WORDS["films"]
 
 _CAMEL = re.compile(
     r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])"
 )
 _BETWEEN = re.compile(r"[^0-9A-Za-z]+")
+#: Joint and quantity in one word, as German and Dutch write them.
+_COMPOUND = re.compile(
+    r"^(enkel|sprunggelenk|knie|heup|huft)(?:gelenk|gewrichts)?s?"
+    r"(winkel|hoek|(?:dreh|kracht)?moment|koppel|geschwindigkeit|snelheid)$"
+)
 #: A unit that a heading ends with: "Angle (deg)", "Moment [N.m]", "TA,uV"; "ankle_angle_deg".
 _BRACKETED = re.compile(r".*\S\s*(?:\(\s*([^()]+?)\s*\)|\[\s*([^\[\]]+?)\s*\]|,\s*([^\s,]+))")
 _SUFFIXED = re.compile(
@@ -213,10 +165,11 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
         match = _quantity(last) or _muscle(last)
     if match is None:
         known = {*words} & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES | _PLATE)
-        if suggested not in ("torque", "angle") or known:
+        of_unit = {"torque": ("torque",), "angle": ("angle",), "emg": _EMGS}.get(suggested or "")
+        if not of_unit or known or unit == "V":  # volts are of any sensor
             return None
-        rule = f"only its unit, {unit}, is one of {suggested}"
-        return Guess((suggested,), "possible", rule, side)
+        called = "EMG" if of_unit is _EMGS else suggested
+        return Guess(of_unit, "possible", f"only its unit, {unit}, is one of {called}", side)
     roles, confidence, rule = match
     emg = roles[0].startswith("emg_")
     if suggested is not None and all(kind(role) != suggested for role in roles):
@@ -271,7 +224,8 @@ def words_of(name: str) -> tuple[str, ...]:
         c for c in unicodedata.normalize("NFKD", plain(name)) if not unicodedata.combining(c)
     )
     parts = (part for piece in _BETWEEN.split(bare) for part in _CAMEL.split(piece))
-    return tuple(part.casefold() for part in parts if part)
+    words = (_COMPOUND.sub(r"\1 \2", part.casefold()).split() for part in parts if part)
+    return tuple(itertools.chain.from_iterable(words))
 
 
 def unit_kind(unit: str | None) -> str | None:
@@ -383,8 +337,9 @@ _IN_TURN = (
     (_GASTROCNEMIUS, "m", "emg_gm", "gastrocnemius M, for medialis"),
     (_TIBIALIS, "a", "emg_ta", "tibialis A, for anterior"),
 )
+_EMGS = tuple(f"emg_{muscle}" for muscle in MUSCLES)
 _VAGUE: tuple[tuple[set[str], tuple[str, ...], str], ...] = (
     (_GASTROCNEMIUS, ("emg_gl", "emg_gm"), "gastrocnemius, but not which head"),
     (_TIBIALIS, ("emg_ta",), "tibialis, but not whether anterior"),
-    (_EMG, tuple(f"emg_{muscle}" for muscle in MUSCLES), "an EMG, but not of which muscle"),
+    (_EMG, _EMGS, "an EMG, but not of which muscle"),
 )

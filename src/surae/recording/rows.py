@@ -15,16 +15,19 @@ from surae.base.units import FloatArray
 from surae.recording.source import Source
 from surae.recording.table import Column, regular, some
 
-#: hh:mm:ss.f, mm:ss.f, with a date of any kind before it and, in the morning and afternoon, AM, PM.
+#: hh:mm:ss.f, mm:ss.f, with a date of any kind or a number of days before it and, in the morning
+#: and afternoon, AM, PM; or a zone, which is that of all.
 _CLOCK = re.compile(
-    r"(?:[\d./-]{6,10}[ T])?(?:(\d{1,3}):)?(\d{1,2}):(\d{1,2}(?:[.,]\d{0,12})?)"
-    r"(?: ?([AaPp])\.?[Mm]\.?)?Z?",
+    r"(?:(?:[\d./-]{6,10}|\d{1,2}[ -][A-Za-z]{3,9}\.?[ -]\d{2,4}|\d+ days?),?[ T])?"
+    r"(?:(\d{1,3}):)?(\d{1,2}):(\d{1,2}(?:[.,]\d{0,12}|:\d{3,9})?)"
+    r"(?: ?([AaPp])\.?[Mm]\.?)?(?: ?(?:Z|UTC|GMT|[+-]\d\d:?\d\d))?",
     re.ASCII,
 )
 #: Texts that pyarrow reads [bytes], and how much of one at a time.
 _LARGE, _BLOCK = 2**23, 2**24
 _HALF_A_DAY = 43200.0
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
+_THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +120,8 @@ class Rows:
             at = int(wrong[0])
             if why := self.reason(first[time])(at):
                 where = f"{self.source.shown}: column {time!r}, {self.position(at)}"
-                raise InputError(f"{where}: {why}")
+                clock = "; write seconds, or hh:mm:ss.fff" if ":" in why else ""
+                raise InputError(f"{where}: {why}{clock}")
         seconds, remark = np.arange(data.shape[1], dtype=np.float64), ""
         if time and self.clock == first[time]:
             began = data[0, 0] if data.shape[1] else 0.0
@@ -210,7 +214,7 @@ def time_of_day(cell: str) -> float:
         raise ValueError(f"{some([cell])} is not a time of day")
     hours, minutes, seconds, half = match.groups()
     noon = 12 * ((half or "a").lower() == "p") + (int(hours or 0) % 12 if half else int(hours or 0))
-    return 3600.0 * noon + 60.0 * int(minutes) + float(seconds.replace(",", "."))
+    return 3600.0 * noon + 60.0 * int(minutes) + float(re.sub("[,:]", ".", seconds))
 
 
 def is_clock(cell: str) -> bool:
@@ -225,7 +229,7 @@ def as_number(cell: str) -> float:
     try:
         if "_" in cell or not cell.isascii():
             raise ValueError
-        return float(cell)
+        return float(cell.replace(",", "") if _THOUSANDS.fullmatch(cell) else cell)
     except ValueError:
         pass
     if _DECIMAL_COMMA.fullmatch(cell):

@@ -54,6 +54,8 @@ class Source:
         encoding = ""
         if self.data.startswith(_BOMS_UTF16):
             encoding = "utf-16"
+        elif not any(self.data[1:40:2]) and all(self.data[:40:2]):  # the same without its mark
+            encoding = "utf-16-le"
         elif b"\0" not in self.data[:HEAD] and not self.data.isascii():
             try:
                 self.data.decode()

@@ -79,7 +79,8 @@ def check_samples(
         index = int(stuck[0]) + 1
         raise InputError(
             f"{where}: {names[0]}, {position(index)}: time doesn't increase "
-            f"({time[index]:.12g} s after {time[index - 1]:.12g} s)"
+            f"({time[index]:.12g} s after {time[index - 1]:.12g} s); sort the rows, or where times "
+            "are only rounded, give start_s and rate_hz in a mapping"
         )
 
 
@@ -128,25 +129,52 @@ _ROUNDED, _COARSEST_S = 0.02, 0.01
 _AS_GOOD = 0.2
 
 
+#: Digits that programs keep of a time (MATLAB's dlmwrite: 5), and so many stamps show how many.
+_DIGITS, _SHOW = range(4, 8), 5000
+
+
 def regular(time: FloatArray) -> tuple[FloatArray, str]:
     """Times whose stamps were rounded, at the uniform rate that they were rounded from.
 
-    A program that writes 1500 Hz with three decimals gives every third stamp twice. Stamps are
-    rounded where all are multiples of a decimal step and a uniform axis explains each to that step.
-    What was done comes with them; nothing, and the stamps themselves, where they are not rounded.
+    A program that writes 1500 Hz with three decimals gives every third stamp twice, one that keeps
+    five digits so from 10 s on. Stamps are rounded where all are multiples of a decimal step, each
+    of its own where digits were kept, and a uniform axis explains each to that step. What was done
+    comes with them; nothing, and the stamps themselves, where they are not rounded.
     """
     n, span = len(time), float(time[-1] - time[0]) if len(time) else 0.0
     if n < 10 or not span > 0 or not np.isfinite(time).all():
         return time, ""
     mean = span / (n - 1)
     step = rounding(time, _COARSEST_S) if mean < 100 * _COARSEST_S else None
-    if step is None or step < _ROUNDED * mean or step > 4 * mean:
-        return time, ""
+    kept: dict[str, float | FloatArray] = {}
+    if step is not None:
+        kept[f"{1e3 * step:g} ms" if step < 1 else f"{step:g} s"] = step
+    few = time[:: n // _SHOW + 1]
+    for digits in _DIGITS:
+        own = few / _last_digit(few, digits)
+        if np.abs(own - np.round(own)).max() < 1e-3:
+            kept[f"{digits} digits"] = _last_digit(time, digits)
+            break
+    for shown, steps in kept.items():
+        if _ROUNDED * mean <= np.max(steps) <= 4 * mean and (even := _uniform(time, steps)):
+            return even[0], f"times rounded to {shown}: read as uniform, {even[1]:.6g} Hz"
+    return time, ""
+
+
+def _last_digit(time: FloatArray, digits: int) -> FloatArray:
+    """What the last of so many digits of each time counts."""
+    size = np.floor(np.log10(np.maximum(np.abs(time), 1e-9)))
+    return np.asarray(10.0 ** (size + 1 - digits))
+
+
+def _uniform(time: FloatArray, steps: float | FloatArray) -> tuple[FloatArray, float] | None:
+    """Even times that were rounded to `steps`, and their rate; None where they were not even."""
+    n, step = len(time), float(np.max(steps))
     counted = np.arange(n) - (n - 1) / 2.0
     mean = float(counted @ time / (counted @ counted))  # all stamps know it better than two
     del counted  # an hour's takes much
     if not mean > step / 8.0:
-        return time, ""
+        return None
     # A whole rate, or else a period of few digits, where either is what the stamps show.
     rates = (round(1 / mean), *(1 / float(f"{mean:.{digits}g}") for digits in range(1, 5)))
     rate = next(
@@ -154,11 +182,10 @@ def regular(time: FloatArray) -> tuple[FloatArray, str]:
     )
     uniform = instants(float(time[0]), rate, n)
     off = time - uniform
-    least, most = float(off.min()), float(off.max())
-    if most - least > 1.02 * step or max(-least, most) < 1e-3 * mean:
-        return time, ""
-    shown = f"{1e3 * step:g} ms" if step < 1 else f"{step:g} s"
-    return uniform, f"times rounded to {shown}: read as uniform, {rate:.6g} Hz"
+    if max(-off.min(), off.max()) < 1e-3 * mean:
+        return None  # as good as exact
+    off /= steps
+    return (uniform, rate) if off.max() - off.min() <= 1.02 else None
 
 
 @dataclass(frozen=True, slots=True)
