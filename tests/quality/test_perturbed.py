@@ -1,13 +1,20 @@
 """A perturbed recording is known, and its command named."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import surae
 from perturbed_ankle import Ankle, ramps
+from surae.api.fitting import inputs_for
 from surae.base.errors import InputError
 from surae.quality import finding
 from surae.quality.position import is_perturbed, perturbing
+from surae.quality.used import used
+from surae.recording import Channel, Recording
+from surae.settings import FitSettings
+from surae.signals import Weighting
 
 
 def test_a_perturbed_recording_names_the_command() -> None:
@@ -25,6 +32,24 @@ def test_slow_and_fast_stretches_name_the_command_and_ramps_of_one_speed_do_not(
         found = {f.code: f for f in surae.check(ramps(speeds)).findings}
         assert ("stretch-series" in found) is named
     assert "surae stretches" in finding.KINDS["stretch-series"].advice
+
+
+def test_only_what_is_used_makes_a_recording_a_perturbed_one() -> None:
+    """Junk after the torque's end would make degrees of radians, and these a small movement."""
+    t = np.arange(0.0, 35.0, 0.01)
+    junk = np.where(t < 32.0, 0.0, -6.3 + 0.1 * np.random.default_rng(4).standard_normal(len(t)))
+    angle = Channel("angle", t, 0.6 * np.sin(t) + 0.2 * np.sin(40.0 * t) + junk, "rad", "t: angle")
+    torque = Channel("torque", t[:3000], 5.0 * np.sin(t[:3000]), "Nm", "t: torque")
+    recording = Recording("t", {"angle": angle, "torque": torque})
+    assert is_perturbed(recording)
+    assert not is_perturbed(used(recording)[0])
+    settings = FitSettings(model="muscle", fixed=dict.fromkeys(("g1", "g2", "g3", "g4"), 0.0))
+    assert len(inputs_for(settings, [recording])) == 1
+    out = replace(settings, weights=Weighting(windows=((31.0, 40.0, 0.0),)))
+    long = replace(torque, time=t, values=5.0 * np.sin(t))
+    with pytest.raises(InputError, match="use surae impedance"):
+        inputs_for(settings, [Recording("t", {"angle": angle, "torque": long})])
+    assert len(inputs_for(out, [Recording("t", {"angle": angle, "torque": long})])) == 1
 
 
 @pytest.mark.parametrize("hz", [0.3, 2.0])

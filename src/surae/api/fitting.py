@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Unpack
 
 from surae.api.fitted import Fit
 from surae.api.given import AnyRecording, read_in, several
-from surae.api.recordings import checks_for, explained
+from surae.api.recordings import checks_for, explained, left_out
 from surae.base.errors import InputError
 from surae.base.files import PathLike, shown
 from surae.base.progress import SearchProgress, line_of_progress
@@ -20,6 +20,7 @@ from surae.model.jit import on_compilation
 from surae.model.laboratory import AUTO
 from surae.quality import Quality
 from surae.quality.position import is_perturbed
+from surae.quality.used import used
 from surae.recording import Recording
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
@@ -111,7 +112,7 @@ def inputs_for(
         A recording cannot be prepared as the settings ask.
     """
     for each in recordings:
-        if isinstance(each, Recording) and is_perturbed(each):
+        if isinstance(each, Recording) and is_perturbed(used(each, left_out(settings))[0]):
             raise InputError(
                 f"{each.where}: small random perturbations, from which no model of muscles is "
                 "fitted; use surae impedance, which tells tissue from reflex"

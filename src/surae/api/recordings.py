@@ -223,11 +223,14 @@ def _checked(
 
 def checks_for(settings: FitSettings, recordings: Sequence[AnyRecording]) -> list[Quality]:
     """Findings of recordings that are fitted together with these settings."""
+    anatomy, exclude = settings.options.anatomy, left_out(settings)
+    return check_together(recordings, prepared=settings.prepared, joint=anatomy, exclude=exclude)
+
+
+def left_out(settings: FitSettings) -> list[tuple[float, float]]:
+    """Windows [s] that do not count in any recording."""
     counts = settings.weights if isinstance(settings.weights, Weighting) else Weighting()
-    return check_together(
-        recordings, prepared=settings.prepared, joint=settings.options.anatomy,
-        exclude=[(start, end) for start, end, weight in counts.windows if weight == 0.0],
-    )  # fmt: skip
+    return [(start, end) for start, end, weight in counts.windows if weight == 0.0]
 
 
 def in_set(qualities: Sequence[Quality]) -> list[Quality]:
