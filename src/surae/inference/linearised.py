@@ -78,9 +78,7 @@ class SensorRows:
     @cached_property
     def border(self) -> FloatArray:
         """Products of the fast columns with `whole`, shape (k, q + m + 1)."""
-        border = np.zeros((len(self.first), len(self.whole)))
-        border_products(self.fast, self.first, np.ascontiguousarray(self.whole.T), border)
-        return border
+        return border_products(self.fast, self.first, np.ascontiguousarray(self.whole.T))
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ square.
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -118,6 +119,8 @@ class LogPosterior(Coordinates):
     def _prepare(self) -> None:
         fast = self.fast
         self._fast = [] if fast is None else [each.fast.precision(fast) for each in self.latents]
+        #: Of each recording the products of its fast columns, and the factor made of them.
+        self._factored: dict[int, tuple[FloatArray, FloatArray]] = {}
         #: Inverse covariance of each recording's slow latents beforehand, shape (m, m).
         self.precisions = [each.precision(self.sizes) for each in self.latents]
 
@@ -188,18 +191,21 @@ class LogPosterior(Coordinates):
         band, fast, gain = np.zeros((0, 1)), np.zeros((0, q + m + 1)), 0.0
         if len(w):
             prior, mean = self._fast[number]
-            muscles = len(prior) - 1
-            band = np.zeros((max(len(rows.band) for rows, _ in each), len(w)))
-            for rows, variance in each:
-                band[: len(rows.band)] += rows.band / variance
-            border = np.sum([rows.border / variance for rows, variance in each], axis=0)
-            band[0] += prior[0]
-            band[muscles] += prior[muscles]
+            muscles, own = len(prior) - 1, each[0][0].band
+            border = reduce(np.add, (rows.border / variance for rows, variance in each))
             away = w - mean
             pull = self.fast_product(number, away[:, None])[:, 0]
             cost += float(away @ pull)
             border[:, -1] += pull
-            band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False).T
+            if number not in self._factored or self._factored[number][0] is not own:
+                band = np.zeros((max(len(rows.band) for rows, _ in each), len(w)))
+                for rows, variance in each:
+                    band[: len(rows.band)] += rows.band / variance
+                band[0] += prior[0]
+                band[muscles] += prior[muscles]
+                band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False).T
+                self._factored[number] = own, band
+            band = self._factored[number][1]
             fast = solve_band(band, border)
             H -= fast.T @ fast
             gain = float(fast[:, -1] @ fast[:, -1])

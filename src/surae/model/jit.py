@@ -121,8 +121,8 @@ def inner(function: F) -> F:
     return jit(function, no_cpython_wrapper=True)
 
 
-def jit(function: F, **more: bool) -> F:
-    """Compile `function` with numba: no GIL, IEEE arithmetic, cached on disk."""
+def jit(function: F, **more: Any) -> F:
+    """Compile `function` with numba: no GIL, IEEE arithmetic but for `more`, cached on disk."""
     config: Any = numba.config
     previous = config.CACHE_DIR
     config.CACHE_DIR = str(cache_folder())  # numba reads it when it decorates
