@@ -37,6 +37,9 @@ except PackageNotFoundError:
     _paths.append(str(_folder.parent))
 os.environ["PYTHONPATH"] = os.pathsep.join([*_paths, *filter(None, [os.environ.get("PYTHONPATH")])])
 
+# Nothing that is imported and collected is garbage: to look for some takes a sixth of it.
+gc.disable()
+
 # What fails once fails again, and a busy computer fails nothing.
 settings.register_profile(
     "repeatable",
@@ -81,6 +84,7 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(20_000, 10, 10)
+    gc.enable()
 
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"

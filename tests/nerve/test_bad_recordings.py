@@ -1,5 +1,7 @@
 """What is no perturbation, and what of one cannot be used: said in a line, with its remedy."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy import signal
@@ -133,12 +135,18 @@ def test_torque_that_is_cut_and_filtered_stays_behind_and_other_torque_does_not(
     assert falls_short([less], [scale * whole.torque]) > 0.15
 
 
+@cache
+def stretched():
+    """A recording of stretches, and where the first fast one begins [s]."""
+    recording = ramps((10.0, 10.0, 120.0, 120.0), neural=6.0)
+    return recording, surae.stretches(recording).stretches[4].start_s
+
+
 @pytest.mark.parametrize("column", ["angle", "torque"])
 def test_stretches_are_not_made_of_gaps(column, tmp_path) -> None:
-    recording = ramps((10.0, 10.0, 120.0, 120.0), neural=6.0)
+    recording, at = stretched()
     x, y = (recording.channels[name].values for name in ("angle", "torque"))
     t = recording.channels["angle"].time
-    at = surae.stretches(recording).stretches[4].start_s
     values = {"angle": x.copy(), "torque": y.copy()}
     values[column][(t > at - 0.2) & (t < at + 0.2)] = np.nan
     path = tmp_path / "gap.csv"
@@ -155,7 +163,7 @@ def test_stretches_are_not_made_of_gaps(column, tmp_path) -> None:
 
 
 def test_stretches_whose_torque_is_at_its_limit_are_left_out() -> None:
-    recording = ramps((10.0, 10.0, 120.0, 120.0), neural=6.0)
+    recording, _ = stretched()
     x, y = (recording.channels[n].values for n in ("angle", "torque"))
     limit = np.quantile(y, 0.98)
     found = surae.stretches(Recording.from_arrays(

@@ -23,12 +23,18 @@ def usual():
     return surae.stretches(ramps(SPEEDS, neural=6.0))
 
 
+@cache
+def silent():
+    """The same leg without one."""
+    return surae.stretches(ramps(SPEEDS))
+
+
 def calf(found):
     return [s for s in found.stretches if s.direction == "dorsiflexion"]
 
 
 def test_every_stretch_is_found_with_its_speed_and_ends() -> None:
-    found = calf(surae.stretches(ramps(SPEEDS)))
+    found = calf(silent())
     assert [s.speed_deg_s for s in found] == pytest.approx(SPEEDS, rel=0.05)
     assert [s.from_deg for s in found] == pytest.approx([-20.0] * 8, abs=1.5)
     assert [s.to_deg for s in found] == pytest.approx([10.0] * 8, abs=1.5)
@@ -61,8 +67,8 @@ def test_tissue_that_relaxes_fast_is_never_called_neural(seconds) -> None:
 
 
 def test_silent_muscles_have_no_nerve() -> None:
-    found = calf(surae.stretches(ramps(SPEEDS, neural=0.0)))
-    assert all(s.neural_Nm == 0.0 and s.catch_deg is None for s in found)
+    assert all(s.neural_Nm == 0.0 and s.catch_deg is None for s in calf(silent()))
+    assert silent().threshold["gm"].angle_deg is None
 
 
 def test_the_threshold_is_that_of_no_velocity() -> None:
@@ -71,7 +77,6 @@ def test_the_threshold_is_that_of_no_velocity() -> None:
     low, high = threshold.ci95
     assert low < 5.0 < high
     assert threshold.angle_deg == pytest.approx(5.0, abs=3.0)
-    assert surae.stretches(ramps(SPEEDS, neural=0.0)).threshold["gm"].angle_deg is None
 
 
 def test_repeats_give_the_smallest_change_and_single_ones_none() -> None:
@@ -84,7 +89,7 @@ def test_repeats_give_the_smallest_change_and_single_ones_none() -> None:
 
 def test_a_table_has_a_row_for_each_stretch() -> None:
     pytest.importorskip("pandas")
-    found = surae.stretches(ramps(SPEEDS))
+    found = silent()
     table = found.to_dataframe()
     assert len(table) == len(found.stretches) == len(found.as_table().rows)
     assert "emg_onset_gm_deg" in table

@@ -134,7 +134,11 @@ def test_a_c3d_cut_short_is_read_as_far_as_it_goes(table):
         (lambda d: d[:1024], "cut short"),
         (lambda d: d[:515] + b"\x56" + d[516:], "which ezc3d does not read; save it again"),
         # ezc3d crashes where there are no scales.
-        (lambda d: d.replace(b"\x05\x02SCALE", b"\x05\x02SCHAL"), "C3D that cannot be read"),
+        pytest.param(
+            lambda d: d.replace(b"\x05\x02SCALE", b"\x05\x02SCHAL"),
+            "C3D that cannot be read",
+            marks=pytest.mark.long,
+        ),
     ],
 )
 def test_c3d_refuses(table, spoil, says):
