@@ -112,8 +112,8 @@ def _direction(inputs: "ModelInputs") -> FloatArray:
          '    rows["scale"] = 0.005 * values[None, :]\n'),
     ],
     "a finding": [
-        ("quality/finding.py", '    FindingKind("torque-sign"', '''\
-    FindingKind("torque-still", "error", "Nm"),
+        ("quality/finding.py", '    "torque-sign": (', '''\
+    "torque-still": ("error", "Nm"),
 '''),
         (ENGLISH, 'msgid "found/torque-unit"', '''\
 msgid "kind/torque-still"

@@ -9,6 +9,7 @@ from surae.base.frozen import read_only
 from surae.inference import Grade, Verdict, assess, fit_problem, make_problem
 from surae.inference.adequacy import _is_odd, judge_adequacy, structure
 from surae.model.source import Gaussian
+from surae.quality.finding import Finding, Quality
 
 
 def fitted_to(trial, **asked):
@@ -36,6 +37,27 @@ def test_a_static_hold_is_inadequate_and_identifies_nothing(noisy):
     assert any("hardly moves" in reason for reason in worth.adequacy.reasons)
     assert not any(p.verdict is Verdict.IDENTIFIED for p in worth.parameters.values())
     assert not any(p.repeatable for p in worth.parameters.values())
+
+
+@pytest.mark.parametrize(
+    ("code", "severity", "grade"),
+    [
+        ("angle-units", "error", Grade.INADEQUATE),
+        ("electrodes-swapped", "error", Grade.DOUBTFUL),
+        ("torque-unit", "warning", Grade.ADEQUATE),
+        ("position-steps", "error", Grade.ADEQUATE),
+    ],
+)
+def test_a_recording_that_is_not_what_its_file_says_is_said_so(noisy, code, severity, grade):
+    """However well the torque is followed: degrees from the sole were, by arms that grow."""
+    result = fitted_to(noisy)
+    found = Finding(code, severity, "angle", 0.0, 1.0, None, "", "found", "do")
+    worth = assess(result, quality=[Quality("walk", (found,))])
+    assert worth.adequacy.grade is grade
+    named = any("walk is not what its file says" in reason for reason in worth.adequacy.reasons)
+    assert named == (grade is not Grade.ADEQUATE)
+    identified = any(p.verdict is Verdict.IDENTIFIED for p in worth.parameters.values())
+    assert identified == (grade is not Grade.INADEQUATE)
 
 
 def test_turned_torque_is_inadequate(noisy):

@@ -10,7 +10,7 @@ import surae
 from surae.base.errors import InputError
 from surae.base.files import write_atomic
 from surae.recording import inspect, mapping_text, read, write_csv
-from surae.recording.emg_kind import emg_contradictions
+from surae.recording.emg_kind import contradiction, emg_contradictions, look_of
 
 
 def write_mapping(inspection, path):
@@ -365,3 +365,14 @@ def test_columns_of_a_matrix_without_names_ask_which_muscle_they_are(tmp_path):
     named = {f"emg_{m}": 1e-4 * noise[:, k] for k, m in enumerate(("ta", "gl", "sol", "gm"))}
     savemat(tmp_path / "named.mat", {**moved, **named})
     assert not any("which muscle" in line for line in inspect(tmp_path / "named.mat").advice)
+
+
+def test_an_envelope_at_rest_that_answers_a_few_stretches_is_no_raw_emg() -> None:
+    """The recorder's noise on a level, and four bursts: raw EMG goes down as far as up."""
+    rng, time = np.random.default_rng(7), np.arange(0.0, 35.0, 1 / 128)
+    noise = 2.7e-6 * (1.0 + 0.08 * rng.standard_normal(len(time)))
+    bursts = sum(np.exp(-0.5 * ((time - at) / 0.15) ** 2) for at in (5.0, 13.0, 21.0, 29.0))
+    envelope = look_of(time, noise + 3e-5 * bursts)
+    assert contradiction("emg_gl", envelope, "envelope") == ""
+    raw = look_of(time, 2e-4 + 3e-5 * bursts * rng.standard_normal(len(time)) + noise)
+    assert raw.kind == "raw"

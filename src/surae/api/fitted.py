@@ -84,7 +84,8 @@ class Fit(Tabular, AssessedFit):
         Fit
             Its values are the same.
         """
-        return Fit(self.result, assess(self.result, alternatives=True), self.quality)
+        quality = self.quality
+        return Fit(self.result, assess(self.result, alternatives=True, quality=quality), quality)
 
     @property
     def plot(self) -> Plots:

@@ -134,7 +134,7 @@ def fit_inputs(
     """The fit of recordings that `inputs_for` has prepared; all else is as of `fit`."""
     problem = make_problem(inputs, settings)
     result = solve(problem, progress=progress, follow=follow)
-    return Fit(result, assess(result, alternatives=True), tuple(quality))
+    return Fit(result, assess(result, alternatives=True, quality=quality), tuple(quality))
 
 
 def load(path: PathLike) -> Fit:

@@ -27,6 +27,7 @@ from surae.model.laboratory import group_of
 from surae.model.source import Gaussian
 from surae.model.sources import LABELS
 from surae.model.statements import RARE
+from surae.quality.finding import NOT_AS_STATED, Quality
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, steady_emg
 
@@ -86,13 +87,14 @@ class Adequacy:
         return tuple(map(str, self.against))
 
 
-def judge_adequacy(result: FitResult) -> Adequacy:
-    """Judge a whole fit."""
+def judge_adequacy(result: FitResult, quality: Sequence[Quality] = ()) -> Adequacy:
+    """Judge a whole fit, of recordings with what was found in them."""
     inputs, residuals = result.problem.inputs, result.residuals
     r2 = centred_r2(list(map(counted, inputs, residuals)))
     if result.status == "failed" or not np.isfinite(r2):
         return _graded([against("failed", grave=True)], r2)
     reasons = [
+        *_not_as_stated(quality),
         *_goodness(r2),
         *_movement(inputs, result.problem.options.anatomy),
         *_effort(result),
@@ -122,6 +124,19 @@ def _goodness(r2: float) -> Iterator[Reason]:
         yield against("not-followed", grave=True, r2=r2)
     elif r2 < _FOLLOWED:
         yield against("followed-roughly", r2=r2)
+
+
+def _not_as_stated(quality: Sequence[Quality]) -> Iterator[Reason]:
+    """A model with enough freedom follows an angle from the sole as well as one from neutral.
+
+    Signs and electrodes are told by a quick fit, which accuses one relaxed leg of forty falsely.
+    """
+    for trial in quality:
+        for finding in trial.findings:
+            if finding.severity == "error" and finding.code in NOT_AS_STATED:
+                code = finding.code
+                grave = code.endswith(("-unit", "-units"))
+                yield against("not-as-stated", grave=grave, trial=trial.recording, code=code)
 
 
 def _range(inputs: Sequence[ModelInputs]) -> float:

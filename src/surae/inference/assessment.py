@@ -106,8 +106,10 @@ class AssessedFit:
 
 
 @one_blas_thread()
-def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
-    """Judge a fit.
+def assess(
+    result: FitResult, *, alternatives: bool = False, quality: Sequence[Quality] = ()
+) -> Assessment:
+    """Judge a fit, of recordings in which `quality` was found.
 
     With `alternatives` a named model is held against what it does not know of: where the data
     contradict it, its intervals reach to where a model of the laboratory would have the parameters.
@@ -152,7 +154,7 @@ def assess(result: FitResult, *, alternatives: bool = False) -> Assessment:
     if dependency is None:
         note = "fewer than two parameters have a variance"
     residuals = np.concatenate([residual for _, residual, _ in pairs])
-    adequacy = judge_adequacy(result)
+    adequacy = judge_adequacy(result, quality)
     against = contradiction(result) if alternatives else None
     if isinstance(solution, PosteriorMode):
         known = combined(result, solution.spread)

@@ -175,7 +175,9 @@ def aliased(trial: CheckedTrial) -> Iterator[Finding]:
         own = power[strong[-quarter:]].mean(axis=0) - power[strong[:quarter]].mean(axis=0)
         at = np.fft.rfftfreq(size) * channel.rate_hz
         near = at > _NYQUIST_PART * 0.5 * channel.rate_hz
-        ratio = float(own[near].mean() / max(own[(at > _EMG_HZ) & ~near].mean(), 1e-300))
+        if not (below := own[(at > _EMG_HZ) & ~near]).size:
+            continue  # a fit refuses so slow a raw EMG
+        ratio = float(own[near].mean() / max(below.mean(), 1e-300))
         if ratio > FOLDED:
             yield make_finding(
                 "emg-aliased", channel.role, span_of(channel.time), ratio,

@@ -13,6 +13,11 @@ Severity = Literal["info", "warning", "error"]
 
 #: From the least to the most severe.
 SEVERITIES: tuple[Severity, ...] = ("info", "warning", "error")
+#: Errors by which a recording is another than its file says: nothing that is made of it holds.
+NOT_AS_STATED = (
+    "angle-sign", "angle-units", "electrodes-swapped", "emg-unit", "time-unit", "torque-sign",
+    "torque-unit",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,8 +129,8 @@ class FindingKind:
     """A kind of finding; a check may give severity, unit and advice that fit the recording."""
 
     code: str  #: Its name.
-    severity: Severity = "warning"
-    unit: str = "1"  #: Of the number that it is judged by.
+    severity: Severity
+    unit: str  #: Of the number that it is judged by.
 
     @property
     def looks_for(self) -> Message:
@@ -138,54 +143,29 @@ class FindingKind:
         return Message(f"advice/{self.code}")
 
 
-_KINDS = (
-    FindingKind("emg-kind", "error"),
-    FindingKind("as-read", "info", ""),
-    FindingKind("emg-missing", unit=""),
-    FindingKind("emg-flat", unit="s"),
-    FindingKind("emg-clipped"),
-    FindingKind("emg-aliased"),
-    FindingKind("emg-offset", unit="V"),
-    FindingKind("emg-artefact", unit="V"),
-    FindingKind("mains-hum", unit="V"),
-    FindingKind("electrode-off", "error"),
-    FindingKind("electrode-lag", unit="s"),
-    FindingKind("emg-torque-lag", "error", "s"),
-    FindingKind("torque-limit", "error", "Nm"),
-    FindingKind("torque-artefact", unit="Nm"),
-    FindingKind("torque-sign", "error"),
-    FindingKind("torque-offset", unit="Nm"),
-    FindingKind("angle-units", "error", "rad"),
-    FindingKind("rom-not-covered", unit="rad"),
-    FindingKind("stretch-series", "info", "deg/s"),
-    FindingKind("position-steps", "error", "rad"),
-    FindingKind("overshoot", unit="rad"),
-    FindingKind("passive-not-passive"),
-    FindingKind("active-not-active"),
-    FindingKind("co-contraction"),
-    FindingKind("reflex-suspected", unit="s"),
-    FindingKind("time-gap", "error", "s"),
-    FindingKind("time-jitter", unit="s"),
-    FindingKind("not-used", "info", "s"),
-    FindingKind("samples-missing", "error"),
-    FindingKind("trial-too-short", unit="s"),
-    FindingKind("angle-sign", "error"),
-    FindingKind("electrodes-swapped", "error"),
-    FindingKind("torque-drift", unit="Nm"),
-    FindingKind("emg-gain"),
-    FindingKind("angle-still", "error", "rad"),
-    FindingKind("torque-unit", "error", "Nm"),
-    FindingKind("emg-unit", "error", "V"),
-    FindingKind("film-unit", "error", "m"),
-    FindingKind("film-lost"),
-    FindingKind("film-repeated"),
-    FindingKind("film-jump", unit="m"),
-    FindingKind("film-clock", "error", "s"),
-    FindingKind("film-drift", unit="m"),
-    FindingKind("time-unit", "error", "s"),
-)
+_KINDS: dict[str, tuple[Severity, str]] = {
+    "emg-kind": ("error", "1"), "as-read": ("info", ""), "emg-missing": ("warning", ""),
+    "emg-flat": ("warning", "s"), "emg-clipped": ("warning", "1"), "emg-aliased": ("warning", "1"),
+    "emg-offset": ("warning", "V"), "emg-artefact": ("warning", "V"),
+    "mains-hum": ("warning", "V"), "electrode-off": ("error", "1"),
+    "electrode-lag": ("warning", "s"), "emg-torque-lag": ("error", "s"),
+    "torque-limit": ("error", "Nm"), "torque-artefact": ("warning", "Nm"),
+    "torque-sign": ("error", "1"), "torque-offset": ("warning", "Nm"),
+    "angle-units": ("error", "rad"), "rom-not-covered": ("warning", "rad"),
+    "stretch-series": ("info", "deg/s"), "position-steps": ("error", "rad"),
+    "overshoot": ("warning", "rad"), "passive-not-passive": ("warning", "1"),
+    "active-not-active": ("warning", "1"), "co-contraction": ("warning", "1"),
+    "reflex-suspected": ("warning", "s"), "time-gap": ("error", "s"),
+    "time-jitter": ("warning", "s"), "not-used": ("info", "s"), "samples-missing": ("error", "1"),
+    "trial-too-short": ("warning", "s"), "angle-sign": ("error", "1"),
+    "electrodes-swapped": ("error", "1"), "torque-drift": ("warning", "Nm"),
+    "emg-gain": ("warning", "1"), "angle-still": ("error", "rad"), "torque-unit": ("error", "Nm"),
+    "emg-unit": ("error", "V"), "film-unit": ("error", "m"), "film-lost": ("warning", "1"),
+    "film-repeated": ("warning", "1"), "film-jump": ("warning", "m"), "film-clock": ("error", "s"),
+    "film-drift": ("warning", "m"), "time-unit": ("error", "s"),
+}  # fmt: skip
 #: All of them by code.
-KINDS = {kind.code: kind for kind in _KINDS}
+KINDS = {code: FindingKind(code, severity, unit) for code, (severity, unit) in _KINDS.items()}
 #: Every code that a finding can have.
 CODES = tuple(KINDS)
 

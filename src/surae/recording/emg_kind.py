@@ -13,6 +13,9 @@ from surae.recording.table import Column
 _SLOW = 40.0
 #: Raw EMG on a constant offset stays within this part of its median.
 _LIFTED = 0.5
+#: Its bursts go down as far as up, beside a drift to a fifth; those of an envelope only up, by 12
+#: and more in relaxed legs that answer a stretch. What is rarer than this part tells nothing.
+_UPWARDS, _EXTREME = 10.0, 1e-3
 #: Averaged over this time [s], raw EMG leaves its drift; an envelope stays nearly as it is.
 _DRIFT_S = 0.1
 #: What is fast is noise of one strength where the strongest and the weakest tenths of its pieces
@@ -65,7 +68,8 @@ def look_of(time: FloatArray, values: FloatArray) -> Look:
     rate = f"crosses its median {crossings:.0f} times a second"
     if low < -_NEGATIVE * high:
         return Look("raw", f"positive and negative, {rate}")
-    if low > _LIFTED * middle:
+    least, most = np.quantile(values, (_EXTREME, 1.0 - _EXTREME))
+    if low > _LIFTED * middle and most - middle < _UPWARDS * (middle - least):
         fast = _detrended(values, span)
         around = _crossings(fast) / span
         if max(crossings, around) > _SLOW:
@@ -74,7 +78,7 @@ def look_of(time: FloatArray, values: FloatArray) -> Look:
             offset = -float(f"{mean:.6g}")
             rule = f"never near zero, yet fast: {rate}: raw on an offset"
             return Look("raw", rule, offset, steady=_is_steady(fast, span))
-    if crossings <= _SLOW and not below:
+    if (crossings <= _SLOW or low > _LIFTED * middle) and not below:
         return Look("envelope", f"not negative and slow, {rate}")
     rule = f"not negative, yet fast: {rate}: rectified but not smoothed?"
     return Look(None, "negative throughout" if below else rule, rectified=not below and low >= 0.0)

@@ -176,7 +176,7 @@ def load_saved(path: PathLike) -> AssessedFit:
         result = _result(file, data)
         if data.get("sha256", (own := _checksum(data))) != own:
             raise InputError("its numbers are not those that were fitted: somebody changed them")
-        now = assess(result, alternatives=True)
+        now = assess(result, alternatives=True, quality=file.findings)
         return AssessedFit(result, _as_judged(now, data), file.findings)
     except (ArithmeticError, np.linalg.LinAlgError):
         raise InputError(f"{shown(path)}: a number in it is beyond any leg; fit again") from None
