@@ -99,6 +99,7 @@ class Observed:
     ) -> None:  # fmt: skip
         self._at, self._latents, self._noise_alone = at, latents, noise_alone
         self._inputs, self._spec = at.problem.inputs, at.problem.spec
+        self._names = self._spec.names
         self._simulators: list[Any] = list(simulators(at.problem))
         for simulator in self._simulators:
             simulator.rest = rest
@@ -134,7 +135,7 @@ class Observed:
             quick = latents.fast.log_gain(w, latents.muscles)
             gain = quick if gain is None else gain + quick
         simulator.with_log_gain(gain)
-        if "plate_give" in self._spec.names:
+        if "plate_give" in self._names:
             simulator.pulled_by(measured(recording))
             with np.errstate(over="ignore", invalid="ignore"):
                 simulator.pulled_by(simulator.torque(values))
@@ -173,7 +174,7 @@ class Observed:
         """Modelled minus measured torque by the parameters alone [Nm], shape (n,)."""
         simulator: Any = self._spec.simulator(recording, self._at.problem.options)
         values = self._at.values(z, number)
-        if "plate_give" in self._spec.names:
+        if "plate_give" in self._names:
             simulator.pulled_by(simulator.torque(values))
         return np.asarray(simulator.torque(values) - measured(recording))
 
@@ -260,7 +261,7 @@ class Observed:
         """
         recording, latents = self._inputs[number], self._latents[number]
         fast, m = latents.fast, len(latents.muscles)
-        tail = min(TAIL_S, 0.25 + 1.2 / float(values[self._spec.names.index("f0")]))
+        tail = min(TAIL_S, 0.25 + 1.2 / float(values[self._names.index("f0")]))
         size = fast.shapes.shape[1] + int(tail * recording.rate_hz)
         columns = np.zeros((len(fast.first), m, size))
         for at, muscle in enumerate(latents.muscles):

@@ -181,16 +181,17 @@ def _slow(signals: Signals, fit: QuickFit) -> Iterator[Finding]:
 def _out_of_step(recording: Recording, signals: Signals, fit: QuickFit) -> Iterator[Finding]:
     """EMG that is late for the torque, or earlier than muscles make it."""
 
-    def shifted(lag: float) -> QuickFit:
+    def shifted(lag: float, near: QuickFit) -> QuickFit:
         later = dict.fromkeys(MUSCLES, lag)
-        return quick_fit(recording, signals, later=later) or fit
+        return quick_fit(recording, signals, later=later, near=near) or fit
 
     early, late = _FOLLOWS
     for way, edge in ((1.0, -late), (-1.0, -early)):
-        beside = shifted(edge) if edge else fit
+        beside = shifted(edge, fit) if edge else fit
         lag, best = edge, beside
-        while abs(lag) < _FARTHEST and (next_ := shifted(lag + way * _SHIFT)).left < best.left:
-            lag, best = lag + way * _SHIFT, next_
+        step = way * _SHIFT
+        while abs(lag) < _FARTHEST and (next_ := shifted(lag + step, best)).left < best.left:
+            lag, best = lag + step, next_
         if best.left * _OUT_OF_STEP < beside.left and best.r2 - fit.r2 >= _VISIBLE:
             yield make_finding(
                 f"emg-torque-lag/{'follows' if way < 0.0 else 'fitted'}", None,
@@ -204,7 +205,7 @@ def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Iterator[Fin
     """A torque whose zero is off by more than a foot can weigh."""
     if recording.fixed.get("m") == 0.0 or abs(fit.zero) < _ZERO or fit.r2 < _GOOD_ENOUGH:
         return
-    without = quick_fit(recording, signals, zero=False)
+    without = quick_fit(recording, signals, zero=False, near=fit)
     if without is not None and without.left >= _ZERO_GAIN * fit.left:
         yield make_finding(
             "torque-offset/fitted", "torque", span_of(signals.time), fit.zero, level=fit.zero,

@@ -17,7 +17,7 @@ from surae.base.words import Message
 from surae.inference import make_problem
 from surae.inference.least_squares import minimise
 from surae.inference.residuals import Residuals, curved_move
-from surae.inference.separable import scan_lengths
+from surae.inference.separable import scan_lengths, solve_linear
 from surae.quality.numeric import quantiles, shifted, smooth
 from surae.quality.trial import Signals
 from surae.recording import MUSCLES, Recording
@@ -45,6 +45,7 @@ class QuickFit:
     #: What grows through the trial, by signal: by how much (torque [Nm], an EMG's effect as a part
     #: of it), and the part of what the fit leaves that it explains.
     slow: Mapping[str, tuple[float, float]] = field(default_factory=FrozenDict)
+    at: tuple[float, ...] = ()  #: The free parameters.
 
     @property
     def left(self) -> float:
@@ -58,12 +59,14 @@ def quick_fit(
     *,
     later: dict[str, float] | None = None,
     zero: bool = True,
+    near: QuickFit | None = None,
 ) -> QuickFit | None:
     """Fit model 1.0 quickly to what a recording might be.
 
     `signals` are those of what it might be; `later` is by how much the EMG of a muscle is
-    late [s], which is taken away; `zero` says whether the torque's zero is free. None where the
-    model cannot be fitted to it.
+    late [s], which is taken away; `zero` says whether the torque's zero is free. Lengths begin
+    where a fit `near` has them, whose muscles are the same, or are looked for. None where the model
+    cannot be fitted to it.
     """
     assert signals.torque is not None
     rate = signals.rate_hz
@@ -110,9 +113,13 @@ def quick_fit(
     if power <= 0.0:
         return None
     with one_blas_thread(), np.errstate(over="ignore", invalid="ignore"):
+        if near is None:
+            begin = scan_lengths(problem, rows, problem.start)
+        else:
+            begin, _ = solve_linear(problem, rows, np.array(near.at))
         best = minimise(
-            rows, scan_lengths(problem, rows, problem.start), problem.lower, problem.upper,
-            move=curved_move(problem), max_iterations=40, ftol=1e-3, stall=1e-3,
+            rows, begin, problem.lower, problem.upper, move=curved_move(problem),
+            max_iterations=40, ftol=1e-3, stall=1e-3,
         )  # fmt: skip
         offset = float(np.mean(residuals.of(best.x)[0])) if zero else 0.0
     if not np.isfinite(best.sse):
@@ -120,7 +127,7 @@ def quick_fit(
     weights = [x for name, x in zip(problem.free, best.x, strict=True) if name in _WEIGHTS]
     idle = sum(weight < _IDLE * max(weights) for weight in weights)
     slow = _slow(rows(best.x), dict(zip(problem.free, best.x, strict=True)))
-    return QuickFit(1.0 - best.sse / power, offset, idle, slow)
+    return QuickFit(1.0 - best.sse / power, offset, idle, slow, tuple(best.x.tolist()))
 
 
 def _slow(rows: FloatArray, values: Mapping[str, float]) -> FrozenDict[str, tuple[float, float]]:
