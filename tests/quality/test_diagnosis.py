@@ -78,6 +78,8 @@ EMG = ("emg_ta", "emg_gl", "emg_sol", "emg_gm")
     [
         (lambda r: scaled(r, ("torque",), 1e3), "torque-unit", "mNm"),
         (lambda r: scaled(r, ("torque",), 1e-3), "torque-unit", "kNm"),
+        (lambda r: scaled(r, ("torque",), 1e3 / 70.0), "torque-unit", "mNm per kilogram"),
+        (lambda r: scaled(r, EMG, 1e-4), "emg-unit", "less than the noise"),
         (lambda r: scaled(r, ("emg_sol",), 1e6), "emg-unit", "soleus"),
         (lambda r: scaled(r, ("emg_ta",), 1e3), "emg-unit", "mV"),
         (lambda r: scaled(r, EMG, 1e6), "emg-unit", "µV"),

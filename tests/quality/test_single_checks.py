@@ -340,3 +340,21 @@ def test_known_faults_of_measured_data_are_found(shared) -> None:
     assert "torque-sign" not in codes(check_recording(turned))
     flipped = changed(turned, "torque", -turned.channels["torque"].values)
     assert "torque-sign" in codes(check_recording(flipped))
+
+
+def test_one_signal_in_two_channels_is_said_of_copies_alone(recording) -> None:
+    sol = recording.channels["emg_sol"].values
+    for same in (sol, 0.5 * sol):
+        finding = only(check_recording(changed(recording, "emg_gm", same)), "emg-doubled")
+        assert (finding.channel, finding.severity) == ("emg_gm", "error")
+        assert "gastrocnemius medialis is that of the soleus" in finding.message
+    near = sol + 0.01 * sol.std() * np.random.default_rng(3).standard_normal(len(sol))
+    assert "emg-doubled" not in codes(check_recording(changed(recording, "emg_gm", near)))
+    assert "emg-doubled" not in codes(check_recording(recording))
+    rng, raw = np.random.default_rng(4), replace(recording, emg="raw")
+    for role in ("emg_ta", "emg_gl", "emg_sol", "emg_gm"):
+        noise = rng.standard_normal(len(sol))
+        raw = changed(raw, role, recording.channels[role].values * noise)
+    assert "emg-doubled" not in codes(check_recording(raw))
+    turned = changed(raw, "emg_gl", -raw.channels["emg_ta"].values)
+    assert only(check_recording(turned), "emg-doubled").channel == "emg_gl"

@@ -163,9 +163,7 @@ def test_a_fault_of_every_channel_is_said_once(tmp_path) -> None:
     assert "column 'Time (s)', row 202: 'later' is not a number; correct the file" in fault
     names = [name.partition(" (")[0] for name in NAMES]
     path = written(tmp_path / "u.csv", table(), ("Time (s)", *names))
-    with pytest.raises(
-        InputError, match=r"units of 'Ankle Angle', .* 'GM' are not known"
-    ) as caught:
+    with pytest.raises(InputError, match=r"unit of 'Ankle Angle', .* 'GM' is not known") as caught:
         surae.check(path)
     assert str(caught.value).count("not known") == 1
 

@@ -5,8 +5,10 @@ What is written otherwise (foot-pounds, revolutions) pint reads, which is loaded
 
 import math
 import re
+import tomllib
 from dataclasses import dataclass
 from functools import cache
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -34,29 +36,18 @@ FACTORS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3},
 }
 
-#: How else files spell units, in small letters.
-_SPELLINGS = {
-    "°/s": "deg/s", "grad/s": "deg/s", "rad/s^2": "rad/s2", "radian": "rad", "radians": "rad",
-    # Degrees of other languages; grads, of which a circle has 400, are written gon.
-    **dict.fromkeys(("degree", "°", "grad", "grade", "graden", "grado", "gradi", "degré"), "deg"),
-    **dict.fromkeys(("°/s2", "deg/s^2", "°/s^2", "deg/s²", "°/s²"), "deg/s2"),
-    **dict.fromkeys(("newtonmeter", "newtonmetre", "newtonm", "nmeter"), "Nm"),
-    **dict.fromkeys(("newtonmillimeter", "newtonmillimetre", "ntmm"), "Nmm"),
-    "volt": "V", "millivolt": "mV", "microvolt": "uV",
-    **dict.fromkeys(("millimeter", "millimetre"), "mm"),
-    **dict.fromkeys(("sec", "second", "seconds"), "s"),
-    **dict.fromkeys(("msec", "millisecond", "milliseconds"), "ms"),
-}  # fmt: skip
+_KNOWN_HERE = tomllib.loads(files("surae.base").joinpath("units.toml").read_text(encoding="utf-8"))
+#: How else files spell units, in small letters, and what is a unit of a kind alone.
+_SPELLINGS, _KINDS_ALONE = (
+    {word: says for says, words in _KNOWN_HERE[each].items() for word in words}
+    for each in ("spellings", "alone")
+)
 #: Kind of signal by the first word of roles that have a second.
 _KINDS = {"emg": "emg", "fascicle": "length", "pennation": "angle", "second": "angle"}
 #: What may stand between the parts of a unit, and what makes them others.
 _JOINED, _BETWEEN = re.compile(r"[\s.·⋅*×_-]"), re.compile(r"\s*[\s.·⋅*×_-]\s*")
 _PER_KG = re.compile(r"(.+?)\s*(?:/\s*kg|per kg|[ .·*]?kg\s*(?:\^?-1|⁻¹))(?: ?bm| ?bw)?")
 _PERCENT = re.compile(r"(?:%|percent|per cent)[\s_]*(?:of )?(?:mvi?c|max(?:imum)?)?|mvi?c ?%")
-#: Units of what no channel here is, known without pint, and those that say a kind alone.
-_KINDS_ALONE = dict.fromkeys(
-    ("n", "g", "kg", "hz", "m/s^2", "m/s2", "m/s²", "dps", "°c", "pa", "bar"), "other"
-) | dict.fromkeys(("a.u.", "a.u", "au", "arbitrary units", "arb. units"), "emg")
 #: What pint is asked: words of systems that laboratories use, and no numbers.
 _READABLE = re.compile(
     r"(?:(?:k?n|k?nc?m|k?newton|(?:ft|in)lbf?|lbf?|pound|ft|foot|feet|in|inch|inche|kgf|kg|kilogram|ozf?|"

@@ -132,11 +132,10 @@ def _not_as_stated(quality: Sequence[Quality]) -> Iterator[Reason]:
     Signs and electrodes are told by a quick fit, which accuses one relaxed leg of forty falsely.
     """
     for trial in quality:
-        for finding in trial.findings:
-            if finding.severity == "error" and finding.code in NOT_AS_STATED:
-                code = finding.code
-                grave = code.endswith(("-unit", "-units"))
-                yield against("not-as-stated", grave=grave, trial=trial.recording, code=code)
+        for code in sorted(
+            NOT_AS_STATED & {f.code for f in trial.findings if f.severity == "error"}
+        ):
+            yield against("not-as-stated", grave="-unit" in code, trial=trial.recording, code=code)
 
 
 def _range(inputs: Sequence[ModelInputs]) -> float:

@@ -1,12 +1,13 @@
 """EMG channels one by one: missing, flat, clipped, offset, artefacts."""
 
 from collections.abc import Iterator
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 
 from surae.quality.finding import Finding, make_finding, quantity
-from surae.quality.numeric import equal_runs, quantile, runs, smooth, span_of
+from surae.quality.numeric import correlation, equal_runs, quantile, runs, smooth, span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES, Channel
 from surae.recording.emg_kind import emg_contradictions
@@ -24,6 +25,9 @@ CLIPPED_SAMPLES = 5
 #: A plateau holds more samples than the next hundredth of the range below it; where nothing is
 #: clipped, the numbers fall outwards.
 CLIPPED_EXCESS = 1.0
+#: Correlation from which on two channels hold one signal: of 114 virtual legs raw EMG has at most
+#: 0.6 (crosstalk), envelopes 0.9978; a copy, scaled or turned, has 1.
+ONE_SIGNAL = {"raw": 0.95, "envelope": 1.0 - 1e-6}
 #: Power of EMG in the last eighth below half the sampling rate over that below it, from 40 Hz on:
 #: small where EMG was filtered before it was sampled, about one where it was not.
 FOLDED, _NYQUIST_PART, _EMG_HZ = 0.65, 0.875, 40.0
@@ -130,6 +134,18 @@ def _flat(
         severity="error" if whole else "warning", advice="emg-flat/whole" if whole else "",
         muscle=trial.names[muscle], weight=weight_of(muscle), **values,
     )  # fmt: skip
+
+
+def doubled(trial: CheckedTrial) -> Iterator[Finding]:
+    """A muscle whose EMG is another's: one column, input or hum twice."""
+    for (muscle, one), (other, two) in combinations(trial.varying.items(), 2):
+        same = len(one.values) == len(two.values)
+        r = abs(correlation(one.values, two.values)) if same else 0.0
+        if r > ONE_SIGNAL[trial.emg_kind]:
+            yield make_finding(
+                "emg-doubled", two.role, span_of(two.time), r,
+                muscle=trial.names[other], other=trial.names[muscle],
+            )  # fmt: skip
 
 
 def clipped(trial: CheckedTrial) -> Iterator[Finding]:

@@ -14,10 +14,10 @@ Severity = Literal["info", "warning", "error"]
 #: From the least to the most severe.
 SEVERITIES: tuple[Severity, ...] = ("info", "warning", "error")
 #: Errors by which a recording is another than its file says: nothing that is made of it holds.
-NOT_AS_STATED = (
+NOT_AS_STATED = {
     "angle-sign", "angle-units", "electrodes-swapped", "emg-unit", "time-unit", "torque-sign",
     "torque-unit",
-)  # fmt: skip
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +146,7 @@ class FindingKind:
 _KINDS: dict[str, tuple[Severity, str]] = {
     "emg-kind": ("error", "1"), "as-read": ("info", ""), "emg-missing": ("warning", ""),
     "emg-flat": ("warning", "s"), "emg-clipped": ("warning", "1"), "emg-aliased": ("warning", "1"),
-    "emg-offset": ("warning", "V"), "emg-artefact": ("warning", "V"),
+    "emg-doubled": ("error", "1"), "emg-offset": ("warning", "V"), "emg-artefact": ("warning", "V"),
     "mains-hum": ("warning", "V"), "electrode-off": ("error", "1"),
     "electrode-lag": ("warning", "s"), "emg-torque-lag": ("error", "s"),
     "torque-limit": ("error", "Nm"), "torque-artefact": ("warning", "Nm"),

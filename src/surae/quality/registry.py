@@ -39,6 +39,7 @@ CHECKS: tuple[Check, ...] = (
     Check(("emg-missing",), emg.missing),
     Check(("as-read",), timing.as_read),
     Check(("emg-flat",), emg.flat),
+    Check(("emg-doubled",), emg.doubled),
     Check(("emg-clipped",), emg.clipped),
     Check(("emg-aliased",), emg.aliased),
     Check(("emg-offset",), emg.offset),

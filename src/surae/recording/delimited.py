@@ -85,16 +85,10 @@ def open_table(source: Source) -> Table:
 
     others = tuple(name for name in head.names if name and name != time)
     ours = {name: NAMES[plain(name)][1] for name in others if plain(name) in NAMES}
+    units = {name: head.units[name] for name in others if head.units.get(name)} | ours
     return Table(
-        file=source.shown,
-        format="CSV",
-        names=others,
-        time_name=time,
-        load=load,
-        units={name: head.units[name] for name in others if head.units.get(name)} | ours,
-        notes=head.notes,
-        header=head.row,
-    )
+        source.shown, "CSV", others, time, load, units, notes=head.notes, header=head.row
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

@@ -107,13 +107,15 @@ def recording_by_names(path: PathLike) -> Recording | None:
     """
     found = inspect(path)
     emg = [role for role in found.roles if role.startswith("emg_")]
-    begins = "which `surae inspect FILE --output MAP.toml` begins"
     if found.faults:
         raise InputError(f"{shown(path)}: {'; '.join(found.faults)}")
     if "angle" not in found.roles or found.open or (emg and found.emg is None):
         return None
     if unknown := _units_unknown(found.roles):
-        raise InputError(f"{shown(path)}: {'; '.join(unknown)}; settle it in a mapping, {begins}")
+        raise InputError(
+            f"{shown(path)}: {unknown}; settle it in a mapping, which `surae inspect FILE --output "
+            "MAP.toml` begins"
+        )
     source = open_source(path)
     table = open_table(source)
     columns = table.load(tuple(c.column for c in found.roles.values()))
@@ -128,17 +130,11 @@ def recording_by_names(path: PathLike) -> Recording | None:
     )  # fmt: skip
 
 
-def _units_unknown(roles: Mapping[str, InspectedChannel]) -> list[str]:
-    """That units of channels are none that are known, in a line for each unit."""
-    alike: dict[str, list[str]] = {}
-    for channel in roles.values():
-        if channel.known_unit is None:
-            alike.setdefault(channel.unit or "none", []).append(channel.column)
-    return [
-        f"the unit{'s' * (len(names) > 1)} of {some(names)} {'are' if len(names) > 1 else 'is'} "
-        f"not known (the file says {unit})"
-        for unit, names in alike.items()
-    ]
+def _units_unknown(roles: Mapping[str, InspectedChannel]) -> str:
+    """That units of channels are none that are known; empty where all are."""
+    unknown = [channel for channel in roles.values() if channel.known_unit is None]
+    names, says = some(c.column for c in unknown), {c.unit or "none": 0 for c in unknown}
+    return f"the unit of {names} is not known (the file says {', '.join(says)})" if says else ""
 
 
 def _opened(path: PathLike) -> Table:
@@ -354,7 +350,8 @@ def _advice(inspection: Inspection) -> Iterator[str]:
             f"no channel of {', '.join(silent)}: the mapping fixes their weights at 0, which is "
             "right only while these muscles are silent"
         )
-    yield from (f"{line}: see the mapping" for line in _units_unknown(inspection.roles))
+    if unknown := _units_unknown(inspection.roles):
+        yield f"{unknown}: see the mapping"
     for c in inspection.roles.values():
         if c.look is not None and inspection.emg is not None:
             yield from filter(None, [contradiction(repr(c.column), c.look, inspection.emg)])

@@ -24,11 +24,13 @@ _SMALL = 4.0
 _MOVES = 0.35
 #: Body mass [kg] for which per kilogram is tried, and the units that a torque may be in.
 _BODY = 70.0
-_UNITS = {"mNm": 1e-3, "kNm": 1e3, "per-kg": _BODY}
+_UNITS = {"mNm": 1e-3, "cNm": 1e-2, "kNm": 1e3, "per-kg": _BODY, "mNm-per-kg": 1e-3 * _BODY}
 #: No two muscles of a leg differ by this factor.
 _MUSCLES = 100.0
 #: The largest EMG that skin gives [V], and the largest of any amplifier's output.
 _SKIN, _AMPLIFIER = 0.012, 12.0
+#: Skin and amplifier alone make more [V].
+_NOISE = 1e-6
 
 #: A finding on a unit, and the recording with that unit put right.
 _Righted = tuple[Finding, Recording]
@@ -80,7 +82,7 @@ def _torque_unit(recording: Recording) -> _Righted | None:
     if (torque := recording.channels.get("torque")) is None:
         return None
     top, (least, most) = quantile(np.abs(torque.values), 0.99), _TORQUES
-    if _SMALL <= top <= 2.0 * most:
+    if _SMALL <= top <= most:
         return None
     others = [
         Explanation(Message(f"read/{unit}"), Corrections(scale={"torque": factor}))
@@ -106,9 +108,11 @@ def _torque_unit(recording: Recording) -> _Righted | None:
         numbers = compared(best, as_it_is, [each for each in others if each is not best])
         which = "read/it-is/compared" if numbers else "read/it-is"
         what = Message(which, what=best.words, numbers=numbers)
-    advice = best.right.lines(recording)
-    if best.right.scale["torque"] == _BODY:
-        advice = Message("advice/torque-unit/per-kg", lines=advice, kg=_BODY)
+    advice, scale = best.right.lines(recording), best.right.scale["torque"]
+    if more:
+        advice = Message("advice/torque-unit")
+    elif scale in (_BODY, _UNITS["mNm-per-kg"]):
+        advice = Message("advice/torque-unit/per-kg", lines=advice, scale=scale, kg=_BODY)
     righted = recording if more or plausible else best.right(recording)
     return make_finding(
         "torque-unit", "torque", span_of(torque.time), top, advice=advice,
@@ -129,13 +133,15 @@ def _emg_unit(recording: Recording) -> _Righted | None:
     top = tops.get(largest, 0.0)
     others = max((top for role, top in tops.items() if role != largest), default=0.0)
     one = len(tops) > 1 and top > _MUSCLES * others
-    if not one and top <= _SKIN:
+    if not one and (_NOISE <= top <= _SKIN or top == 0.0):
         return None
     span = span_of(recording.channels[largest].time)
     if not one and top <= _AMPLIFIER:
-        return make_finding(
-            "emg-unit/large", None, span, top, severity="info", top=top
-        ), recording  # fmt: skip
+        if top < _NOISE:
+            small = make_finding("emg-unit/small", None, span, top, severity="warning", top=top)
+            return small, recording
+        large = make_finding("emg-unit/large", None, span, top, severity="info", top=top)
+        return large, recording
     if not one:
         for role in tops:
             recording = scaled(recording, role, 1e-6)
