@@ -112,9 +112,7 @@ def _direction(inputs: "ModelInputs") -> FloatArray:
          '    rows["scale"] = 0.005 * values[None, :]\n'),
     ],
     "a finding": [
-        ("quality/finding.py", '    "torque-sign": (', '''\
-    "torque-still": ("error", "Nm"),
-'''),
+        ("quality/finding.toml", "torque-sign = ", 'torque-still = ["error", "Nm"]\n'),
         (ENGLISH, 'msgid "found/torque-unit"', '''\
 msgid "kind/torque-still"
 msgstr "torque that never changes"

@@ -1,5 +1,7 @@
 """EMG that was sampled without a filter before is told, other EMG is not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import butter, decimate, sosfilt
@@ -34,3 +36,27 @@ def test_folded_emg_is_told_before_a_fit(every: int, filtered: bool, told: bool)
 def test_the_noise_of_an_amplifier_at_rest_tells_nothing() -> None:
     noise = 2e-6 * np.random.default_rng(4).normal(size=40 * 512)
     assert not [f for f in check_recording(recorded(noise, 512.0)).findings if "alias" in f.code]
+
+
+@pytest.mark.parametrize(("rate", "slow"), [(100.0, True), (160.0, True), (170.0, False)])
+def test_raw_emg_too_slow_for_its_filter_is_an_error_before_a_fit(rate: float, slow: bool) -> None:
+    rng = np.random.default_rng(5)
+    time = np.arange(round(20.0 * rate)) / rate
+    emg = (2e-6 + 2e-4 * np.maximum(np.sin(2.0 * time), 0.0)) * rng.normal(size=time.size)
+    findings = check_recording(recorded(emg, rate)).findings
+    too_slow = [f for f in findings if f.code == "emg-aliased" and f.severity == "error"]
+    assert len(too_slow) == (4 if slow else 0)
+    assert all("needs 164 Hz" in f.message and "1000 Hz" in f.advice for f in too_slow)
+    lower = replace(recorded(emg, rate), prepare={"emg_highpass_hz": 20.0})
+    assert "error" not in {f.severity for f in check_recording(lower).findings if "alias" in f.code}
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.01, -0.01])
+def test_emg_that_is_clipped_on_an_offset_is_told(offset: float) -> None:
+    rng, time = np.random.default_rng(6), np.arange(20 * 1000) / 1000.0
+    emg = (2e-6 + 2e-4 * np.maximum(np.sin(2.0 * time), 0.0)) * rng.normal(size=time.size)
+    for one_side in (np.minimum(emg, 2e-4), np.maximum(emg, -2e-4)):
+        found = check_recording(recorded(one_side + offset, 1000.0)).findings
+        assert "emg-clipped" in {f.code for f in found if f.channel == "emg_ta"}
+    assert not [f for f in check_recording(recorded(emg + offset, 1000.0)).findings
+                if f.code == "emg-clipped"]  # fmt: skip

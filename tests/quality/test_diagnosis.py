@@ -48,6 +48,15 @@ def told(recording: Recording) -> dict[str, surae.quality.Finding]:
     return {finding.code: finding for finding in findings if finding.code in CODES}
 
 
+def test_an_envelope_at_rest_that_hardly_changes_is_not_below_the_noise() -> None:
+    resting = trial(4)
+    for role in EMG:
+        hardly = 3e-6 + 1e-7 * np.sin(resting.channels[role].time)
+        channel = replace(resting.channels[role], values=read_only(hardly))
+        resting = replace(resting, channels={**resting.channels, role: channel})
+    assert "emg-unit" not in told(resting)
+
+
 @pytest.mark.parametrize("population", ["healthy", "patient"])
 @pytest.mark.parametrize(
     ("turned", "codes"),

@@ -216,7 +216,8 @@ def _checked(
             else:
                 quality = check_recording(used(measured, exclude)[0], protocol, joint=own)
         if prepared:
-            kept = (f for f in quality.findings if (f.code, f.severity) != ("emg-kind", "warning"))
+            of_raw = {("emg-kind", "warning"), ("emg-aliased", "error")}
+            kept = (f for f in quality.findings if (f.code, f.severity) not in of_raw)
             quality = replace(quality, findings=tuple(kept))
         yield quality, angle
 

@@ -12,6 +12,8 @@ from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES, Channel
 from surae.recording.emg_kind import emg_contradictions
 from surae.recording.recording import weight_of
+from surae.signals import Preparation
+from surae.signals.prepare import RATE_FACTOR
 
 #: A muscle that never exceeds this [V] is at rest: maximal efforts give 2e-4 V and more.
 REST_VOLTS = 2e-5
@@ -93,7 +95,7 @@ def flat(trial: CheckedTrial) -> Iterator[Finding]:
     strongest = max(tops.values(), default=0.0)
     for muscle, channel in trial.emg.items():
         if muscle not in tops:
-            yield _flat(trial, channel, "constant", level=float(channel.values[0]))
+            yield _flat(trial, channel, "constant", level=float(channel.values[0]) + 0.0)
         elif tops[muscle] < SILENT * strongest:
             share = 100 * tops[muscle] / strongest
             yield _flat(trial, channel, "silent", percent=share)
@@ -152,6 +154,8 @@ def clipped(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels that end at a plateau, as behind an amplifier at its limit."""
     for muscle, channel in trial.emg.items():
         values = channel.values
+        middle = float(np.median(values)) if trial.emg_kind == "raw" else 0.0
+        values = values - middle  # which may hide that a side is clipped
         low, high = float(values.min()), float(values.max())
         # An envelope rests at its smallest value: only the top can be clipped.
         ends = (
@@ -165,22 +169,31 @@ def clipped(trial: CheckedTrial) -> Iterator[Finding]:
                 continue
             if share > 0.5:  # flat, not clipped
                 continue
+            level = float(channel.values[where[0]])
             yield make_finding(
                 "emg-clipped", channel.role, span_of(channel.time, where), share,
                 severity="warning" if share < 1e-3 else "error", n=count,
-                muscle=trial.names[muscle], level=quantity(float(values[where[0]]), channel),
+                muscle=trial.names[muscle], level=quantity(level, channel),
             )  # fmt: skip
             break
 
 
 def aliased(trial: CheckedTrial) -> Iterator[Finding]:
-    """Raw EMG whose power does not fall towards half the sampling rate: the rest has folded."""
+    """Raw EMG too slow for its filter, or whose power does not fall towards half its rate."""
     if trial.emg_kind != "raw":
         return
+    highpass = Preparation().updated(trial.recording.prepare).emg_highpass_hz
+    least = RATE_FACTOR * (highpass or 0.0)
     for muscle, channel in trial.varying.items():
+        if channel.rate_hz < least and channel.values.min() < 0.0:
+            yield make_finding(
+                "emg-aliased/slow", channel.role, span_of(channel.time), channel.rate_hz,
+                severity="error", muscle=trial.names[muscle], hz=channel.rate_hz, least=least,
+            )  # fmt: skip
+            continue
         size = round(_PIECE_S * channel.rate_hz)
         pieces = channel.values[: len(channel.values) // size * size].reshape(-1, size)
-        if len(pieces) < _PIECES:
+        if len(pieces) < _PIECES or channel.rate_hz < 3.0 * _EMG_HZ:
             continue
         power = np.abs(np.fft.rfft((pieces - pieces.mean(axis=1)[:, None]) * np.hanning(size))) ** 2
         total = power.sum(axis=1)
@@ -191,9 +204,7 @@ def aliased(trial: CheckedTrial) -> Iterator[Finding]:
         own = power[strong[-quarter:]].mean(axis=0) - power[strong[:quarter]].mean(axis=0)
         at = np.fft.rfftfreq(size) * channel.rate_hz
         near = at > _NYQUIST_PART * 0.5 * channel.rate_hz
-        if not (below := own[(at > _EMG_HZ) & ~near]).size:
-            continue  # a fit refuses so slow a raw EMG
-        ratio = float(own[near].mean() / max(below.mean(), 1e-300))
+        ratio = float(own[near].mean() / max(own[(at > _EMG_HZ) & ~near].mean(), 1e-300))
         if ratio > FOLDED:
             yield make_finding(
                 "emg-aliased", channel.role, span_of(channel.time), ratio,

@@ -1,6 +1,8 @@
 """What a check of a recording says, as plain data."""
 
+import tomllib
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import Any, Literal
 
 from surae.base.records import to_plain
@@ -143,29 +145,12 @@ class FindingKind:
         return Message(f"advice/{self.code}")
 
 
-_KINDS: dict[str, tuple[Severity, str]] = {
-    "emg-kind": ("error", "1"), "as-read": ("info", ""), "emg-missing": ("warning", ""),
-    "emg-flat": ("warning", "s"), "emg-clipped": ("warning", "1"), "emg-aliased": ("warning", "1"),
-    "emg-doubled": ("error", "1"), "emg-offset": ("warning", "V"), "emg-artefact": ("warning", "V"),
-    "mains-hum": ("warning", "V"), "electrode-off": ("error", "1"),
-    "electrode-lag": ("warning", "s"), "emg-torque-lag": ("error", "s"),
-    "torque-limit": ("error", "Nm"), "torque-artefact": ("warning", "Nm"),
-    "torque-sign": ("error", "1"), "torque-offset": ("warning", "Nm"),
-    "angle-units": ("error", "rad"), "rom-not-covered": ("warning", "rad"),
-    "stretch-series": ("info", "deg/s"), "position-steps": ("error", "rad"),
-    "overshoot": ("warning", "rad"), "passive-not-passive": ("warning", "1"),
-    "active-not-active": ("warning", "1"), "co-contraction": ("warning", "1"),
-    "reflex-suspected": ("warning", "s"), "time-gap": ("error", "s"),
-    "time-jitter": ("warning", "s"), "not-used": ("info", "s"), "samples-missing": ("error", "1"),
-    "trial-too-short": ("warning", "s"), "angle-sign": ("error", "1"),
-    "electrodes-swapped": ("error", "1"), "torque-drift": ("warning", "Nm"),
-    "emg-gain": ("warning", "1"), "angle-still": ("error", "rad"), "torque-unit": ("error", "Nm"),
-    "emg-unit": ("error", "V"), "film-unit": ("error", "m"), "film-lost": ("warning", "1"),
-    "film-repeated": ("warning", "1"), "film-jump": ("warning", "m"), "film-clock": ("error", "s"),
-    "film-drift": ("warning", "m"), "time-unit": ("error", "s"),
-}  # fmt: skip
-#: All of them by code.
-KINDS = {code: FindingKind(code, severity, unit) for code, (severity, unit) in _KINDS.items()}
+_FILE = files("surae.quality").joinpath("finding.toml")
+#: All kinds by code.
+KINDS = {
+    code: FindingKind(code, severity, unit)
+    for code, (severity, unit) in tomllib.loads(_FILE.read_text(encoding="utf-8")).items()
+}
 #: Every code that a finding can have.
 CODES = tuple(KINDS)
 

@@ -133,11 +133,12 @@ def _emg_unit(recording: Recording) -> _Righted | None:
     top = tops.get(largest, 0.0)
     others = max((top for role, top in tops.items() if role != largest), default=0.0)
     one = len(tops) > 1 and top > _MUSCLES * others
-    if not one and (_NOISE <= top <= _SKIN or top == 0.0):
+    lies = max((float(np.abs(recording.channels[role].values).max()) for role in tops), default=0.0)
+    if not one and ((lies >= _NOISE and top <= _SKIN) or top == 0.0):
         return None
     span = span_of(recording.channels[largest].time)
     if not one and top <= _AMPLIFIER:
-        if top < _NOISE:
+        if lies < _NOISE:
             small = make_finding("emg-unit/small", None, span, top, severity="warning", top=top)
             return small, recording
         large = make_finding("emg-unit/large", None, span, top, severity="info", top=top)
