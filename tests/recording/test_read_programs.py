@@ -296,3 +296,73 @@ def test_rows_that_a_header_states_are_counted():
     assert not table((head.format(5) + rows).encode()).remarks
     remark = table((head.format(9) + rows).encode()).remarks["ankle_angle_r"]
     assert remark == "the header states 9 rows, the file holds 5: it was cut short"
+
+
+def lvm_variant(change, **kind) -> bytes:
+    return change(files.lvm_file(**kind).decode()).encode()
+
+
+def multi(text: str) -> str:
+    """A column of times for each channel, as LabVIEW writes where they differ."""
+    head, names = text.split("X_Value", 1)
+    rows = [line.split("\t")[1:-1] for line in names.splitlines()[1:]]
+    lines = ["\t".join(f"X_Value\t{name}" for name in files.NAMES) + "\tComment"]
+    lines += [
+        "\t".join(f"{0.5 + k / 100:.4f}\t{x}" for x in row) + "\t" for k, row in enumerate(rows)
+    ]
+    return head.replace("X_Columns\tNo", "X_Columns\tMulti") + "\r\n".join(lines) + "\r\n"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        multi,
+        lambda text: "\ufeff" + text,
+        lambda text: text.replace(".", ",").replace("Separator\t,", "Separator\t,"),
+    ],
+)
+def test_variants_of_labview_have_all_channels(change):
+    opened = table(lvm_variant(change))
+    assert opened.names == files.NAMES
+    columns = opened.load(opened.names)
+    for index, name in enumerate(files.NAMES):
+        np.testing.assert_allclose(columns[name].values, files.DATA[:, index], rtol=1e-6)
+        np.testing.assert_allclose(columns[name].time, 0.5 + files.TIME, atol=1e-9)
+        assert opened.units[name] == files.UNITS[index]
+
+
+def test_segments_of_labview_are_all_read_and_a_short_one_is_said():
+    text = files.lvm_file().decode()
+    again = text[text.index("Channels") :]
+    opened = table((text + again).encode())  # no blank line between them
+    assert len(opened.names) == 2 * len(files.NAMES)
+    assert opened.names[-1] == "segment 2: GM"
+    short = table("\r\n".join(text.split("\r\n")[:-5]).encode() + b"\r\n")
+    assert (
+        "the header states 64 samples, the file holds 60: it was cut short" in (short.remarks["TA"])
+    )
+
+
+def test_nexus_with_decimal_commas_and_quotes_is_read(tmp_path):
+    path = tmp_path / "trial.csv"
+    plain = files.vicon_file()
+    path.write_bytes(plain)
+    right = {role: c.low for role, c in inspect(path).roles.items()}
+    comma = files.vicon_file(delimiter=";").replace(b".", b",")
+    quoted = b"\r\n".join(
+        b",".join(b'"' + cell + b'"' for cell in line.split(b",")) if line else b""
+        for line in plain.split(b"\r\n")
+    )
+    for other in (comma, quoted):
+        path.write_bytes(other)
+        assert {role: c.low for role, c in inspect(path).roles.items()} == right
+    assert len(right) >= 3
+
+
+def test_a_channel_that_is_vague_and_unusable_is_not_missing(tmp_path):
+    path = tmp_path / "trial.csv"
+    rows = "".join(f"{k / 100},{k},{'' if k == 7 else 1e-4 * (-1) ** k}\n" for k in range(50))
+    path.write_text(f"Time,Ankle Angle (deg),GAS (V)\n{rows}", encoding="utf-8")
+    inspection = inspect(path)
+    assert "emg_gl" not in inspection.missing
+    assert "row 9: the cell is blank" in inspection.unusable["emg_gl"]

@@ -1,6 +1,8 @@
 """LabVIEW measurements: text (.lvm) as lvm_read reads it, binary (.tdms) as npTDMS does."""
 
 import io
+import re
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from typing import Any
 
@@ -17,7 +19,7 @@ _TEXT, _BINARY = b"LabVIEW Measurement", b"TDSm"
 
 def recognises(source: Source) -> bool:
     """Whether it begins as one of the two does."""
-    return source.data.startswith((_TEXT, _BINARY))
+    return source.data.removeprefix(BOM_UTF8).startswith((_TEXT, _BINARY))
 
 
 def open_table(source: Source) -> Table:
@@ -35,10 +37,14 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
 
 def _segments(lvm_read: Any, data: bytes) -> Iterator[Parsed]:
     """Columns of a text file, with a column of times (X_Value) for none, all or each of them."""
-    whole = lvm_read.read_str(data.decode(errors="replace"))
+    whole = lvm_read.read_str(_as_it_reads(data.removeprefix(BOM_UTF8).decode(errors="replace")))
+    several = whole.get("X_Columns", "One") == "Multi"  # what a header says may skip their columns
     for number in range(whole["Segments"]):
         segment = whole[number]
         block, before = np.atleast_2d(segment["data"]), f"segment {number + 1}: "
+        said = {key: values for key, values in segment.items() if isinstance(values, list)}
+        if several:
+            said = {k: [v for v in of if str(v) not in ("", "nan")] for k, of in said.items()}
         time: Any = None
         channel = -1
         for index, name in enumerate(segment["Channel names"][: block.shape[1]]):
@@ -46,14 +52,35 @@ def _segments(lvm_read: Any, data: bytes) -> Iterator[Parsed]:
                 time = block[:, index]
             elif name and name != "Comment":
                 channel += 1
-                count = int(_nth(segment.get("Samples"), channel, len(block)))
-                step, start = (_nth(segment.get(k), channel, 0.0) for k in ("Delta_X", "X0"))
+                count = int(_nth(said.get("Samples"), channel, len(block)))
+                step, start = (_nth(said.get(k), channel, 0.0) for k in ("Delta_X", "X0"))
                 own: Any = (start, 1.0 / step if step > 0 else 0.0)
                 if whole.get("X_Columns", "One") != "No" and time is not None:
                     own = time[:count]
-                unit = _nth(segment.get("Y_Unit_Label"), channel, "")
+                unit = _nth(said.get("Y_Unit_Label"), channel, "")
                 label = before * (whole["Segments"] > 1) + name
-                yield Parsed(label, block[:count, index], own, unit)
+                remark = ""
+                if count > len(block):
+                    remark = (
+                        f"the header states {count} samples, the file holds {len(block)}: "
+                        "it was cut short"
+                    )
+                yield Parsed(label, block[:count, index], own, unit, remark)
+
+
+def _as_it_reads(text: str) -> str:
+    """The text with what lvm_read goes by.
+
+    It begins a segment at a blank line, which need not stand before a later one's header, and
+    counts its columns by the first line there, where columns of times may not be counted.
+    """
+    text = re.sub(r"(?<=[^\n\r\t,])\s*\n(?=Channels[\t,])", "\n\n", text)
+    if re.search(r"^X_Columns[\t,]Multi", text, re.MULTILINE):
+        widen = lambda m: f"{m[1]}{m[2]}{m[3]}{m[2] * (2 * int(m[3]))}"  # noqa: E731
+        text = re.sub(
+            r"^(Channels)([\t,])(\d{1,4})[\t, ]*(?=\r?$)", widen, text, flags=re.MULTILINE
+        )
+    return text
 
 
 def _nth(values: Any, index: int, default: Any) -> Any:

@@ -18,7 +18,9 @@ from surae.recording.table import Column, Table, in_row, instants
 
 _TITLES = ("Devices", "Model Outputs", "Trajectories", "Joints", "Segments")
 _FRAME = ("Frame", "Sub Frame")
-_DELIMITERS, _AROUND = ("\t", ";", ","), ", \t\r\n;"
+_DELIMITERS, _AROUND = ("\t", ";", ","), ', \t\r\n;"'
+#: Samples that are looked at for how decimals begin.
+_LOOKED_AT = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +46,7 @@ def _begins(lines: Sequence[str]) -> Iterator[int]:
         if line.strip(_AROUND) in _TITLES and at + 3 < len(lines):
             head = lines[at + 3]
             delimiter = next((each for each in _DELIMITERS if each in head), ",")
-            if tuple(cell.strip() for cell in head.split(delimiter)[:2]) == _FRAME:
+            if tuple(cell.strip(' "') for cell in head.split(delimiter)[:2]) == _FRAME:
                 yield at
 
 
@@ -108,5 +110,7 @@ def _section(source: Source, lines: Sequence[str], at: int) -> _Section:
     last = next((k for k in rest if not lines[k].strip(_AROUND)), len(lines))
     within = replace(source, data="".join(lines[:last]).encode())
     cells = tuple(map(str, range(len(names))))
-    rows = Rows(within, at + 5, cells, delimiter)
+    body = "".join(lines[at + 5 : at + 5 + _LOOKED_AT])
+    decimal = "," if delimiter != "," and "," in body and "." not in body else "."
+    rows = Rows(within, at + 5, cells, delimiter, decimal)
     return _Section(title, at + 4, rate, tuple(names), tuple(units), rows)

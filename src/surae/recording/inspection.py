@@ -283,9 +283,10 @@ def _assigned(
     for role in ROLES:
         if plain[role]:
             continue
-        vague = [c for c in fitting if c.usable and c.guess and role in c.guess.roles]
+        could = [c for c in fitting if c.guess and role in c.guess.roles]
+        vague = [c for c in could if c.usable]
         vague = [c for c in vague if c.alive] or vague
-        unusable = _plain_candidates(fitting, role, usable=False)
+        unusable = _plain_candidates(fitting, role, usable=False) or ([] if vague else could)
         if vague or unusable:
             open_roles[role] = (*unusable, *vague)
     return assigned, open_roles
