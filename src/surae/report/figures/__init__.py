@@ -22,6 +22,7 @@ with ignoring("matplotlibrc"):
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes as Axes
     from matplotlib.figure import Figure as Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 __all__ = [
     "BLUE", "GREY", "INK", "MUTED", "OCHRE", "RED", "WIDTH", "Axes", "Figure", "align", "data_url",
@@ -50,16 +51,39 @@ def new_figure(height: float, *, width: float = WIDTH) -> Figure:
     return Figure(figsize=(width, height), layout="constrained", facecolor="white")
 
 
-def align(figure: Figure, panels: Sequence[Axes] | None = None) -> None:
-    """Bring the labels of the panels' vertical axes into line, at the end of a figure's making.
+def align(figure: Figure) -> None:
+    """Lay a figure out and hold its axes' labels there, those of a column in line; at its end.
 
-    The layout, which they do not change, would ask each panel for all others' labels again.
+    Each drawing, and each panel in line, would ask for their places again, empty ones too.
     """
+    if figure.canvas.manager is not None:  # a window may get another size
+        figure.align_ylabels()
     engine = figure.get_layout_engine()
-    if engine is not None and figure.canvas.manager is None:  # a window may get another size
-        engine.execute(figure)
-        figure.set_layout_engine("none")
-    figure.align_ylabels(panels)
+    if figure.canvas.manager is not None or not isinstance(engine, ConstrainedLayoutEngine):
+        return
+    panels = [panel for axes in figure.axes for panel in (axes, *axes.child_axes)]
+    every = [axis for panel in panels for axis in (panel.xaxis, panel.yaxis)]
+    for axis in every:
+        if not axis.label.get_text():
+            axis.set_label_coords(0.5, 0.5)
+    engine.execute(figure)
+    figure.set_layout_engine("none")
+    labelled = [axis for axis in every if axis.label.get_text() and axis.get_tightbbox()]
+    line: dict[object, float] = {}
+    for axis in labelled:
+        x = axis.label.get_position()[0]
+        line[_edge(axis)] = min(x, line.get(_edge(axis), x))
+    for axis in labelled:
+        (x, y), inside = axis.label.get_position(), axis.axes.transAxes.inverted()
+        if axis.axis_name == "x":
+            axis.set_label_coords(x, inside.transform((0.0, y))[1])
+        else:
+            axis.set_label_coords(inside.transform((line[_edge(axis)], 0.0))[0], y)
+
+
+def _edge(axis: Any) -> object:
+    """What labels are in line that have it in common: the left edge of their panels."""
+    return round(axis.axes.bbox.x0, 3) if axis.get_label_position() == "left" else axis
 
 
 def dress(axes: Axes, ylabel: str, xlabel: str = "", *, grid: bool = True) -> None:
@@ -132,6 +156,7 @@ def png(figure: Figure, dpi: int = DPI) -> bytes:
     from PIL import Image  # matplotlib writes its own PNG with it
 
     figure.set_dpi(dpi)
+    align(figure)
     canvas: Any = FigureCanvasAgg(figure)
     canvas.draw()  # once: to save a figure draws it twice, and writes a file that is read again
     drawn = Image.frombytes("RGBA", canvas.get_width_height(), canvas.buffer_rgba())
@@ -145,6 +170,7 @@ def svg(figure: Figure) -> bytes:
     """The figure as SVG with its letters as outlines; equal figures give equal bytes."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
+    align(figure)
     buffer = io.StringIO()
     canvas: Any = FigureCanvasSVG(figure)
     canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})

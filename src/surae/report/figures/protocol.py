@@ -29,7 +29,7 @@ def protocol_figure(trajectory: Trajectory) -> Figure:
     for axes in (angle, velocity, *strips):
         axes.tick_params(labelbottom=False)
     lowest.set_xlim(0.0, float(trajectory.time[-1]))
-    figures.align(figure, [angle, velocity, *strips, lowest])
+    figures.align(figure)
     return figure
 
 

@@ -6,6 +6,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -131,11 +132,17 @@ def budget_figure(budget: BudgetTable) -> Figure:
             "edgecolor": INK,
             "linewidth": 0.5,
         }
-        axes.barh(names, shares[:, number], left=begins, height=0.72, **look)
+        ends = begins + shares[:, number]
+        boxes = [
+            [(begins[row], row - 0.36), (ends[row], row - 0.36), (ends[row], row + 0.36),
+             (begins[row], row + 0.36)]
+            for row in np.flatnonzero(ends > begins)
+        ]  # fmt: skip
+        axes.add_collection(PolyCollection(boxes, **look), autolim=False)
         patches.append(Patch(label=label, **look))
-        begins += shares[:, number]
-    axes.set_xlim(0.0, 100.0)
-    axes.invert_yaxis()
+        begins = ends
+    axes.set_yticks(range(len(names)), names)
+    axes.set(xlim=(0.0, 100.0), ylim=(len(names) - 0.3, -0.7))
     axes.tick_params(axis="y", length=0)
     known = axes.secondary_yaxis("right")
     known.set_yticks(range(len(names)), [known for known, _ in budget.rows.values()], fontsize=8)

@@ -143,7 +143,7 @@ def film_figure(traces: Traces, film: Fascicles, figure: Figure | None = None) -
         figures.heading(axes, text)
     for axes, columns in ((torque, 2), (length, 2), *((loop, 1) for loop in loops)):
         figures.legend(axes, columns)
-    figures.align(figure, [torque, length, stretch, loops[0]])
+    figures.align(figure)
     return figure
 
 

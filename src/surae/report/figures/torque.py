@@ -65,7 +65,7 @@ def torque_figure(traces: Traces, *, width: float = WIDTH, figure: Figure | None
         rows[0][1].set_title(f"Mean ± SD of {count} cycles", loc="left", fontsize=9, color=INK)
         rows[-1][1].set_xlabel(f"Cycle of {cycles.seconds:.2f} s [%]", fontsize=9, color=INK)
         rows[-1][1].set_xlim(0.0, 100.0)
-    figures.align(figure, list(grid[:, 0]))
+    figures.align(figure)
     return figure
 
 
