@@ -54,6 +54,22 @@ def test_emg_that_was_not_recorded_takes_no_panel(traces):
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("dpi", [100, 150])
+def test_labels_of_a_column_are_in_line_and_clear_of_the_numbers(traces, dpi):
+    figure = torque_figure(traces)
+    png(figure, dpi)
+    shown = [axes for axes in figure.axes if axes.get_ylabel()]
+    places = [axes.yaxis.label.get_window_extent() for axes in shown]
+    assert len(places) == 4
+    assert np.ptp([place.x1 for place in places]) < 0.01
+    numbers = [text.get_window_extent().x0 for axes in shown for text in axes.get_yticklabels()]
+    assert min(place.x0 for place in places) >= 0
+    assert max(place.x1 for place in places) < min(numbers)
+    below = figure.axes[-1].xaxis
+    top = below.label.get_window_extent().y1
+    assert 0 < top < min(text.get_window_extent().y0 for text in below.get_ticklabels())
+
+
 @pytest.mark.parametrize(("factor", "unit"), [(1.0, "µV"), (30.0, "mV"), (3000.0, "V")])
 def test_emg_is_in_a_unit_of_its_size(traces, factor, unit):
     one = replace(traces, emg=traces.emg * factor, missing_emg=("ta", "gl", "sol"))

@@ -35,9 +35,7 @@ def command(output: str) -> None:
     show_fitted(result, fitted, report)
     # the subject's tendons are rigid: of how far they stretch there is no true value
     true_values = subject.parameters
-    intervals = {
-        p.name: p.ci95 for p in result.parameters.values() if p.ci95 and p.name in true_values
-    }
+    intervals = {n: p.ci95 for n, p in result.parameters.items() if p.ci95 and n in true_values}
     inside = sum(low <= true_values[p] <= high for p, (low, high) in intervals.items())
     show_line(f"{inside} of {len(intervals)} true values lie in their 95 % interval: {shown(true)}")
     judge_end(result, fitted)

@@ -97,20 +97,19 @@ def on_compilation(notice: Callable[[], None]) -> Iterator[None]:
     """Call `notice` once, when and only when a kernel has to be compiled."""
     from numba.core import event
 
+    told = False
+
     class Listener(event.Listener):
         """Passes on the first compilation."""
 
-        def __init__(self) -> None:
-            self.compiled = False
-
-        def on_start(self, event: Any) -> None:
-            del event
-            if not self.compiled:
-                self.compiled = True
+        def on_start(self, _event: object) -> None:
+            nonlocal told
+            if not told:
+                told = True
                 notice()
 
-        def on_end(self, event: Any) -> None:
-            del event
+        def on_end(self, _event: object) -> None:
+            """Numba asks for it."""
 
     with event.install_listener("numba:compile", Listener()):
         yield

@@ -54,36 +54,24 @@ def new_figure(height: float, *, width: float = WIDTH) -> Figure:
 def align(figure: Figure) -> None:
     """Lay a figure out and hold its axes' labels there, those of a column in line; at its end.
 
-    Each drawing, and each panel in line, would ask for their places again, empty ones too.
+    Each drawing would ask for their places again, and the layout for those of empty ones.
     """
-    if figure.canvas.manager is not None:  # a window may get another size
-        figure.align_ylabels()
     engine = figure.get_layout_engine()
     if figure.canvas.manager is not None or not isinstance(engine, ConstrainedLayoutEngine):
+        figure.align_ylabels()  # a window may get another size
         return
-    panels = [panel for axes in figure.axes for panel in (axes, *axes.child_axes)]
-    every = [axis for panel in panels for axis in (panel.xaxis, panel.yaxis)]
+    every = [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
     for axis in every:
         if not axis.label.get_text():
             axis.set_label_coords(0.5, 0.5)
     engine.execute(figure)
     figure.set_layout_engine("none")
-    labelled = [axis for axis in every if axis.label.get_text() and axis.get_tightbbox()]
-    line: dict[object, float] = {}
-    for axis in labelled:
-        x = axis.label.get_position()[0]
-        line[_edge(axis)] = min(x, line.get(_edge(axis), x))
-    for axis in labelled:
-        (x, y), inside = axis.label.get_position(), axis.axes.transAxes.inverted()
-        if axis.axis_name == "x":
-            axis.set_label_coords(x, inside.transform((0.0, y))[1])
-        else:
-            axis.set_label_coords(inside.transform((line[_edge(axis)], 0.0))[0], y)
-
-
-def _edge(axis: Any) -> object:
-    """What labels are in line that have it in common: the left edge of their panels."""
-    return round(axis.axes.bbox.x0, 3) if axis.get_label_position() == "left" else axis
+    figure.align_ylabels()
+    for axis in every:
+        if axis.label.get_text() and axis.get_tightbbox():
+            x, y = axis.label.get_position()
+            inside = axis.axes.transAxes.inverted().transform((x, y))
+            axis.set_label_coords(*((x, inside[1]) if axis.axis_name == "x" else (inside[0], y)))
 
 
 def dress(axes: Axes, ylabel: str, xlabel: str = "", *, grid: bool = True) -> None:
@@ -92,9 +80,8 @@ def dress(axes: Axes, ylabel: str, xlabel: str = "", *, grid: bool = True) -> No
     if xlabel:
         axes.set_xlabel(xlabel, fontsize=9, color=INK)
     axes.tick_params(labelsize=8, color=MUTED, labelcolor=INK, length=3, width=0.7)
-    for side, spine in axes.spines.items():
-        spine.set_visible(side in ("left", "bottom"))
-        spine.set(color=MUTED, linewidth=0.7)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[:].set(color=MUTED, linewidth=0.7)
     if grid:
         axes.grid(visible=True, color=GRID, linewidth=0.6)
         axes.set_axisbelow(True)
@@ -108,9 +95,9 @@ def dress_degrees(axes: Axes) -> None:
     degrees.spines["right"].set(color=MUTED, linewidth=0.7)
 
 
-def heading(axes: Axes, text: str) -> None:
+def heading(axes: Axes, text: str, pad: float | None = None) -> None:
     """A small bold title at the left, which leaves room for a legend."""
-    axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold", y=1.0)
+    axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold", y=1.0, pad=pad)
 
 
 def legend(axes: Axes, columns: int) -> None:
@@ -127,16 +114,12 @@ def legend(axes: Axes, columns: int) -> None:
     )  # fmt: skip
     if narrow and (text := axes.get_title(loc="left")):
         lines = -(-len(axes.get_legend_handles_labels()[0]) // columns)
-        axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold", y=1.0,
-                       pad=5 + 12 * lines)  # fmt: skip
+        heading(axes, text, 5 + 12 * lines)
 
 
-def trace(
-    axes: Axes, time: FloatArray, values: FloatArray, *, label: str = "", **line: object
-) -> None:
+def trace(axes: Axes, time: FloatArray, values: FloatArray, label: str = "", **line: Any) -> None:
     """Draw a signal against time; a long one is thinned so that its peaks stay."""
-    plot: Callable[..., object] = axes.plot
-    plot(*min_max(time, values), label=label or "_", solid_joinstyle="round", **line)
+    axes.plot(*min_max(time, values), label=label or "_", solid_joinstyle="round", **line)
 
 
 def shade_excluded(axes: Axes, time: FloatArray, spans: Sequence[tuple[int, int]]) -> None:
@@ -214,8 +197,8 @@ def shared_legend(
     panels: Sequence[Axes],
     columns: int,
     where: Literal["outside upper center", "outside lower center"] = "outside upper center",
-) -> bool:
-    """One legend of all panels; whether there is any line to tell of."""
+) -> None:
+    """One legend of all panels."""
     handles: dict[str, Artist] = {}
     for axes in panels:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
@@ -225,4 +208,3 @@ def shared_legend(
             list(handles.values()), list(handles), loc=where, ncols=min(columns, len(handles)),
             frameon=False, fontsize=8, labelcolor=INK, handlelength=3.4, columnspacing=1.3,
         )  # fmt: skip
-    return bool(handles)

@@ -110,16 +110,14 @@ def shares_bar(parts: Sequence[tuple[str, float, tuple[float, float] | None]]) -
     for (name, value, interval), colour in zip(parts, (INK, BLUE, GREY, "#e3e6ea"), strict=False):
         axes.barh(0, value, left=begin, height=0.6, color=colour, edgecolor="white")
         if value > 12.0:
-            dark = colour in (INK, BLUE)
             axes.text(
                 begin + 0.5 * value, 0, f"{name} {value:.0f} %", ha="center", va="center",
-                fontsize=9, color="white" if dark else INK,
+                fontsize=9, color="white" if colour in (INK, BLUE) else INK,
             )  # fmt: skip
         if interval is not None:
             ends = [begin + min(max(end, 0.0), 100.0) for end in interval]
             axes.plot(ends, [0.45, 0.45], color=colour if colour == BLUE else INK, linewidth=2.0)
         begin += value
-    axes.set_xlim(0.0, 100.0)
-    axes.set_ylim(-0.4, 0.6)
+    axes.set(xlim=(0.0, 100.0), ylim=(-0.4, 0.6))
     axes.set_axis_off()
     return figure

@@ -63,8 +63,7 @@ def _effort(strips: list[Axes], trajectory: Trajectory) -> None:
         last = column == len(strips) - 1
         figures.dress(axes, "", "Time [s]" if last else "")
         axes.set_ylim(0.0, 1.08)
-        axes.set_yticks([0.0, 0.5, 1.0])
-        axes.set_yticklabels(["0", "", "1"])
+        axes.set_yticks([0.0, 0.5, 1.0], ["0", "", "1"])
         axes.spines["bottom"].set_visible(last)
         axes.tick_params(bottom=last)
         time, effort = trajectory.time[::thin], trajectory.effort[::thin, column]

@@ -41,22 +41,20 @@ def residual_figure(
         figures.shade_excluded(axes, time, excluded)
         figures.legend(axes, 1)
 
-    axes = correlated
-    figures.dress(axes, "Autocorrelation [-]", "Lag [s]")
+    figures.dress(correlated, "Autocorrelation [-]", "Lag [s]")
     lags = np.arange(len(whiteness.correlation)) / whiteness.rate_hz
-    axes.axhspan(
+    correlated.axhspan(
         -whiteness.band, whiteness.band, color=GREY, alpha=0.45, linewidth=0,
         label="95 % band of white noise (±1.96/√n)",
     )  # fmt: skip
-    axes.axhline(0.0, color=MUTED, linewidth=0.7)
-    axes.plot(
+    correlated.axhline(0.0, color=MUTED, linewidth=0.7)
+    correlated.plot(
         lags, whiteness.correlation, color=BLUE, linewidth=1.1,
         marker="." if len(lags) < 100 else "", markersize=3,
     )  # fmt: skip
-    axes.set_xlim(0.0, float(lags[-1]))
-    axes.set_ylim(top=1.05)
-    figures.legend(axes, 1)
-
+    correlated.set_xlim(0.0, float(lags[-1]))
+    correlated.set_ylim(top=1.05)
+    figures.legend(correlated, 1)
     return figure
 
 
@@ -91,8 +89,7 @@ def correlation_figure(
     axes.set_yticks(range(k), names, fontsize=8)
     axes.set(xlim=(-0.5, k - 0.5), ylim=(k - 0.5, -0.5), aspect="equal")
     axes.tick_params(length=0)
-    for spine in axes.spines.values():
-        spine.set_visible(False)
+    axes.spines[:].set_visible(False)
     bar = figure.colorbar(shades, ax=axes, fraction=0.03, pad=0.02, ticks=[-1, -0.5, 0, 0.5, 1])
     bar.set_label("Correlation [-]", fontsize=9, color=INK)
     bar.ax.tick_params(labelsize=8, length=3)
@@ -123,22 +120,16 @@ def budget_figure(budget: BudgetTable) -> Figure:
     axes = figure.add_subplot()
     figures.dress(axes, "", "Share of the variance [%]", grid=False)
     begins = np.zeros(len(names))
+    y = np.add.outer(range(len(names)), (-0.36, -0.36, 0.36, 0.36))
     patches = []
     for number, (source, label) in enumerate(zip(budget.sources, budget.labels, strict=True)):
         colour, hatch = SOURCES[source].look
         look: dict[str, Any] = {
-            "facecolor": _COLOURS[colour],
-            "hatch": 4 * hatch,
-            "edgecolor": INK,
-            "linewidth": 0.5,
-        }
+            "facecolor": _COLOURS[colour], "hatch": 4 * hatch, "edgecolor": INK, "linewidth": 0.5,
+        }  # fmt: skip
         ends = begins + shares[:, number]
-        boxes = [
-            [(begins[row], row - 0.36), (ends[row], row - 0.36), (ends[row], row + 0.36),
-             (begins[row], row + 0.36)]
-            for row in np.flatnonzero(ends > begins)
-        ]  # fmt: skip
-        axes.add_collection(PolyCollection(boxes, **look), autolim=False)
+        boxes = np.dstack((np.stack((begins, ends, ends, begins), axis=1), y))[ends > begins]
+        axes.add_collection(PolyCollection(list(boxes), **look), autolim=False)
         patches.append(Patch(label=label, **look))
         begins = ends
     axes.set_yticks(range(len(names)), names)
