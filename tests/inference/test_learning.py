@@ -8,6 +8,7 @@ from scipy.linalg import block_diag
 
 from surae.base.frozen import read_only
 from surae.inference import make_problem
+from surae.inference import posterior as posterior_module
 from surae.inference.banded import solve_band, solve_band_transposed
 from surae.inference.empirical_bayes import BEGIN, learnt_sizes
 from surae.inference.family import Family
@@ -25,7 +26,13 @@ from surae.studies import virtual_subject, virtual_trial
 NOISE = 0.05
 
 
-def a_posterior(seconds: float = 12.0, *, films: bool = False, number: int = 1) -> LogPosterior:
+def a_posterior(
+    seconds: float = 12.0,
+    *,
+    films: bool = False,
+    number: int = 1,
+    rectified: tuple[float, ...] = (),
+) -> LogPosterior:
     """Of short trials of one leg, its departures off."""
     protocol = Protocol(profile="multiple-holds", duration=seconds, rate_hz=64.0)
     trial = virtual_trial(virtual_subject(3), generate(protocol), noise=0.02, model="muscle-tendon")
@@ -33,7 +40,7 @@ def a_posterior(seconds: float = 12.0, *, films: bool = False, number: int = 1) 
         time = np.arange(1.0, seconds - 1.0, 1 / 30.0)
         length = 0.06 + 0.01 * np.sin(time)
         trial = replace(trial, films=(Film("fascicle_tib", read_only(time), read_only(length)),))
-    trials = [replace(trial, name=f"trial {i}") for i in range(number)]
+    trials = [replace(trial, name=f"trial {i}", rectified=rectified) for i in range(number)]
     family = Family(make_problem(trials, "auto"))
     return family.posterior((), 64.0, white_noise(family.original, 0.05), BEGIN)
 
@@ -90,6 +97,23 @@ def test_sizes_are_those_of_whole_matrices(number) -> None:
     assert set(learnt) == set(SOURCES)
     for source in SOURCES:
         assert learnt[source] == pytest.approx(whole[source], rel=1e-5), source
+
+
+def test_where_drives_have_known_noise_a_descent_factorises_it_once(monkeypatch) -> None:
+    """And once more for every posterior whose noise or sizes are others."""
+    posterior = a_posterior(rectified=(0.01,) * 4).having(fast=0.0)
+    points, factors = [], []
+    block, factorise = LogPosterior.block, posterior_module.cholesky_banded
+    monkeypatch.setattr(LogPosterior, "block", lambda *of: points.append(of) or block(*of))
+    monkeypatch.setattr(
+        posterior_module,
+        "cholesky_banded",
+        lambda *of, **how: factors.append(of) or factorise(*of, **how),
+    )
+    at = posterior.descend(posterior.start({}), evaluations=3, tolerance=1e-9)
+    assert (len(points), len(factors)) == (4, 1)
+    posterior.having(sizes={**BEGIN, "drift": 0.2}).again(at)
+    assert len(factors) == 2
 
 
 def simulated(posterior: LogPosterior, sizes: dict[str, float], seed: int):
