@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import chain, combinations
 
 import numpy as np
+from scipy.linalg.lapack import dtrtri
 
 from surae.base.units import FloatArray
 
@@ -41,8 +42,7 @@ class LaplaceApproximation:
         """Evidence −2 ln Z, mode (q,) and covariance (q, q) with the parameters `off` held."""
         free = np.array([j for j in range(len(self.z)) if j not in off], dtype=int)
         mode, covariance = self.z.copy(), np.zeros((len(self.z), len(self.z)))
-        for j, value in off.items():
-            mode[j] = value
+        mode[[*off]] = [*off.values()]
         shift = mode - self.z
         gradient = self.gradient + self.information @ shift
         cost = self.cost + float(shift @ (2.0 * self.gradient + self.information @ shift))
@@ -58,7 +58,7 @@ class LaplaceApproximation:
             factor = np.linalg.cholesky(scaled)
         except np.linalg.LinAlgError:  # data without noise outweigh every prior to the last digit
             factor = np.linalg.cholesky(scaled + _ROUNDING * np.eye(len(scaled)))
-        inverse = np.linalg.inv(factor) * scale
+        inverse = dtrtri(factor, lower=1)[0] * scale
         solved = inverse @ g
         log_det = 2.0 * float(np.log(np.diag(factor) / scale).sum())
         mode[free] -= inverse.T @ solved
