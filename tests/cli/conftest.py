@@ -63,7 +63,7 @@ def made(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("made")
     subject = virtual_subject(seed=3)
     profile = Protocol(
-        profile="multi-sine-holds", chirp_amplitude=0.2, chirp_rate=0.1, rate_hz=64.0
+        profile="multi-sine-holds", chirp_amplitude=0.2, chirp_rate=0.1, rate_hz=48.0
     )
     motion = generate(profile)
     clean = virtual_trial(subject, motion, noise=0.0)

@@ -31,7 +31,7 @@ def test_the_table_shows_every_parameter(run, files) -> None:
     assert "muscle model [1.0]" in done.out
     assert "Not identified" not in done.out
     assert "trial: VAF 99." in done.out
-    assert "2561 samples at 64 Hz" in done.out
+    assert "1921 samples at 48 Hz" in done.out
     assert "IPDE " in done.out
     assert "converged: 1 of 1 starts" in done.out
 

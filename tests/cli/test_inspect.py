@@ -44,7 +44,7 @@ def test_json(files, run):
     role = data["roles"]["emg_ta"]
     assert (role["file"], role["column"]) == ("trial.csv", "emg_ta_V")
     assert data["missing"] == []
-    assert data["channels"][0]["rate_hz"] == pytest.approx(64.0)
+    assert data["channels"][0]["rate_hz"] == pytest.approx(48.0)
 
 
 def test_several_files_make_one_mapping_that_fits(files, run):
