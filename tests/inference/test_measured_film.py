@@ -76,9 +76,11 @@ def test_a_compliant_tendon_follows_the_film_and_predicts_another(compliant, mea
 
 
 @pytest.mark.slow
-def test_the_filmed_optimum_is_identified_and_the_whole_muscles_holds_it(compliant) -> None:
+def test_the_filmed_optimum_is_known_and_the_whole_muscles_holds_it(compliant) -> None:
     optimum = compliant.measures()["optimal_fascicle_tib"]
-    assert optimum.verdict == "identified"
+    assert 0.5 * np.ptp(optimum.ci95) < 0.1 * optimum.value
+    # a doubtful fit claims no measure, however narrow
+    assert (optimum.verdict == "weak") == (compliant.adequacy.grade == "doubtful")
     whole = compliant.parameters["l0_tib"]
     assert np.ptp(whole.ci95) > 1e-3 * np.ptp(optimum.ci95)
     assert whole.budget["film"] + whole.budget["lengths"] > 0.3
@@ -97,9 +99,9 @@ def test_without_its_film_a_fit_does_not_contradict_it(compliant, measured) -> N
 
 @pytest.mark.slow
 def test_a_film_is_advised_where_there_is_none_and_keeps_its_word(compliant, measured) -> None:
-    assert not any("ilm the tibialis" in h for h in what_would_help(*_of(compliant)))
+    assert not any("ilm the tibialis" in h for h in what_would_help(compliant))
     blind = surae.fit(measured("PL_0_01", film=False), quality=())
-    (advice,) = (h for h in what_would_help(*_of(blind)) if "ilm the tibialis" in h)
+    (advice,) = (h for h in what_would_help(blind) if "ilm the tibialis" in h)
     assert "instead of" in advice
     told = covariance_if_filmed(*_known(blind), "tib")
     at = blind.result.problem.free.index("dlt_tib")
@@ -111,7 +113,3 @@ def test_a_film_is_advised_where_there_is_none_and_keeps_its_word(compliant, mea
 
 def _known(fit: surae.Fit):
     return fit.result, fit.assessment.uncertainty
-
-
-def _of(fit: surae.Fit):
-    return fit.result, fit.assessment
