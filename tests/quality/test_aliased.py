@@ -60,3 +60,16 @@ def test_emg_that_is_clipped_on_an_offset_is_told(offset: float) -> None:
         assert "emg-clipped" in {f.code for f in found if f.channel == "emg_ta"}
     assert not [f for f in check_recording(recorded(emg + offset, 1000.0)).findings
                 if f.code == "emg-clipped"]  # fmt: skip
+
+
+@pytest.mark.parametrize(("volts", "told"), [(2e-4, True), (3e-6, False)])
+def test_a_channel_of_noise_alone_is_told_unless_its_muscle_rests(volts: float, told: bool) -> None:
+    rng, time = np.random.default_rng(8), np.arange(30 * 1000) / 1000.0
+    emg = 2e-6 + 2e-4 * np.maximum(np.sin(2.0 * time), 0.0)[:, None] * rng.normal(size=(30000, 4))
+    emg[:, 2] = volts * rng.normal(size=len(time))
+    angle, torque = 0.3 * np.sin(time), 5.0 * np.sin(time) + 2e5 * np.abs(emg[:, 1])
+    findings = check_recording(
+        Recording.from_arrays(time, angle, torque, emg, emg_kind="raw")
+    ).findings
+    noise = [f.channel for f in findings if "of one strength" in f.message]
+    assert len(noise) == told

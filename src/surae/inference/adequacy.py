@@ -127,10 +127,7 @@ def _goodness(r2: float) -> Iterator[Reason]:
 
 
 def _not_as_stated(quality: Sequence[Quality]) -> Iterator[Reason]:
-    """A model with enough freedom follows an angle from the sole as well as one from neutral.
-
-    Signs and electrodes are told by a quick fit, which accuses one relaxed leg of forty falsely.
-    """
+    """Grave but for signs and electrodes: of these a quick fit accuses a relaxed leg of forty."""
     for trial in quality:
         for code in sorted(
             NOT_AS_STATED & {f.code for f in trial.findings if f.severity == "error"}

@@ -17,6 +17,8 @@ from surae.signals.prepare import RATE_FACTOR
 
 #: A muscle that never exceeds this [V] is at rest: maximal efforts give 2e-4 V and more.
 REST_VOLTS = 2e-5
+#: Highest over lowest level up to which a channel is of one strength: noise has 1.6.
+ONE_STRENGTH = 2.0
 #: A channel that keeps one value for longer than this [s] has lost its signal.
 DROPOUT = 0.5
 #: A channel whose activity never reaches this part of the strongest channel's is without contact:
@@ -92,13 +94,15 @@ def missing(trial: CheckedTrial) -> Iterator[Finding]:
 def flat(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels, or parts of them, that are constant or far below the others."""
     tops = {m: quantile(e, 0.98) for m, e in trial.slow.items()}
-    strongest = max(tops.values(), default=0.0)
+    strongest, raw = max(tops.values(), default=0.0), trial.emg_kind == "raw"
     for muscle, channel in trial.emg.items():
         if muscle not in tops:
             yield _flat(trial, channel, "constant", level=float(channel.values[0]) + 0.0)
         elif tops[muscle] < SILENT * strongest:
             share = 100 * tops[muscle] / strongest
             yield _flat(trial, channel, "silent", percent=share)
+        elif raw and REST_VOLTS < tops[muscle] < ONE_STRENGTH * quantile(trial.slow[muscle], 0.05):
+            yield _flat(trial, channel, "noise")
         else:
             yield from _dropouts(trial, channel)
 
@@ -153,9 +157,8 @@ def doubled(trial: CheckedTrial) -> Iterator[Finding]:
 def clipped(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels that end at a plateau, as behind an amplifier at its limit."""
     for muscle, channel in trial.emg.items():
-        values = channel.values
-        middle = float(np.median(values)) if trial.emg_kind == "raw" else 0.0
-        values = values - middle  # which may hide that a side is clipped
+        lifted = float(np.median(channel.values)) if trial.emg_kind == "raw" else 0.0
+        values = channel.values - lifted  # an offset may hide a side
         low, high = float(values.min()), float(values.max())
         # An envelope rests at its smallest value: only the top can be clipped.
         ends = (
@@ -182,8 +185,7 @@ def aliased(trial: CheckedTrial) -> Iterator[Finding]:
     """Raw EMG too slow for its filter, or whose power does not fall towards half its rate."""
     if trial.emg_kind != "raw":
         return
-    highpass = Preparation().updated(trial.recording.prepare).emg_highpass_hz
-    least = RATE_FACTOR * (highpass or 0.0)
+    least = RATE_FACTOR * (Preparation().updated(trial.recording.prepare).emg_highpass_hz or 0.0)
     for muscle, channel in trial.varying.items():
         if channel.rate_hz < least and channel.values.min() < 0.0:
             yield make_finding(

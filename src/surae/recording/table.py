@@ -163,8 +163,7 @@ def regular(time: FloatArray) -> tuple[FloatArray, str]:
 
 def _last_digit(time: FloatArray, digits: int) -> FloatArray:
     """What the last of so many digits of each time counts."""
-    size = np.floor(np.log10(np.maximum(np.abs(time), 1e-9)))
-    return np.asarray(10.0 ** (size + 1 - digits))
+    return np.asarray(10.0 ** (np.floor(np.log10(np.maximum(np.abs(time), 1e-9))) + 1 - digits))
 
 
 def _uniform(time: FloatArray, steps: float | FloatArray) -> tuple[FloatArray, float] | None:
