@@ -40,7 +40,7 @@ def zero_phase(
     kind: Kind, values: FloatArray, rate_hz: float, cutoff_hz: float, order: int, *,
     ends: Ends = "odd", where: str = "signal",
 ) -> FloatArray:  # fmt: skip
-    """A Butterworth filter, or a Bessel low-pass, which does not overshoot at a step.
+    """A Butterworth filter, or a Bessel low-pass, which does not overshoot at a step, of (…, n).
 
     `cutoff_hz` is the −3 dB point of both passes together, `order` that of one; `ends` says how the
     signal is extended, reflected about its end point or mirrored; `where` begins an error.
@@ -54,9 +54,9 @@ def zero_phase(
             f"[prepare] settings"
         )
     sections, memory = _one_pass(kind, rate_hz, cutoff_hz, order)
-    if len(values) <= memory:
+    if (n := values.shape[-1]) <= memory:
         raise InputError(
-            f"{where}: {len(values)} samples ({len(values) / rate_hz:.3g} s) are too few for a "
+            f"{where}: {n} samples ({n / rate_hz:.3g} s) are too few for a "
             f"filter at {cutoff_hz:g} Hz; record at least {(memory + 1) / rate_hz:.3g} s"
         )
     return np.asarray(sosfiltfilt(sections, values, padtype=ends, padlen=memory))
