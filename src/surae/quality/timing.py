@@ -119,8 +119,8 @@ def too_short(recording: Recording) -> Iterator[Finding]:
 
 #: What a reader says that it did to samples, as it stands in a channel's source.
 _DONE = re.compile(
-    r"\d+ unreadable [^;]*bridged by straight lines|times rounded to [^;]*|the header states [^;]*|"
-    + re.escape(BY_NAME)
+    r"\d+ unreadable [^;]*bridged by straight lines|times rounded to [^;]*? Hz|"
+    r"the header states [^;]*|" + re.escape(BY_NAME)
 )
 
 
