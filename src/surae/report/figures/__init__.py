@@ -42,7 +42,6 @@ BLUE, RED, OCHRE, GREY = "#1f4e8c", "#a8321f", "#b8860b", "#a3abb5"
 
 #: Room [inch] for a heading and for each entry of a legend beside it.
 _HEADING, _ENTRY = 2.0, 0.85
-_COLOURS = 256
 _RANDOM_ID = re.compile(r'(?<=["#])[a-z]+[0-9a-f]{10}(?=[")])')
 
 
@@ -143,7 +142,8 @@ def png(figure: Figure, dpi: int = DPI) -> bytes:
     canvas: Any = FigureCanvasAgg(figure)
     canvas.draw()  # once: to save a figure draws it twice, and writes a file that is read again
     drawn = Image.frombytes("RGBA", canvas.get_width_height(), canvas.buffer_rgba())
-    small = drawn.convert("RGB").quantize(_COLOURS, dither=Image.Dither.NONE)
+    small = drawn.convert("RGB").quantize(256, Image.Quantize.FASTOCTREE)  # its white is 254
+    small.putpalette([255 if level == 254 else level for level in small.getpalette() or ()])
     buffer = io.BytesIO()
     small.save(buffer, format="PNG", compress_level=6, dpi=(dpi, dpi))
     return buffer.getvalue()
