@@ -181,11 +181,11 @@ def evaluate(
 def _drawn(
     result: FitResult, known: Uncertainty, wanted: Sequence[MeasurePoint]
 ) -> dict[str, FloatArray]:
-    """Every measure that is not made of the recordings, of possible legs; NaN where it has none."""
+    """All that is not made of recordings, of possible legs, whose zero moves no torque; or NaN."""
     inner = [point for point in wanted if not point.definition.of_recordings]
     if known.lost == known.names:
         return {}
-    likeliest, legs = leg_of(result), known.draw(_DRAWS, _SEED)
+    likeliest, legs = leg_of(result), replace(known, turned=FrozenDict()).draw(_DRAWS, _SEED)
     rows = np.empty((len(legs), len(inner)))
     for i, drawn in enumerate(legs):
         leg = likeliest.with_values(dict(zip(known.names, drawn.tolist(), strict=True)))
