@@ -146,10 +146,9 @@ def _each(post: LogPosterior, point: Point, change: FloatArray) -> tuple[OfRecor
 
 def _gained(post: LogPosterior, point: Point) -> tuple[float, ...]:
     """Largest active states by the point's gains, over those of the EMG as it is."""
-    latents = list(zip(point.c, point.w, strict=True))
     largest = []
-    for each in (latents, [(np.zeros_like(c), np.zeros(0)) for c, _ in latents]):
-        states = [post.observed.effort(point.z, *own, i) for i, own in enumerate(each)]
+    for each in (point.c, post.still()):
+        states = [post.observed.effort(point.z, own, i) for i, own in enumerate(each)]
         largest.append(np.percentile(np.hstack(states), LARGEST, axis=1))
     gained, plain = largest
     return tuple(np.divide(gained, plain, out=np.ones(2), where=plain > 0.0).tolist())

@@ -97,7 +97,7 @@ def effort_ratio(posterior: LogPosterior, point: Point) -> float:
         high = min(_SLOW[1], 0.4 * recording.rate_hz)
         sos = butter(2, [_SLOW[0], high], "bandpass", fs=recording.rate_hz, output="sos")
         e = sosfiltfilt(sos, posterior.observed.residual(point.z, *own, number))
-        effort = posterior.observed.effort(point.z, *own, number).sum(axis=0)
+        effort = posterior.observed.effort(point.z, own[0], number).sum(axis=0)
         level = effort / max(float(np.percentile(effort, 99.0)), 1e-300)
         strong.append(e[level > _EFFORT[1]])
         weak.append(e[level < _EFFORT[0]])

@@ -3,6 +3,10 @@
 A posterior's noise and the sizes of its latents change more often than its point, so that what they
 do not touch is kept: a recording is simulated once for each point.
 
+Fast gains of the drives add to the torque what they moved where a descent began. Were they gains of
+each point, the mode would go where they are most powerful, for they are as many as the samples, and
+a mode leaves out the volume that they then lose.
+
 What no model has is in parts of each muscle group's active torque as it was where a descent began:
 an addition that no parameter moves, so that the derivatives of all else stay exact.
 """
@@ -94,10 +98,10 @@ class Observed:
     """The recordings of a problem, and their latents."""
 
     def __init__(
-        self, at: Coordinates, latents: Sequence[Latents], *, noise_alone: bool = False,
+        self, at: Coordinates, latents: Sequence[Latents], *, expected: Sequence[FloatArray] = (),
         rest: float = REST, calls: list[int] | None = None,
     ) -> None:  # fmt: skip
-        self._at, self._latents, self._noise_alone = at, latents, noise_alone
+        self._at, self._latents, self._expected = at, latents, expected
         self._inputs, self._spec = at.problem.inputs, at.problem.spec
         self._names = self._spec.names
         self._simulators: list[Any] = list(simulators(at.problem))
@@ -110,7 +114,7 @@ class Observed:
         self.calls = [0, 0] if calls is None else calls
         #: What the misfit's values add to each recording's torque, once its descent began.
         self._added: list[FloatArray | None] = []
-        #: Where a descent began, of recordings whose fast gains are known noise.
+        #: Where a descent began, of recordings that have fast gains.
         self._noise: list[list[SensorRows]] = []
         self._kept: list[deque[tuple[bytes, list[SensorRows]]]] = []
         #: What was simulated last, from which other latents and another descent are made too.
@@ -124,15 +128,15 @@ class Observed:
         self._kept = [deque(maxlen=_KEPT) for _ in self._inputs]
 
     def _set(
-        self, z: FloatArray, c: FloatArray, w: FloatArray, number: int
+        self, z: FloatArray, c: FloatArray, number: int
     ) -> tuple[Any, ModelInputs, Latents, FloatArray]:
         """The simulator of a recording at a point, and its parameter vector."""
         simulator = self._simulators[number]
         recording, latents = self._inputs[number], self._latents[number]
         values = self._at.values(z, number)
         gain = latents.log_gain(c) if c.any() else None
-        if len(w) and not self._is_noise(number):
-            quick = latents.fast.log_gain(w, latents.muscles)
+        if self._expected and self._expected[number].any():
+            quick = latents.fast.log_gain(self._expected[number], latents.muscles)
             gain = quick if gain is None else gain + quick
         simulator.with_log_gain(gain)
         if "plate_give" in self._names:
@@ -141,18 +145,9 @@ class Observed:
                 simulator.pulled_by(simulator.torque(values))
         return simulator, recording, latents, values
 
-    def _is_noise(self, number: int) -> bool:
-        """Whether a recording's fast gains are known noise of its envelopes, and nothing else.
-
-        Such gains add to the torque what they moved where the descent began. Were they gains of
-        each point, the mode would go where they are most powerful, for they are as many as the
-        samples, and a mode leaves out the volume that they then lose.
-        """
-        return self._noise_alone and bool(self._inputs[number].rectified)
-
     def residual(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> FloatArray:
         """Modelled minus measured torque of a recording [Nm], shape (n,)."""
-        simulator, recording, latents, values = self._set(z, c, w, number)
+        simulator, recording, latents, values = self._set(z, c, number)
         torque = simulator.torque(values)
         lift = c[latents.slices["drift"]] @ latents.drift
         own, added = c[latents.of_model], self._added[number]
@@ -178,20 +173,20 @@ class Observed:
             simulator.pulled_by(simulator.torque(values))
         return np.asarray(simulator.torque(values) - measured(recording))
 
-    def effort(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> FloatArray:
+    def effort(self, z: FloatArray, c: FloatArray, number: int) -> FloatArray:
         """Active states of both muscle groups [N], shape (2, n)."""
-        simulator, _, _, values = self._set(z, c, w, number)
+        simulator, _, _, values = self._set(z, c, number)
         return np.asarray(simulator.split(values)[2])
 
     def rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
         """What moves the torque of a recording, weighted, then what moves each of its films."""
         return list(_known(self._kept[number], (z, c, w), lambda: self._rows(z, c, w, number)))
 
-    def _simulated(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> "_Seen":
+    def _simulated(self, z: FloatArray, c: FloatArray, number: int) -> "_Seen":
         """A recording at a point, but for what latents add to it."""
         checkpoint()
         self.calls[0] += 1
-        simulator, recording, latents, values = self._set(z, c, w, number)
+        simulator, recording, latents, values = self._set(z, c, number)
         with np.errstate(over="ignore", invalid="ignore"):
             columns = [*self._at.columns, *self._at.own_columns]
             tangent = simulator.tangent(values, columns, lengths=bool(latents.films))
@@ -208,8 +203,8 @@ class Observed:
 
     def _rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
         at, recording, latents = self._at, self._inputs[number], self._latents[number]
-        moved = z, c[latents.slices["gain"]], w[: 0 if self._is_noise(number) else None]
-        seen = _known(self._seen[number], moved, lambda: self._simulated(z, c, w, number))
+        moved = z, c[latents.slices["gain"]]
+        seen = _known(self._seen[number], moved, lambda: self._simulated(z, c, number))
         tangent, values, q, n = seen.tangent, seen.values, self._q, recording.n
         whole = seen.rows[0].copy()
         own = whole[q:-1]
@@ -246,7 +241,7 @@ class Observed:
                 short, begins = self._fast_columns(response, values, number, film.group)
                 fast, first = film.short(grown * short, begins)
             each.append(SensorRows(whole, q, fast, first, len(latents.muscles)))
-        if len(w) and self._is_noise(number):
+        if len(w):
             self._noise[number] = self._noise[number] or each
             for own_rows, like in zip(each, self._noise[number], strict=True):
                 own_rows.noisy(like, w)

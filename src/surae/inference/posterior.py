@@ -113,8 +113,8 @@ class LogPosterior(Coordinates):
         self.noise, self.latents, self.sizes = tuple(noise), tuple(latents), dict(sizes)
         self.fast: float | None = None  #: Size of the drives' errors; None where there are none.
         self.beliefs, self.rate_hz, self.rest = dict(beliefs or {}), rate_hz, rest
-        self.observed = self._anew()
         self._prepare()
+        self.observed = self._anew()
 
     def _prepare(self) -> None:
         fast = self.fast
@@ -133,25 +133,25 @@ class LogPosterior(Coordinates):
         """The posterior with other values of attributes, films' noise being in `latents`."""
         other = copy(self)
         vars(other).update(changes)
-        if (other.fast == 0.0) != (self.fast == 0.0):
-            other.observed = other._anew(self.observed.calls)
         other._prepare()
+        if other.fast != self.fast:
+            other.observed = other._anew(self.observed.calls)
         return other
 
     def _anew(self, calls: list[int] | None = None) -> Observed:
-        """The recordings, nothing of them computed; without errors of drives, noise alone adds."""
-        noise_alone = self.fast == 0.0
-        return Observed(self, self.latents, noise_alone=noise_alone, rest=self.rest, calls=calls)
+        """The recordings, nothing of them computed."""
+        means = [mean for _, mean in self._fast]
+        return Observed(self, self.latents, expected=means, rest=self.rest, calls=calls)
 
     def still(self) -> tuple[FloatArray, ...]:
         """Latents of which nothing is known yet."""
         return tuple(np.zeros(each.size) for each in self.latents)
 
     def expected(self) -> tuple[FloatArray, ...]:
-        """Fast gains as the envelopes alone say."""
+        """Fast gains beyond what is expected of them by the envelopes alone: none."""
         if self.fast is None:
             return tuple(np.zeros(0) for _ in self.latents)
-        return tuple(mean.copy() for _, mean in self._fast)
+        return tuple(np.zeros_like(mean) for _, mean in self._fast)
 
     def variances(self, number: int) -> list[float]:
         """Of the noise of a recording's torque, then of its films."""
@@ -190,12 +190,11 @@ class LogPosterior(Coordinates):
         cost = float(H[-1, -1] + c @ P @ c)
         band, fast, gain = np.zeros((0, 1)), np.zeros((0, q + m + 1)), 0.0
         if len(w):
-            prior, mean = self._fast[number]
+            prior, _ = self._fast[number]
             muscles, own = len(prior) - 1, each[0][0].band
             border = reduce(np.add, (rows.border / variance for rows, variance in each))
-            away = w - mean
-            pull = self.fast_product(number, away[:, None])[:, 0]
-            cost += float(away @ pull)
+            pull = self.fast_product(number, w[:, None])[:, 0]
+            cost += float(w @ pull)
             border[:, -1] += pull
             if number not in self._factored or self._factored[number][0] is not own:
                 band = np.zeros((max(len(rows.band) for rows, _ in each), len(w)))
