@@ -29,9 +29,9 @@ from surae.model.laboratory import DEPARTURES, LAWS, RARE, group_of
 
 #: Active state over which it reaches zero at the first rate, of envelopes from elsewhere [N].
 _ROUNDED = 12.0
-#: Slow residual under effort over that at rest from which errors of the drive are sought, and their
-#: standard deviations that are tried.
-_LOUDER, _ERRORS = 1.6, (0.06, 0.11, 0.15, 0.21)
+#: Slow residual under effort over that at rest from which errors of the drive are sought, and the
+#: standard deviation from which the search for theirs begins.
+_LOUDER, _ERROR = 1.6, 0.11
 #: What is to be gained in −2 ln p where sets are weighed: weights are not of the path then.
 _WEIGHED = 0.01
 #: Part of the torque's changes that parameters alone have to follow before: of a model that follows
@@ -155,18 +155,8 @@ def _with_errors_of_drives(own: LogPosterior, point: Point) -> Reached:
     quiet = post.having(noise=learnt_noise(post, there, white=True, anew=True))
     at = quiet.descend(there.z, there.c, there.w, evaluations=8, tolerance=0.1)
     quiet = quiet.having(noise=learnt_noise(quiet, at, white=True, anew=True))
-    tried = {0.0: (quiet.evidence(quiet.again(at)), post, there)}
-
-    def better(size: float) -> bool:
-        """Whether this size is the best so far."""
-        # slow latents begin anew, for they have followed what is fast
-        post = own.having(fast=size, sizes=BEGIN)
-        there = post.descend(point.z, evaluations=25, tolerance=0.1)
-        post, there = learnt(post, there, 2, evaluations=8)
-        tried[size] = (post.evidence(there), post, there)
-        return min(tried, key=lambda s: tried[s][0]) == size
-
-    low, middle, high, highest = _ERRORS
-    if better(middle):
-        better(highest if better(high) else low)
-    return min(tried.values(), key=lambda each: each[0])[1:]
+    none = quiet.evidence(quiet.again(at))
+    # slow latents begin anew, for they have followed what is fast
+    some = own.having(fast=_ERROR, sizes=BEGIN)
+    some, where = learnt(some, some.descend(point.z, tolerance=0.3), tolerance=0.1)
+    return (some, where) if some.evidence(where) < none else (post, there)

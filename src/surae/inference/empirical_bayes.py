@@ -22,6 +22,8 @@ _ORDER, _COUNTED = 30, 2.0
 _EXACT = 5e-3
 #: Values that the size of latents beforehand counts for.
 _BELIEVED = 2.0
+#: Least and greatest size of the drives' errors, and how far it goes at once (its logarithm).
+_ERRORS, _STEP = (0.03, 0.4), (-0.5, 0.5)
 #: Draws that show what fast gains take of the noise.
 _DRAWS = 16
 #: Slow frequencies [Hz], efforts that are rest and effort, as parts of the greatest, and samples
@@ -58,7 +60,8 @@ def learnt(
         if sizes != NEARLY_NONE:
             sizes = {s: min(n, _MOST[s]) for s, n in learnt_sizes(post, point, BEGIN).items()}
         noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
-        post = post.having(noise=noise, sizes=sizes, latents=latents)
+        fast = learnt_errors(post, point) if post.fast else post.fast
+        post = post.having(noise=noise, sizes=sizes, latents=latents, fast=fast)
         moved = post.descend(point.z, point.c, point.w, tolerance=tolerance,
                              evaluations=evaluations, damping=point.damping)  # fmt: skip
         sd = np.sqrt(np.diag(post.covariance(moved)))
@@ -79,6 +82,7 @@ def rested(post: LogPosterior, point: Point) -> tuple[LogPosterior, Point, float
         sizes = [post.sizes[s] / before.sizes[s] for s in SOURCES]
         both = zip(post.noise, before.noise, strict=True)
         sizes += [np.sqrt(new.variance / old.variance) for new, old in both]
+        sizes += [post.fast / before.fast] if post.fast and before.fast else []
         moved = float(max(*(np.abs(point.z - at.z) / sd), *(_WIDTHS * np.abs(np.log(sizes)))))
         if point.rested and moved < RESTS:
             return post, point, moved
@@ -128,6 +132,19 @@ def learnt_sizes(
         s: float(np.sqrt((squares[s] + _BELIEVED * size**2) / (counts[s] + _BELIEVED)))
         for s, size in beforehand.items()
     }
+
+
+def learnt_errors(posterior: LogPosterior, point: Point) -> float:
+    """Standard deviation of the drives' errors by which −2 ln Z is least, as the point has it."""
+    from scipy.optimize import minimize_scalar
+
+    def lost(log: float) -> float:
+        other = posterior.with_errors(float(np.exp(log)))
+        return other.evidence(other.again(point))
+
+    low, high = (np.clip(np.log(posterior.fast or 1.0) + by, *np.log(_ERRORS)) for by in _STEP)
+    best = minimize_scalar(lost, bounds=(low, high), method="bounded", options={"xatol": 1e-3})
+    return float(np.exp(best.x))
 
 
 def learnt_films(posterior: LogPosterior, point: Point) -> tuple[Latents, ...]:

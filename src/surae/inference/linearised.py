@@ -101,7 +101,7 @@ class Observed:
         self, at: Coordinates, latents: Sequence[Latents], *, expected: Sequence[FloatArray] = (),
         rest: float = REST, calls: list[int] | None = None,
     ) -> None:  # fmt: skip
-        self._at, self._latents, self._expected = at, latents, expected
+        self._at, self._latents, self.expected = at, latents, expected
         self._inputs, self._spec = at.problem.inputs, at.problem.spec
         self._names = self._spec.names
         self._simulators: list[Any] = list(simulators(at.problem))
@@ -135,8 +135,8 @@ class Observed:
         recording, latents = self._inputs[number], self._latents[number]
         values = self._at.values(z, number)
         gain = latents.log_gain(c) if c.any() else None
-        if self._expected and self._expected[number].any():
-            quick = latents.fast.log_gain(self._expected[number], latents.muscles)
+        if self.expected and self.expected[number].any():
+            quick = latents.fast.log_gain(self.expected[number], latents.muscles)
             gain = quick if gain is None else gain + quick
         simulator.with_log_gain(gain)
         if "plate_give" in self._names:

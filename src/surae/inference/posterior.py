@@ -138,6 +138,16 @@ class LogPosterior(Coordinates):
             other.observed = other._anew(self.observed.calls)
         return other
 
+    def with_errors(self, size: float) -> "LogPosterior":
+        """The posterior with errors of the drives of another size, to be judged at known points.
+
+        Fast gains stay what they are beyond what was expected before; nothing is simulated anew.
+        """
+        other = copy(self)
+        other.fast = size
+        other._prepare()
+        return other
+
     def _anew(self, calls: list[int] | None = None) -> Observed:
         """The recordings, nothing of them computed."""
         means = [mean for _, mean in self._fast]
@@ -190,11 +200,12 @@ class LogPosterior(Coordinates):
         cost = float(H[-1, -1] + c @ P @ c)
         band, fast, gain = np.zeros((0, 1)), np.zeros((0, q + m + 1)), 0.0
         if len(w):
-            prior, _ = self._fast[number]
+            prior, mean = self._fast[number]
             muscles, own = len(prior) - 1, each[0][0].band
             border = reduce(np.add, (rows.border / variance for rows, variance in each))
-            pull = self.fast_product(number, w[:, None])[:, 0]
-            cost += float(w @ pull)
+            away = w + self.observed.expected[number] - mean
+            pull = self.fast_product(number, away[:, None])[:, 0]
+            cost += float(away @ pull)
             border[:, -1] += pull
             if number not in self._factored or self._factored[number][0] is not own:
                 band = np.zeros((max(len(rows.band) for rows, _ in each), len(w)))
