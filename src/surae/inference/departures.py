@@ -1,8 +1,8 @@
 """Which departures the data ask for: the evidence of every set of them, and the best solved anew.
 
 All that are common are in first, the sizes of the latents learnt from the data. Rare ones are
-looked for one by one. Where the residual under effort is much greater than at rest, the size of the
-drives' error is sought by evidence before the choice, if every muscle has an electrode.
+looked for one by one. Where errors of the drives are likelier than none, their size is learnt
+before the choice, if every muscle has an electrode.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,6 @@ from surae.inference.empirical_bayes import (
     BEGIN,
     NEARLY_NONE,
     Reached,
-    effort_ratio,
     learnt,
     learnt_noise,
     rested,
@@ -29,9 +28,8 @@ from surae.model.laboratory import DEPARTURES, LAWS, RARE, group_of
 
 #: Active state over which it reaches zero at the first rate, of envelopes from elsewhere [N].
 _ROUNDED = 12.0
-#: Slow residual under effort over that at rest from which errors of the drive are sought, and the
-#: standard deviation from which the search for theirs begins.
-_LOUDER, _ERROR = 1.6, 0.11
+#: Standard deviation from which the search for the size of the drives' errors begins.
+_ERROR = 0.11
 #: What is to be gained in −2 ln p where sets are weighed: weights are not of the path then.
 _WEIGHED = 0.01
 #: Part of the torque's changes that parameters alone have to follow before: of a model that follows
@@ -98,10 +96,9 @@ def _with_all(
         beside = {*_scored(more, there, every)[0].groups} - {*rare, *_PLAIN}
         if len(beside) < _SEVERAL:
             full, point, possible = more, there, every
-    # which departures there are would hide behind it; what muscles do that no electrode hears
-    # is loud under effort as well, and no error of another's EMG
-    sought = not (family.is_still or family.original.has_unheard)
-    if sought and effort_ratio(full, point) > _LOUDER:
+    # which departures there are would hide behind them; what muscles do that no electrode hears is
+    # loud under effort as well, and no error of another's EMG
+    if not (family.is_still or family.original.has_unheard) and _errs(full, point):
         inputs = family.given(RATE_HZ)
         if followed((full, point), inputs) > _FOLLOWED:
             full, point = kept(_with_errors_of_drives(full, point), (full, point), inputs)
@@ -146,6 +143,14 @@ def _with_noise_of_drives(post: LogPosterior, point: Point) -> Reached:
         return post, point
     post = post.having(fast=0.0)
     return post, post.descend(point.z, point.c, tolerance=0.1)
+
+
+def _errs(post: LogPosterior, point: Point) -> bool:
+    """Whether errors of the drives are likelier than their noise alone, as this point has it."""
+    none = post if post.fast is not None else post.having(fast=0.0)
+    there = none.again(replace(point, w=point.w if none is post else none.expected()))
+    some = none.with_errors(_ERROR)
+    return some.evidence(some.again(there)) < none.evidence(there)
 
 
 def _with_errors_of_drives(own: LogPosterior, point: Point) -> Reached:

@@ -26,9 +26,6 @@ _BELIEVED = 2.0
 _ERRORS, _STEP = (0.03, 0.4), (-0.5, 0.5)
 #: Draws that show what fast gains take of the noise.
 _DRAWS = 16
-#: Slow frequencies [Hz], efforts that are rest and effort, as parts of the greatest, and samples
-#: below which nothing is said of either.
-_SLOW, _EFFORT, _FEWEST = (0.3, 5.0), (0.1, 0.3), 50
 #: Standard deviations of the latents before anything is learnt, those above which parameters have
 #: to explain the torque, and those of none.
 BEGIN = {"gain": 0.03, "drift": 0.1, "misfit": 0.01, "softening": 0.05}
@@ -87,28 +84,6 @@ def rested(post: LogPosterior, point: Point) -> tuple[LogPosterior, Point, float
         if point.rested and moved < RESTS:
             return post, point, moved
     return post, point, max(moved, RESTS)
-
-
-def effort_ratio(posterior: LogPosterior, point: Point) -> float:
-    """Size of the slow residual under effort over that at rest; 0 where one of them is rare."""
-    from scipy.signal import butter, sosfiltfilt
-
-    strong, weak = [], []
-    for number, recording in enumerate(posterior.problem.inputs):
-        if recording.n < 60:
-            return 0.0
-        own = point.c[number], point.w[number]
-        high = min(_SLOW[1], 0.4 * recording.rate_hz)
-        sos = butter(2, [_SLOW[0], high], "bandpass", fs=recording.rate_hz, output="sos")
-        e = sosfiltfilt(sos, posterior.observed.residual(point.z, *own, number))
-        effort = posterior.observed.effort(point.z, own[0], number).sum(axis=0)
-        level = effort / max(float(np.percentile(effort, 99.0)), 1e-300)
-        strong.append(e[level > _EFFORT[1]])
-        weak.append(e[level < _EFFORT[0]])
-    under, at_rest = np.concatenate(strong), np.concatenate(weak)
-    if min(len(under), len(at_rest)) < _FEWEST:
-        return 0.0
-    return float(np.sqrt(np.mean(under**2) / max(np.mean(at_rest**2), 1e-300)))
 
 
 def learnt_sizes(
