@@ -29,7 +29,7 @@ from surae.model.laboratory import DEPARTURES, LAWS, RARE, group_of
 #: Active state over which it reaches zero at the first rate, of envelopes from elsewhere [N].
 _ROUNDED = 12.0
 #: Standard deviation from which the search for the size of the drives' errors begins.
-_ERROR = 0.11
+_ERROR = 0.08
 #: What is to be gained in −2 ln p where sets are weighed: weights are not of the path then.
 _WEIGHED = 0.01
 #: Part of the torque's changes that parameters alone have to follow before: of a model that follows
