@@ -10,7 +10,9 @@ import surae
 from surae.base.errors import InputError
 from surae.inference import Grade, Verdict
 from surae.inference.reasons import against
+from surae.inference.uncertainty.combined import ZERO
 from surae.measures import DEFINITIONS, measures, measures_of_values
+from surae.measures.compute import judged_measures, points
 from surae.measures.leg import leg_of
 from surae.model import ModelOptions, get_model, with_optional
 from surae.protocol import Protocol, generate
@@ -49,6 +51,19 @@ def test_a_richer_leg_is_known_by_its_measures(fitted, told) -> None:
     assert len(comparable) >= 10
     held = [m.ci95[0] <= true[m.name] <= m.ci95[1] for m in comparable]
     assert held.count(False) <= len(held) // 5
+
+
+def test_what_the_zero_makes_unsure_is_the_same_by_draws_and_by_derivatives(fitted) -> None:
+    fit = fitted(1)[0]
+    known = fit.assessment.uncertainty
+    turning = {"end_stiffness", "passive_stiffness@0deg", "optimal_angle_tri", "damping@20Nm"}
+    for each, measure in judged_measures(fit, points([0.0])):
+        if each.point.name in turning:
+            assert each.gradient[known.names.index(ZERO)] != 0.0
+            half = (measure.ci95[1] - measure.ci95[0]) / 2.0
+            assert half == pytest.approx(known.half_width(each.gradient), rel=0.1)
+            turning.remove(each.point.name)
+    assert not turning
 
 
 def test_stiffness_is_far_better_known_than_what_it_is_made_of(fitted, told) -> None:
