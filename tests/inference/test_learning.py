@@ -99,6 +99,20 @@ def test_sizes_are_those_of_whole_matrices(number) -> None:
         assert learnt[source] == pytest.approx(whole[source], rel=1e-5), source
 
 
+def test_errors_of_another_size_are_judged_without_a_simulation() -> None:
+    """What is expected of the drives is another then: its difference is in the gains."""
+    posterior = a_posterior().having(fast=0.1)
+    point = posterior.descend(posterior.start({}), tolerance=0.1)
+    spent = posterior.observed.calls[0]
+    other = posterior.with_errors(0.12)
+    other.evidence(other.again(point))
+    assert posterior.observed.calls[0] == spent
+    whole = posterior.having(fast=0.12)
+    differ = other.evidence(other.again(point)) - whole.evidence(whole.again(point))
+    assert abs(differ) < 1.0  # to first order
+    assert posterior.with_errors(0.1).evidence(point) == posterior.evidence(point)
+
+
 def test_where_drives_have_known_noise_a_descent_factorises_it_once(monkeypatch) -> None:
     """And once more for every posterior whose noise or sizes are others."""
     posterior = a_posterior(rectified=(0.01,) * 4).having(fast=0.0)

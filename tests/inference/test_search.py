@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 from toys import STABLE, disturbed, moved
 
 import surae
-from ankle_legs.make import make
+from ankle_legs.make import make, truth_of
 from marks import slow
 from richer_legs import richer_leg
 from surae.base.frozen import read_only
@@ -93,6 +93,16 @@ LEGS = [
     ("a", 3721, 1), ("b", 3721, 1), ("m", 3721, 1), ("n", 3721, 2), ("v", 3721, 3),
     ("h", 4503, 4), ("w", 3721, 4), ("a", 3714, 5),
 ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("family", "least", "most"), [("j", 0.1, 0.2), slow("a", 0.0, 0.05)])
+def test_errors_of_drives_are_as_great_as_they_are(family, least, most, tmp_path) -> None:
+    """Weights do not run away with them (one was 3.3 times too large), nor are they made up."""
+    (path,) = make(family, 2402, tmp_path, (1,))
+    result = solve(make_problem([surae.prepare(surae.read(path))], "auto"))
+    assert least <= result.solution.sizes["drive"] <= most
+    g1 = truth_of(family, 2402, 1)["parameters"]["g1"]
+    assert result.values["g1"] == pytest.approx(g1, rel=0.3)
 
 
 @pytest.mark.slow
