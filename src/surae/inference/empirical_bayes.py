@@ -13,7 +13,7 @@ from surae.inference.film import noise_of_film
 from surae.inference.latent import SOURCES, Latents
 from surae.inference.linearised import SensorRows, measured
 from surae.inference.noise import NoiseModel, level_above, noise_behind
-from surae.inference.posterior import MOST, Block, LogPosterior, Point
+from surae.inference.posterior import Block, LogPosterior, Point
 from surae.signals import ModelInputs
 
 #: Largest order of the autoregression that tells the noise's slow part, and what is slow [Hz].
@@ -22,7 +22,7 @@ _ORDER, _COUNTED = 30, 2.0
 _EXACT = 5e-3
 #: Values that the size of latents beforehand counts for.
 _BELIEVED = 2.0
-#: Least and greatest size of the drives' errors, and how far it goes at once (its logarithm).
+#: Least and greatest size of the drives' errors, and how far its logarithm goes at once; assumed.
 _ERRORS, _STEP = (0.03, 0.4), (-0.5, 0.5)
 #: Draws that show what fast gains take of the noise.
 _DRAWS = 16
@@ -46,9 +46,9 @@ Reached = tuple[LogPosterior, Point]
 
 def learnt(
     post: LogPosterior, point: Point, rounds: int = _ROUNDS, *, white: bool = False,
-    evaluations: int = MOST, tolerance: float = 0.1,
+    tolerance: float = 0.1,
 ) -> Reached:  # fmt: skip
-    """Noise and sizes of the latents in turn with the mode, until it rests.
+    """Noise, sizes of the latents and of the drives' errors in turn with the mode, until it rests.
 
     Latents of which nearly nothing is to be stay so.
     """
@@ -59,8 +59,7 @@ def learnt(
         noise, latents = learnt_noise(post, point, white=white), learnt_films(post, point)
         fast = learnt_errors(post, point) if post.fast else post.fast
         post = post.having(noise=noise, sizes=sizes, latents=latents, fast=fast)
-        moved = post.descend(point.z, point.c, point.w, tolerance=tolerance,
-                             evaluations=evaluations, damping=point.damping)  # fmt: skip
+        moved = post.descend(point.z, point.c, point.w, tolerance=tolerance, damping=point.damping)
         sd = np.sqrt(np.diag(post.covariance(moved)))
         if np.all(np.abs(moved.z - point.z) < _AT_REST * sd):
             return post, moved

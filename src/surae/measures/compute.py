@@ -181,7 +181,11 @@ def evaluate(
 def _drawn(
     result: FitResult, known: Uncertainty, wanted: Sequence[MeasurePoint]
 ) -> dict[str, FloatArray]:
-    """All that is not made of recordings, of possible legs, whose zero moves no torque; or NaN."""
+    """Every measure that is not made of recordings, of possible legs; NaN where it has none.
+
+    Legs are as they were fitted, and read at the angle that their zero says: turned with it too,
+    what the zero makes unsure would cancel.
+    """
     inner = [point for point in wanted if not point.definition.of_recordings]
     if known.lost == known.names:
         return {}
