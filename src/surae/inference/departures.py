@@ -12,6 +12,7 @@ import numpy as np
 
 from surae.inference.empirical_bayes import (
     BEGIN,
+    ERRORS,
     NEARLY_NONE,
     Reached,
     learnt,
@@ -20,7 +21,7 @@ from surae.inference.empirical_bayes import (
 )
 from surae.inference.evidence import Subset, subsets, with_likely
 from surae.inference.family import FIRST_HZ, RATE_HZ, Family
-from surae.inference.look_back import followed, kept
+from surae.inference.look_back import LESS, followed, kept
 from surae.inference.noise import NoiseModel
 from surae.inference.posterior import LogPosterior, Point
 from surae.inference.valleys import ROUNDED
@@ -95,7 +96,8 @@ def _with_all(
         there = more.descend(more.like(full, point.z), point.c, point.w, tolerance=0.3)
         more, there = learnt(more, there, tolerance=_WEIGHED)
         beside = {*_scored(more, there, every)[0].groups} - {*rare, *_PLAIN}
-        if len(beside) < _SEVERAL:
+        lost = followed((full, point), full.problem.inputs) - followed((more, there), full.problem.inputs)
+        if len(beside) < _SEVERAL or lost < -LESS:
             full, point, possible = more, there, every
     # which departures there are would hide behind them; what muscles do that no electrode hears is
     # loud under effort as well, and no error of another's EMG
@@ -165,4 +167,6 @@ def _with_errors_of_drives(own: LogPosterior, point: Point) -> Reached:
     # slow latents begin anew, for they have followed what is fast
     some = own.having(fast=_ERROR, sizes=BEGIN)
     some, where = learnt(some, some.descend(point.z, tolerance=0.3), tolerance=0.1)
-    return (some, where) if some.evidence(where) < none else (post, there)
+    # errors of the least size are none: theirs is another prior, of noise that is known
+    there_are = some.fast > 1.05 * ERRORS[0] and some.evidence(where) < none
+    return (some, where) if there_are else (post, there)

@@ -23,7 +23,7 @@ _EXACT = 5e-3
 #: Values that the size of latents beforehand counts for.
 _BELIEVED = 2.0
 #: Least and greatest size of the drives' errors, and how far its logarithm goes at once; assumed.
-_ERRORS, _STEP = (0.03, 0.4), (-0.5, 0.5)
+ERRORS, _STEP = (0.03, 0.4), (-0.5, 0.5)
 #: Draws that show what fast gains take of the noise.
 _DRAWS = 16
 #: Standard deviations of the latents before anything is learnt, those above which parameters have
@@ -116,7 +116,7 @@ def learnt_errors(posterior: LogPosterior, point: Point) -> float:
         other = posterior.with_errors(float(np.exp(log)))
         return other.evidence(other.again(point))
 
-    low, high = (np.clip(np.log(posterior.fast or 1.0) + by, *np.log(_ERRORS)) for by in _STEP)
+    low, high = (np.clip(np.log(posterior.fast or 1.0) + by, *np.log(ERRORS)) for by in _STEP)
     best = minimize_scalar(lost, bounds=(low, high), method="bounded", options={"xatol": 1e-3})
     return float(np.exp(best.x))
 
