@@ -46,7 +46,8 @@ _LIKELY = 0.1
 #: Raftery, JASA 90 (1995) 773), and the standard deviations by which it has to be there.
 _ASKED, _MOVED = 10.0, 3.0
 #: Departures beside it, but for these two, from which a rare one is left out: of virtual legs that
-#: depart in all ways at once half of what was then called known was false.
+#: depart in all ways at once half of what was then called known was false. Not where parameters
+#: alone follow the torque better with it by more than the search may lose.
 _SEVERAL, _PLAIN = 2, ("reflex", "spring")
 
 
@@ -96,8 +97,9 @@ def _with_all(
         there = more.descend(more.like(full, point.z), point.c, point.w, tolerance=0.3)
         more, there = learnt(more, there, tolerance=_WEIGHED)
         beside = {*_scored(more, there, every)[0].groups} - {*rare, *_PLAIN}
-        lost = followed((full, point), full.problem.inputs) - followed((more, there), full.problem.inputs)
-        if len(beside) < _SEVERAL or lost < -LESS:
+        recordings = full.problem.inputs
+        gained = followed((more, there), recordings) - followed((full, point), recordings)
+        if len(beside) < _SEVERAL or gained > LESS:
             full, point, possible = more, there, every
     # which departures there are would hide behind them; what muscles do that no electrode hears is
     # loud under effort as well, and no error of another's EMG
@@ -168,5 +170,5 @@ def _with_errors_of_drives(own: LogPosterior, point: Point) -> Reached:
     some = own.having(fast=_ERROR, sizes=BEGIN)
     some, where = learnt(some, some.descend(point.z, tolerance=0.3), tolerance=0.1)
     # errors of the least size are none: theirs is another prior, of noise that is known
-    there_are = some.fast > 1.05 * ERRORS[0] and some.evidence(where) < none
+    there_are = (some.fast or 0.0) > 1.05 * ERRORS[0] and some.evidence(where) < none
     return (some, where) if there_are else (post, there)

@@ -103,8 +103,9 @@ def dynamics(
     """Shifts by what the activation filter cannot express, or by muscles `unheard`, shape (r, q).
 
     No residual tells that from another filter; the other values follow along their valleys, but of
-    what electrodes hear by their standard deviations at most: farther off, a residual would tell.
-    f0 and β may both be moved and their bandwidth not, which has a shift of its own.
+    what electrodes hear only as far as one standard deviation of what is moved: farther off, a
+    residual would tell. f0 and β may both be moved and their bandwidth not, which has a shift of
+    its own.
     """
     size = _UNHEARD if unheard else ORDER
     if "release" in posterior.names and not posterior.problem.has_unheard:  # else the same twice
@@ -115,10 +116,12 @@ def dynamics(
         # ∂ ln bandwidth/∂ ln β of f0·√(b + √(b² + 1)), b = 1 − 2β²
         slope = -2.0 * beta**2 / np.hypot(1.0 - 2.0 * beta**2, 1.0)
         ways.append(ways[0] + slope * ways[1])
-    moved = np.array([size * V @ way / (way @ V @ way) for way in ways]).reshape(-1, len(V))
-    most = np.full(len(V), np.inf) if unheard else np.sqrt(np.diag(V))
-    most[at] = np.inf
-    return np.asarray(np.clip(moved, -most, most))
+    moved = np.zeros((len(ways), len(V)))
+    for row, way in zip(moved, ways, strict=True):
+        variance = float(way @ V @ way)
+        row[:] = V @ way * (size if unheard else min(size, variance**0.5)) / variance
+        row[at] = size * V[at] @ way / variance
+    return moved
 
 
 def between_trials(blocks: Sequence[Block], V: FloatArray) -> FloatArray:
