@@ -1,7 +1,7 @@
 """Raw EMG at several rates: what `auto` and `muscle` follow and identify, beside clean envelopes.
 
-One active trial of 35 s of each leg of `legs/`, its raw EMG at 1024 Hz thinned to every second to
-fifth sample. Run it as
+One trial of 35 s of each leg of `legs/`, active unless another kind is given, its raw EMG at
+1024 Hz thinned to every second to fifth sample. Run it as
 
     .venv/bin/python benchmarks/raw_rates.py --families a,c,h --seeds 3201
 """
@@ -36,16 +36,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--families", default="a,c,h")
     parser.add_argument("--seeds", type=numbers, default=numbers("3201"))
+    parser.add_argument("--kind", default="active", help="the movement, of ankle_legs.movement")
+    parser.add_argument(
+        "--every", type=numbers, default=EVERY, help="samples of 1024 Hz, 0 is none"
+    )
     given = parser.parse_args()
     warnings.simplefilter("ignore")
     counts: dict[int, list[float]] = defaultdict(lambda: [0.0] * 5)
     print("leg        rate   R2 auto  muscle   identified  true  status")
     for family in given.families.split(","):
         for seed in given.seeds:
-            truth = truth_of(family, seed, 1)["parameters"]
+            truth = truth_of(family, seed, 1, (given.kind,))["parameters"]
             with tempfile.TemporaryDirectory() as folder:
-                for every in EVERY:
-                    path = make(family, seed, Path(folder), (1,), raw=bool(every))[0]
+                for every in given.every:
+                    path = make(family, seed, Path(folder), (1,), raw=bool(every), kind=given.kind)[
+                        0
+                    ]
                     path = thinned(path, every) if every else path
                     plain, whole = (surae.fit(path, m, quality=()) for m in ("muscle", "auto"))
                     known = [

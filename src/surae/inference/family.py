@@ -107,12 +107,12 @@ class Family:
             )
         return self._thinned[rate_hz]
 
-    def rigid(self, inputs: Sequence[ModelInputs], **changes: Any) -> FitResult:
-        """The fit of the simplest member, from its own start."""
+    def rigid(self, inputs: Sequence[ModelInputs], *, starts: int = 1, **changes: Any) -> FitResult:
+        """The fit of the simplest member, from its own start and others."""
         original, spec = self.original, get_model(RIGID)
         free = [n for n in spec.names if n in original.free]
         rigid = original.of_model(spec, free, original.by_name(original.start), original.limits)
-        return fit_problem(replace(rigid, inputs=tuple(inputs), **changes), starts=1)
+        return fit_problem(replace(rigid, inputs=tuple(inputs), **changes), starts=starts)
 
     def posterior(
         self, groups: Sequence[str], rate_hz: float, noise: Sequence[NoiseModel],

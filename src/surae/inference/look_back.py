@@ -14,16 +14,31 @@ from surae.inference.empirical_bayes import Reached
 from surae.inference.family import RATE_HZ, Family
 from surae.inference.linearised import measured
 from surae.inference.residuals import simulators
+from surae.inference.result import FitResult
+from surae.settings import STARTS
 from surae.signals import ModelInputs
 
 #: By how much less of the torque's variance parameters may follow than before a stage of the
 #: search, or than those of the simplest member do.
 LESS = 0.005
+#: Part that the simplest member follows of recordings that it follows well.
+_LITTLE = 0.9
 
 
 def simplest(family: Family) -> tuple[Mapping[str, float], float]:
-    """Values of the simplest member, and the part of the torque's variance they follow."""
-    plain = family.rigid(family.given(RATE_HZ))
+    """Values of the simplest member, and the part of the torque's variance they follow.
+
+    Where that is little it has several valleys: the fit is then as a user's own is.
+    """
+    best = _by_itself(family, family.rigid(family.given(RATE_HZ)))
+    if best[1] > _LITTLE:
+        return best
+    again = _by_itself(family, family.rigid(family.inputs, starts=STARTS))
+    return max(best, again, key=lambda own: own[1])
+
+
+def _by_itself(family: Family, plain: FitResult) -> tuple[Mapping[str, float], float]:
+    """Values of a fit, and the part of the torque's variance that they follow as it was given."""
     whole = replace(plain.problem, inputs=family.inputs)
     values = whole.spec.vector(plain.values, whole.options)
     both = zip(simulators(whole), family.inputs, strict=True)
