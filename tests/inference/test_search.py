@@ -105,6 +105,33 @@ def test_errors_of_drives_are_as_great_as_they_are(family, least, most, tmp_path
     assert result.values["g1"] == pytest.approx(g1, rel=0.3)
 
 
+@pytest.mark.long
+@pytest.mark.parametrize(("family", "there"), [("t", "damper"), slow("e", "bridges")])
+def test_noise_of_raw_emg_is_no_error_of_the_drives(family, there, tmp_path) -> None:
+    """Such errors of next to no size let drift and softening run away, and hid short ranges."""
+    (path,) = make(family, 4951, tmp_path, (1,), raw=True)
+    result = solve(make_problem([surae.prepare(surae.read(path))], "auto"))
+    assert result.solution.sizes["drive"] == 0.0
+    assert result.solution.sizes["softening"] < 0.1
+    assert there in result.solution.candidates[0].groups
+
+
+@pytest.mark.slow
+def test_raw_emg_identifies_as_much_as_envelopes(tmp_path) -> None:
+    """Of the same legs, as truly."""
+    claimed, true = {False: 0, True: 0}, {False: 0, True: 0}
+    for family in "abcdefghkn":
+        truth = truth_of(family, 4951, 1)["parameters"]
+        for raw in claimed:
+            (path,) = make(family, 4951, tmp_path / str(raw), (1,), raw=raw)
+            for name, own in surae.fit(path, quality=()).parameters.items():
+                if own.verdict == "identified" and name in truth:
+                    claimed[raw] += 1
+                    true[raw] += own.ci95[0] <= truth[name] <= own.ci95[1]
+    assert claimed[True] >= 0.9 * claimed[False] > 0
+    assert true[True] >= 0.9 * claimed[True]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("family", "seed", "every"), LEGS)
 def test_values_are_of_the_data_and_not_of_the_path(

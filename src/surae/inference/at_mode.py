@@ -81,7 +81,7 @@ def summed(
     return FitResult(
         problem=problem,
         status=status,
-        message=_message(sets[0], bound, finite),
+        message=_message(sets, bound, finite),
         values=values,
         residuals=residuals,
         sse=sse,
@@ -165,11 +165,14 @@ def _natural(post: LogPosterior, point: Point) -> FloatArray:
     return change
 
 
-def _message(chosen: Subset, bound: Sequence[str], finite: bool) -> Message:
+def _message(sets: Sequence[Subset], bound: Sequence[str], finite: bool) -> Message:
     if not finite:
         return Message("ended/no-numbers")
-    code = "ended/departures" if chosen.groups else "ended/no-departure"
-    text = Message(code, groups=", ".join(chosen.groups))
-    if chosen.weight < 0.99:
+    chosen, likeliest = sets[0], max(sets, key=lambda own: own.weight)
+    which = "departures" if chosen.groups else "no-departure"
+    text = Message(f"ended/{which}", groups=", ".join(chosen.groups))
+    if chosen is not likeliest:
+        text = Message("ended/which", message=text)
+    elif chosen.weight < 0.99:
         text = Message("ended/probability", message=text, percent=100 * chosen.weight)
     return Message("ended/at-bound", message=text, names=", ".join(bound)) if bound else text

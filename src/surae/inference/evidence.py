@@ -96,11 +96,9 @@ def with_likely(
 
 
 def subsets(
-    laplace: LaplaceApproximation,
-    groups: Mapping[str, Sequence[int]],
-    off: Mapping[int, float],
+    laplace: LaplaceApproximation, groups: Mapping[str, Sequence[int]], off: Mapping[int, float],
     odds: Mapping[str, float] | None = None,
-) -> tuple[Subset, ...]:
+) -> tuple[Subset, ...]:  # fmt: skip
     """All subsets of the groups, given by their parameters' positions, the best supported first.
 
     `off` has the value at which each is off, `odds` those beforehand that a group is in, else 1.

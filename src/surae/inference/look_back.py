@@ -13,8 +13,7 @@ from surae.base.units import FloatArray
 from surae.inference.empirical_bayes import Reached
 from surae.inference.family import RATE_HZ, Family
 from surae.inference.linearised import measured
-from surae.inference.residuals import simulators
-from surae.inference.result import FitResult
+from surae.inference.residuals import Residuals
 from surae.settings import STARTS
 from surae.signals import ModelInputs
 
@@ -28,22 +27,17 @@ _LITTLE = 0.9
 def simplest(family: Family) -> tuple[Mapping[str, float], float]:
     """Values of the simplest member, and the part of the torque's variance they follow.
 
-    Where that is little it has several valleys: the fit is then as a user's own is.
+    Where that is little it has several valleys, and is fitted as a user's own is.
     """
-    best = _by_itself(family, family.rigid(family.given(RATE_HZ)))
-    if best[1] > _LITTLE:
-        return best
-    again = _by_itself(family, family.rigid(family.inputs, starts=STARTS))
-    return max(best, again, key=lambda own: own[1])
-
-
-def _by_itself(family: Family, plain: FitResult) -> tuple[Mapping[str, float], float]:
-    """Values of a fit, and the part of the torque's variance that they follow as it was given."""
-    whole = replace(plain.problem, inputs=family.inputs)
-    values = whole.spec.vector(plain.values, whole.options)
-    both = zip(simulators(whole), family.inputs, strict=True)
-    left = [s.torque(values) - measured(r) for s, r in both]
-    return plain.values, explained(family.inputs, left)
+    fits: list[tuple[Mapping[str, float], float]] = []
+    for inputs, starts in ((family.given(RATE_HZ), 1), (family.inputs, STARTS)):
+        plain = family.rigid(inputs, starts=starts)
+        whole = replace(plain.problem, inputs=family.inputs)
+        left = Residuals(whole).of(np.array([plain.values[name] for name in whole.free]))
+        fits.append((plain.values, explained(family.inputs, left)))
+        if fits[-1][1] > _LITTLE:
+            break
+    return max(fits, key=lambda own: own[1])
 
 
 def followed(reached: Reached, inputs: Sequence[ModelInputs]) -> float:

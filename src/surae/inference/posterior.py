@@ -98,17 +98,10 @@ class LogPosterior(Coordinates):
     """The posterior of a problem."""
 
     def __init__(
-        self,
-        problem: FitProblem,
-        priors: Mapping[str, Gaussian],
-        noise: Sequence[NoiseModel],
-        latents: Sequence[Latents],
-        sizes: Mapping[str, float],
-        *,
-        beliefs: Mapping[str, Gaussian] | None = None,
-        rate_hz: float = 0.0,
-        rest: float = REST,
-    ) -> None:
+        self, problem: FitProblem, priors: Mapping[str, Gaussian], noise: Sequence[NoiseModel],
+        latents: Sequence[Latents], sizes: Mapping[str, float], *,
+        beliefs: Mapping[str, Gaussian] | None = None, rate_hz: float = 0.0, rest: float = REST,
+    ) -> None:  # fmt: skip
         super().__init__(problem, priors)
         self.noise, self.latents, self.sizes = tuple(noise), tuple(latents), dict(sizes)
         self.fast: float | None = None  #: Size of the drives' errors; None where there are none.

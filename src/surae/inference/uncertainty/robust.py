@@ -112,12 +112,9 @@ class _Seen:
     """
 
     def __init__(
-        self,
-        residual: FloatArray,
-        counted: npt.NDArray[np.bool_],
-        basis: FloatArray,
+        self, residual: FloatArray, counted: npt.NDArray[np.bool_], basis: FloatArray,
         gain: FloatArray | None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         from scipy.fft import next_fast_len
 
         n = len(residual)
