@@ -8,6 +8,7 @@ import numpy as np
 from surae.base.units import FloatArray
 from surae.quality.emg import REST_VOLTS
 from surae.quality.finding import Finding, Severity, Unjudged, make_finding
+from surae.quality.mains import line
 from surae.quality.numeric import quantile, quantiles, runs, smooth, span_of
 from surae.quality.reflex import Reflex, reflex
 from surae.quality.trial import CheckedTrial
@@ -140,11 +141,8 @@ def _bursts(trial: CheckedTrial) -> Iterator[Finding]:
 def _stopped(trial: CheckedTrial) -> Iterator[Finding]:
     """A long time without any effort, once efforts have begun."""
     active = np.max([_relative(e) for e in trial.slow.values()], axis=0) > 0.1
-    where = np.flatnonzero(active)
-    if not where.size:
-        return
-    begun = int(where[0])
-    still = [*runs(~active[begun:])]
+    begun = int(np.argmax(active))
+    still = runs(~active[begun:]) if active.any() else ()
     first, last = max(still, key=lambda stretch: stretch[1] - stretch[0], default=(0, 0))
     seconds = (last - first) / trial.rate_hz
     if seconds < STILL_SECONDS or last - first < STILL_SHARE * (len(active) - begun):
@@ -169,15 +167,17 @@ def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged(f"There is no EMG of both sides of the {trial.joint.name}.")
     if all(quantile(e, 0.98) < _rest(trial.emg[m].unit) for m, e in trial.slow.items()):
         return  # nothing stands out at all
-    levels = []
-    for envelope in (triceps, ta):
-        smoothed = envelope if trial.emg_kind == "envelope" else smooth(envelope, width)
-        levels.append(smoothed / max(quantile(smoothed, 0.98), 1e-300))
-    either = np.maximum(*levels) > TOGETHER
-    both = np.minimum(*levels) > TOGETHER
+    levels = [e if trial.emg_kind == "envelope" else smooth(e, width) for e in (triceps, ta)]
+    tops = [max(quantile(level, 0.98), 1e-300) for level in levels]
+    above = [level > TOGETHER * top for level, top in zip(levels, tops, strict=True)]
+    either, both = above[0] | above[1], above[0] & above[1]
     share = float(both.sum()) / max(float(either.sum()), 1.0)
     if share <= CO_CONTRACTION:
         return
+    # The mean of a rectified sine is 2/π of its amplitude.
+    hums = [np.mean([line(trial.emg[m])[0] for m in side]) for side in (trial.triceps, ("ta",))]
+    if trial.emg_kind == "raw" and np.any(2 / np.pi * np.array(hums) > TOGETHER * np.array(tops)):
+        raise Unjudged("Mains hum covers what the muscles do.")
     where = np.flatnonzero(both)
     yield make_finding(
         "co-contraction", "emg_ta", span_of(trial.time, where), share,

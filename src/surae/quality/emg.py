@@ -21,6 +21,9 @@ REST_VOLTS = 2e-5
 ONE_STRENGTH = 2.0
 #: A channel that keeps one value for longer than this [s] has lost its signal.
 DROPOUT = 0.5
+#: Raw EMG that keeps one value for so long [s], so many times, has lost pieces; each ends in a jump
+#: of more than so many of the recorder's digits, where a muscle at rest changes by one.
+_GAP, _GAPS, _DIGITS = 0.02, 3, 3.0
 #: A channel whose activity never reaches this part of the strongest channel's is without contact:
 #: muscles of one leg differ by a factor of ten at most.
 SILENT = 0.01
@@ -122,10 +125,28 @@ def _dropouts(trial: CheckedTrial, channel: Channel) -> Iterator[Finding]:
             long &= ~at_rest
         # A plateau at the top is clipped, which is another finding.
         long &= values[first] < high
+    else:
+        yield from _gaps(trial, channel)
     for begin, count in zip(first[long], length[long], strict=True):
         yield _flat(
             trial, channel, "part", int(begin), int(begin + count - 1), level=values[begin],
             seconds=count / channel.rate_hz,
+        )  # fmt: skip
+
+
+def _gaps(trial: CheckedTrial, channel: Channel) -> Iterator[Finding]:
+    """Short pieces of raw EMG that were lost: zeros, or the last value held."""
+    values, rate = channel.values, channel.rate_hz
+    first, length = (each[:-1] for each in equal_runs(values))
+    steps = np.abs(np.diff(values))  # the last of a run's samples is followed by its jump
+    lost = (length >= _GAP * rate) & (length <= DROPOUT * rate)
+    lost &= steps[first + length - 1] > _DIGITS * np.min(steps, where=steps > 0.0, initial=np.inf)
+    lost &= (values[first] > values.min()) & (values[first] < values.max())  # that is clipped
+    if (n := int(lost.sum())) >= _GAPS:
+        first, length = first[lost], length[lost]
+        yield _flat(
+            trial, channel, "lost", int(first[0]), int(first[-1] + length[-1] - 1), n=n,
+            seconds=float(length.sum()) / rate,
         )  # fmt: skip
 
 
@@ -136,7 +157,7 @@ def _flat(
     start, end = float(channel.time[first]), float(channel.time[last])
     whole, muscle = (start, end) == span_of(channel.time), channel.role.removeprefix("emg_")
     return make_finding(
-        f"emg-flat/{which}", channel.role, (start, end), end - start,
+        f"emg-flat/{which}", channel.role, (start, end), values.get("seconds", end - start),
         severity="error" if whole else "warning", advice="emg-flat/whole" if whole else "",
         muscle=trial.names[muscle], weight=weight_of(muscle), **values,
     )  # fmt: skip
@@ -157,20 +178,15 @@ def doubled(trial: CheckedTrial) -> Iterator[Finding]:
 def clipped(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels that end at a plateau, as behind an amplifier at its limit."""
     for muscle, channel in trial.emg.items():
-        lifted = float(np.median(channel.values)) if trial.emg_kind == "raw" else 0.0
-        values = channel.values - lifted  # an offset may hide a side
-        low, high = float(values.min()), float(values.max())
-        # An envelope rests at its smallest value: only the top can be clipped.
-        ends = (
-            [(high, values)] if trial.emg_kind == "envelope" else [(high, values), (-low, -values)]
-        )
-        for top, oriented in ends:
-            where = np.flatnonzero(oriented >= top - 1e-9 * (high - low))
+        raw = trial.emg_kind == "raw"
+        values = channel.values - (float(np.median(channel.values)) if raw else 0.0)
+        # An offset may hide a side; an envelope rests at its smallest value.
+        for side in (values, -values) if raw else (values,):
+            top, span = float(side.max()), float(np.ptp(side))
+            where = np.flatnonzero(side >= top - 1e-9 * span)
             count, share = len(where), len(where) / len(values)
-            beside = int((oriented >= top - 0.01 * (high - low)).sum()) - count
-            if top <= 0.0 or count < CLIPPED_SAMPLES or count < CLIPPED_EXCESS * beside:
-                continue
-            if share > 0.5:  # flat, not clipped
+            beside = int((side >= top - 0.01 * span).sum()) - count
+            if top <= 0.0 or count < max(CLIPPED_SAMPLES, CLIPPED_EXCESS * beside) or share > 0.5:
                 continue
             level = float(channel.values[where[0]])
             yield make_finding(

@@ -13,7 +13,10 @@ from surae.recording import Channel
 
 #: Frequencies of mains [Hz].
 MAINS = (50.0, 60.0)
-#: How far from them the line may lie [Hz]: a grid is held within 0.2 Hz.
+#: Their multiples that are looked for: what is bent has twice and thrice the frequency, and a notch
+#: at the mains leaves them.
+_MULTIPLES = (1, 2, 3)
+#: How far from them the line may lie [Hz], so many times for a multiple: a grid holds 0.2 Hz.
 _NEAR = 0.25
 #: Neighbourhood that the line is compared with [Hz].
 _AROUND = 6.0
@@ -31,7 +34,7 @@ def hum(trial: CheckedTrial) -> Iterator[Finding]:
         if channel.rate_hz < 2.2 * MAINS[-1]:
             slow = channel.rate_hz
             continue
-        amplitude, frequency = max(line(channel, mains) for mains in MAINS)
+        amplitude, frequency = line(channel)
         # Bursts raise the root mean square but not the harm done at rest.
         rms = float(np.std(channel.values))
         if amplitude < SMALLEST * rms or amplitude == 0.0:
@@ -47,29 +50,33 @@ def hum(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged(f"EMG at {slow:g} Hz cannot show {MAINS[-1]:g} Hz.")
 
 
-def line(channel: Channel, mains: float) -> tuple[float, float]:
-    """Amplitude and frequency [Hz] of the line near a mains frequency; amplitude 0 without."""
+def line(channel: Channel) -> tuple[float, float]:
+    """Amplitude and frequency [Hz] of the loudest line of the mains; amplitude 0 without."""
     values: FloatArray = channel.values - float(channel.values.mean())
     n, rate = len(values), channel.rate_hz
+    loudest = (0.0, MAINS[0])
     if n < 2.0 * rate:
-        return 0.0, mains
-    # Only the band around the line is needed: mixing down and averaging is quicker than a long
+        return loudest
+    # Only the bands around the lines are needed: mixing down and averaging is quicker than a long
     # transform of awkward length.
     block = max(1, int(rate / (4.0 * _AROUND)))
     whole = n // block * block
     values *= np.hanning(n)
-    blocks, turn = values[:whole].reshape(-1, block), -2j * np.pi * mains / rate
-    within, begun = (np.exp(turn * np.arange(0, *upto)) for upto in ((block,), (whole, block)))
-    mixed = (blocks @ within.real + 1j * (blocks @ within.imag)) * begun
-    power = np.abs(np.fft.fft(mixed)) ** 2
-    frequency = np.fft.fftfreq(len(mixed), block / rate)
-    near, around = np.abs(frequency) <= _NEAR, (np.abs(frequency) <= _AROUND)
-    usual = float(np.median(power[around & (np.abs(frequency) > 2.0 * _NEAR)]))
-    peak = int(np.argmax(np.where(near, power, -1.0)))
-    if power[peak] <= LINE * usual:
-        return 0.0, mains
-    amplitude = 2.0 * float(np.sqrt(power[peak])) / (0.5 * (n - 1))
-    return amplitude, mains + float(frequency[peak])
+    waves = [(k * mains, k * _NEAR) for k in _MULTIPLES for mains in MAINS]
+    for wave, reach in (each for each in waves if rate >= 2.2 * each[0]):
+        turn = -2j * np.pi * wave / rate
+        within, begun = (np.exp(turn * np.arange(0, *upto)) for upto in ((block,), (whole, block)))
+        blocks = values[:whole].reshape(-1, block)
+        mixed = (blocks @ within.real + 1j * (blocks @ within.imag)) * begun
+        power = np.abs(np.fft.fft(mixed)) ** 2
+        frequency = np.fft.fftfreq(len(mixed), block / rate)
+        near, around = np.abs(frequency) <= reach, np.abs(frequency) <= _AROUND
+        usual = float(np.median(power[around & (np.abs(frequency) > 2.0 * reach)]))
+        peak = int(np.argmax(np.where(near, power, -1.0)))
+        if power[peak] > LINE * usual:
+            amplitude = 2.0 * float(np.sqrt(power[peak])) / (0.5 * (n - 1))
+            loudest = max(loudest, (amplitude, wave + float(frequency[peak])))
+    return loudest
 
 
 #: Length of the pieces that are compared [s]: whole periods of both mains.
@@ -98,25 +105,21 @@ def _off(channel: Channel, names: Mapping[str, Message]) -> Finding | None:
     pieces = channel.values[: count * size].reshape(count, size)
     pieces = pieces - pieces.mean(axis=1, keepdims=True)
     power = np.mean(pieces**2, axis=1)
-    hums = {}  # amplitude of the line in each piece
-    for frequency in MAINS:
-        wave = np.exp(-2j * np.pi * (frequency / channel.rate_hz) * np.arange(size))
-        hums[frequency] = 2.0 * np.abs(pieces @ wave) / size
-    mains = max(hums, key=lambda frequency: float(hums[frequency].sum()))
-    hum = hums[mains]
+    waves = np.exp(-2j * np.pi * np.outer(np.arange(size) / channel.rate_hz, MAINS))
+    hums = 2.0 * np.abs(pieces @ waves) / size  # amplitude of each line in each piece
+    mains = int(np.argmax(hums.sum(axis=0)))
+    hum = hums[:, mains]
     alone = 0.5 * hum**2 > _SHARE * np.maximum(power, np.finfo(float).tiny)
     first, last = max(runs(alone), key=lambda run: run[1] - run[0], default=(0, 0))
-    inside = np.zeros(count, dtype=bool)
-    inside[first:last] = True
-    if (last - first) * _PIECE < _SHORTEST or inside.all():
-        return None
-    before, now = float(np.median(hum[~inside])), float(np.median(hum[inside]))
-    if now < _TIMES * before or first == 0 or (count - last) * _PIECE >= _SHORTEST:
+    if not first or (last - first) * _PIECE < _SHORTEST or (count - last) * _PIECE >= _SHORTEST:
         return None  # one that hears its muscle again has not come off
+    now, rest = float(np.median(hum[first:last])), np.delete(hum, slice(first, last))
+    if now < _TIMES * float(np.median(rest)):
+        return None
     start = float(channel.time[first * size])
     return make_finding(
         "electrode-off", channel.role,
         (start, channel.time[min(last * size, len(channel.time) - 1)]), now,
         unit=channel.unit, muscle=names[channel.role.removeprefix("emg_")], start=start,
-        size=quantity(now, channel), hz=mains,
+        size=quantity(now, channel), hz=MAINS[mains],
     )  # fmt: skip

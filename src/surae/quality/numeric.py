@@ -49,11 +49,7 @@ def quantile(values: FloatArray, share: float) -> float:
 
 def shifted(values: FloatArray, samples: int) -> FloatArray:
     """`values` delayed by `samples` (advanced where negative), the end values repeated."""
-    n = len(values)
-    by = min(max(samples, -n), n)
-    if by >= 0:
-        return np.concatenate([np.full(by, values[0]), values[: n - by]])
-    return np.concatenate([values[-by:], np.full(-by, values[-1])])
+    return values[np.clip(np.arange(len(values)) - samples, 0, len(values) - 1)]
 
 
 def responded(values: FloatArray, response: FloatArray) -> FloatArray:

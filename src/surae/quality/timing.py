@@ -107,14 +107,12 @@ def _name(channel: Channel) -> str:
 def too_short(recording: Recording) -> Iterator[Finding]:
     """Trials in which the relaxation of tau_rel cannot show."""
     start, end = recording.shared
-    seconds = end - start
-    if seconds >= SHORT:
-        return
-    yield make_finding(
-        "trial-too-short", None, (start, end), seconds,
-        severity="warning" if seconds >= TOO_SHORT else "error", seconds=seconds, enough=SHORT,
-        advice="trial-too-short/enough",
-    )  # fmt: skip
+    if (seconds := end - start) < SHORT:
+        yield make_finding(
+            "trial-too-short", None, (start, end), seconds,
+            severity="warning" if seconds >= TOO_SHORT else "error", seconds=seconds, enough=SHORT,
+            advice="trial-too-short/enough",
+        )  # fmt: skip
 
 
 #: What a reader says that it did to samples, as it stands in a channel's source.

@@ -64,11 +64,7 @@ def _stopped(side: FloatArray, most: float, *, stated: bool) -> IndexArray | Non
     top = float(side.max())
     first, length = equal_runs(side)
     level = side[first] >= top * (1.0 - 1e-9)
-    if (
-        top > 1.0
-        and int(length[level].max()) >= PLATEAU_RUN
-        and int(length[level].sum()) >= PLATEAU
-    ):
+    if top > 1.0 and length[level].max() >= PLATEAU_RUN and length[level].sum() >= PLATEAU:
         return np.flatnonzero(side >= top * (1.0 - 1e-9))
     within = np.abs(side - most) <= _BAND * most
     below = np.abs(side - (1.0 - 2.0 * _BAND) * most) <= _BAND * most
@@ -118,10 +114,8 @@ def sign(trial: CheckedTrial) -> Iterator[Finding]:
         # The stronger group decides: the weaker may only show the other's crosstalk.
         group = max(model.part, key=lambda name: abs(model.part[name]))
         strength, unit = model.part[group], "Nm"
-        if group == "triceps" and strength < 0.0:
-            wrong = "triceps"
-        elif group == "ta" and strength > 0.0:
-            wrong = "ta"
+        if strength * (1.0 if group == "triceps" else -1.0) < 0.0:
+            wrong = group
     elif float(np.ptp(trial.angle)) > 0.2:
         strength = correlation(passive_columns(trial.angle)[0], trial.torque)
         if strength < _AGAINST:

@@ -1,0 +1,79 @@
+"""EMG that is lost in pieces, or hums at multiples of the mains, is told; other EMG is not."""
+
+import numpy as np
+import pytest
+
+from surae.quality import Quality, check_recording
+
+MOTION = (("sine", 0.0, False),)
+#: Begins and lengths of lost pieces [s].
+LOST = ((4.0, 0.02), (9.3, 0.05), (14.1, 0.1), (17.0, 0.2), (21.7, 0.4))
+
+
+def lines(quality: Quality, code: str) -> list[str]:
+    return [str(finding.message) for finding in quality.findings if finding.code == code]
+
+
+@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("channels", [[2], [0, 1, 2, 3]])
+def test_pieces_that_are_lost_are_counted(planted, held, channels) -> None:
+    signals = planted.signals(70000, motions=MOTION)
+    for begin, seconds in LOST:
+        first = round(begin * signals.rate)
+        gone = slice(first, first + round(seconds * signals.rate) + 1)
+        signals.emg[gone, channels] = signals.emg[first, channels] if held else 0.0
+    told = lines(check_recording(signals.recording), "emg-flat")
+    assert len(told) == len(channels)
+    assert all("stands still 5 times, for 0.77 s in all" in line for line in told)
+
+
+@pytest.mark.parametrize("pieces", [0, 2])
+def test_a_piece_or_two_are_no_lost_packets(planted, pieces) -> None:
+    signals = planted.signals(70000, motions=MOTION)
+    for begin, _ in LOST[:pieces]:
+        signals.emg[round(begin * signals.rate) :][:200] = 0.0
+    assert not lines(check_recording(signals.recording), "emg-flat")
+
+
+@pytest.mark.parametrize("digit", [1e-6, 5e-6, 2e-5])
+def test_coarse_digits_are_no_lost_packets(planted, digit) -> None:
+    """A muscle at rest keeps one value for long behind a coarse recorder, then another."""
+    signals = planted.signals(70000, task="part-passive", motions=MOTION)
+    signals.emg = np.round(signals.emg / digit) * digit
+    told = lines(check_recording(signals.recording), "emg-flat")
+    assert not [line for line in told if "stands still" in line]
+
+
+@pytest.mark.parametrize("hz", [100.0, 150.3, 180.0])
+def test_hum_is_told_by_a_multiple_of_the_mains_alone(planted, hz) -> None:
+    signals = planted.signals(70000, motions=MOTION)
+    signals.emg[:, 1] += 3e-5 * np.sin(2 * np.pi * hz * signals.time)
+    (line,) = lines(check_recording(signals.recording), "mains-hum")
+    assert f"a hum of {hz:.1f} Hz" in line
+
+
+def test_hum_is_no_co_contraction(planted) -> None:
+    """Two electrodes that hear the mains are as loud as each other throughout."""
+    signals = planted.signals(70000, task="active", motions=MOTION)
+    own = signals.emg.copy()
+    signals.emg += 1e-3 * np.sin(2 * np.pi * 50.0 * signals.time)[:, None]
+    quality = check_recording(signals.recording)
+    assert len(lines(quality, "mains-hum")) == 4
+    assert not lines(quality, "co-contraction")
+    (reason,) = [skip.reason for skip in quality.skipped if skip.check == "co-contraction"]
+    assert "hum" in reason
+    # what both sides do is told beside a hum that does not cover it
+    both = own + own[:, [1, 0, 0, 0]]
+    signals.emg = both + 5e-5 * np.sin(2 * np.pi * 50.0 * signals.time)[:, None]
+    quality = check_recording(signals.recording)
+    assert lines(quality, "co-contraction")
+    assert lines(quality, "mains-hum")
+
+
+def test_measured_emg_is_not_lost_in_pieces(shared) -> None:
+    from surae import check
+
+    files = [*shared.glob("dynamometer/*.mat"), *shared.glob("repeats/*.mat")]
+    assert files
+    for path in files:
+        assert not [line for line in lines(check(path), "emg-flat") if "stands still" in line]
