@@ -90,12 +90,8 @@ def recognised(channel: Channel) -> Commanded | None:
     clear = best[0] < _DOUBTFUL * span or beside > _APART * best[0]
     if best[0] > _RECOGNISED * span or not clear:
         return None
-    return Commanded(
-        name=f"the {best[1]} profile",
-        time=read_only(channel.time[::step]),
-        angle=read_only(best[2]),
-        given=False,
-    )
+    time = read_only(channel.time[::step])
+    return Commanded(f"the {best[1]} profile", time, read_only(best[2]), given=False)
 
 
 @cache

@@ -118,10 +118,8 @@ def _dropouts(trial: CheckedTrial, channel: Channel) -> Iterator[Finding]:
         # An envelope without noise rests at its smallest value, again and again.
         low, high = float(values.min()), float(values.max())
         at_rest = values[first] <= low + 0.02 * (high - low)
-        constant = float(length[long & at_rest].sum())
-        repeats = int((long & at_rest).sum()) > 1
-        quiet = float((values <= low + 0.02 * (high - low)).sum())
-        if repeats or constant > 0.8 * quiet:
+        held = length[long & at_rest]
+        if len(held) > 1 or held.sum() > 0.8 * length[at_rest].sum():
             long &= ~at_rest
         # A plateau at the top is clipped, which is another finding.
         long &= values[first] < high

@@ -45,12 +45,10 @@ def electrode_lag(trial: CheckedTrial) -> Iterator[Finding]:
     if side is not None:
         yield _finding(trial, *side, "torque")
     if len(heads) >= 3:
-        lags = {muscle: _lag(trial, muscle) for muscle in heads}
-        known = {m: v for m, v in lags.items() if v is not None}
-        if known:
-            worst = max(known, key=lambda m: abs(known[m]))
-            if abs(known[worst]) > ELECTRODE:
-                yield _finding(trial, worst, known[worst], "heads")
+        lags = [(lag, muscle) for muscle in heads if (lag := _lag(trial, muscle)) is not None]
+        lag, worst = max(lags, key=lambda each: abs(each[0]), default=(0.0, ""))
+        if abs(lag) > ELECTRODE:
+            yield _finding(trial, worst, lag, "heads")
     elif side is None and (trial.model is None or not trial.model.group_lag):
         raise Unjudged("There is no other electrode to compare with.")
 

@@ -122,9 +122,8 @@ def relaxed_speeds(trial: Signals) -> list[float]:
     velocity = np.gradient(smooth(trial.angle, 3), 1.0 / trial.rate_hz)
     for begin, end in runs(velocity > RAMP[0]):
         held = velocity[end : end + round(RAMP[2] * trial.rate_hz)]
-        if trial.angle[end - 1] - trial.angle[begin] > RAMP[1] and np.all(
-            np.abs(held) < 4.0 * RAMP[0]
-        ):
+        moved = trial.angle[end - 1] - trial.angle[begin]
+        if moved > RAMP[1] and np.all(np.abs(held) < 4.0 * RAMP[0]):
             speeds.append(float(np.median(velocity[begin:end])))
             before = slice(max(begin - round(RESTS * trial.rate_hz), 0), begin + 1)
             relaxed += all(own[before].mean() <= most for own, most in usual)
@@ -185,11 +184,8 @@ def _departure(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged(f"{commanded.name} covers less than half of the trial.")
     time = trial.time[inside]
     if commanded.given:
-        delayed = (
-            np.interp(time - delay, commanded.time, commanded.angle)
-            for delay in np.arange(0.0, 0.11, 0.01)
-        )
-        apart = (trial.angle[inside] - profile for profile in delayed)
+        asked, delays = (commanded.time, commanded.angle), np.arange(0.0, 0.11, 0.01)
+        apart = (trial.angle[inside] - np.interp(time - delay, *asked) for delay in delays)
         best = min(apart, key=lambda left: float(np.mean(left**2)))
     else:
         # A recognised profile was fitted to the angle's own samples.

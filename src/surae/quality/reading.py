@@ -51,8 +51,7 @@ def recording_or_findings(path: PathLike) -> tuple[Recording | Quality, Commande
     try:
         recording = recording_of_table(table, source.name, (source.file,))
     except InputError:
-        faulty = _faulty(source, table)
-        if faulty is not None:
+        if (faulty := _faulty(source, table)) is not None:
             return faulty, None
         foreign = not any(plain(name) in NAMES for name in table.names)
         named = recording_by_names(path) if foreign else None
