@@ -73,7 +73,7 @@ def test_each_of_several_recordings_has_its_level_at_rest() -> None:
             ends[0][j] -= h
             ends[1][j] += h
             still = point.c[number], point.w[number]
-            low, high = (post.observed.residual(z, *still, number) for z in ends)
+            low, high = (post.observed.rows(z, *still, number)[0].residual for z in ends)
             slope = (high - low) / (2.0 * h)
             assert np.quantile(np.abs(row - slope), 0.97) <= 1e-3 * np.abs(slope).max(), name
 

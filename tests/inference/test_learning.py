@@ -137,7 +137,7 @@ def simulated(posterior: LogPosterior, sizes: dict[str, float], seed: int):
     root = np.linalg.cholesky(np.linalg.inv(latents.precision(sizes)))
     c = root @ rng.standard_normal(latents.size)
     z = posterior.start(virtual_subject(3).truth("muscle-tendon"))
-    torque = posterior.observed.residual(z, c, np.zeros(0), 0) + measured(recording)
+    torque = posterior.observed.rows(z, c, np.zeros(0), 0)[0].residual + measured(recording)
     torque = read_only(torque + NOISE * rng.standard_normal(len(torque)))
     noise = NoiseModel(np.zeros(0), NOISE**2, np.array([NOISE**2]), float(len(torque)))
     problem = replace(posterior.problem, inputs=(replace(recording, torque=torque),))
@@ -218,8 +218,8 @@ def test_tissue_that_softens_is_told_and_its_conditioned_state_is_read(share) ->
     one, z, c = simulated(posterior, few, 3)
     (latents,), at = posterior.latents, posterior.latents[0].slices["softening"]
     c[at] = share * np.tile([0.0, 1.0, 0.0], 2)
-    more = posterior.observed.residual(z, c, np.zeros(0), 0)
-    more -= posterior.observed.residual(z, 0.0 * c, np.zeros(0), 0)
+    more = posterior.observed.rows(z, c, np.zeros(0), 0)[0].residual.copy()
+    more -= posterior.observed.rows(z, 0.0 * c, np.zeros(0), 0)[0].residual
     (recording,) = one.problem.inputs
     torque = read_only(recording.torque + more)
     problem = replace(one.problem, inputs=(replace(recording, torque=torque),))

@@ -3,10 +3,14 @@
 from functools import partial
 
 import numpy as np
+from scipy.linalg.lapack import dtbtrs
 
 from surae.base.units import FloatArray
 from surae.model.activation import IntArray
 from surae.model.jit import jit
+
+#: Columns or rows that are taken together.
+_BLOCK = 16
 
 
 @partial(jit, fastmath={"reassoc"})  # sums in any order are vectorised
@@ -25,11 +29,16 @@ def band_products(columns: FloatArray, first: IntArray, band: FloatArray) -> Non
 
 @jit
 def border_products(columns: FloatArray, first: IntArray, rows: FloatArray) -> FloatArray:
-    """Products of short columns, (k, l), with long ones, (n, p), shape (k, p)."""
-    out = np.empty((len(first), rows.shape[1]))
-    for j in range(len(first)):
-        own = rows[first[j] : first[j] + columns.shape[1]]
-        out[j] = columns[j, : len(own)] @ own
+    """Products of short columns, (k, l), in order, with long ones, (n, p), shape (k, p)."""
+    (k, size), n = columns.shape, len(rows)
+    out = np.empty((k, rows.shape[1]))
+    for begin in range(0, k, _BLOCK):
+        end, start = min(begin + _BLOCK, k), first[begin]
+        block = np.zeros((end - begin, min(first[end - 1] + size, n) - start))
+        for j in range(begin, end):
+            own = block[j - begin, first[j] - start :]
+            own[:size] = columns[j, : len(own)]
+        out[begin:end] = block @ rows[start : start + block.shape[1]]
     return out
 
 
@@ -46,23 +55,28 @@ def lifted(columns: FloatArray, first: IntArray, heights: FloatArray, out: Float
                 out[i, a] += columns[j, t] * heights[j, a]
 
 
-@jit
 def solve_band_transposed(band: FloatArray, right: FloatArray) -> FloatArray:
     """X of Lᵀ·X = right, L a lower band by columns (k, b + 1), right (k, d)."""
-    k, x = len(right), right.copy()
-    for j in range(k - 1, -1, -1):
-        after = x[j + 1 : j + band.shape[1]]
-        x[j] = (x[j] - band[j, 1 : len(after) + 1] @ after) / band[j, 0]
-    return x
+    return np.asarray(dtbtrs(band.T, right, uplo="L", trans="T")[0])
 
 
 @jit
 def solve_band(band: FloatArray, right: FloatArray) -> FloatArray:
-    """X of L·X = right; LAPACK takes one column after the other, and twice as long."""
-    x, row = right.copy(), np.empty(band.shape[1] - 1)
-    for j in range(len(right)):
-        m = min(len(row), j)
-        for t in range(m):
-            row[t] = band[j - m + t, m - t]
-        x[j] = (x[j] - row[:m] @ x[j - m : j]) / band[j, 0]
+    """X of L·X = right; LAPACK takes one column after the other, and thrice as long."""
+    (k, wide), x = band.shape, right.copy()
+    for begin in range(0, k, _BLOCK):
+        end, start = min(begin + _BLOCK, k), max(begin - wide + 1, 0)
+        # what these rows are of those before and of their own right sides
+        block = np.zeros((end - begin, end - start))
+        for i in range(begin, end):
+            own = block[i - begin]
+            own[i - start] = 1.0
+            for j in range(max(i - wide + 1, 0), min(begin, i)):
+                own[j - start] = -band[j, i - j]
+            for j in range(max(i - wide + 1, begin), i):
+                before = block[j - begin]
+                for t in range(j - start + 1):
+                    own[t] -= band[j, i - j] * before[t]
+            own /= band[i, 0]
+        x[begin:end] = block @ x[start:end]
     return x

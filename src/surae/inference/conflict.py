@@ -77,7 +77,7 @@ def conflicts(
         mean, weight = laplace.mean.copy(), laplace.weight.copy()
         mean[freed] = [wide[names[j]].mean for j in freed]
         weight[freed] = [1.0 / wide[names[j]].sd for j in freed]
-        _, _, V = replace(laplace, mean=mean, weight=weight).solved({})
+        _, _, V = replace(laplace, mean=mean, weight=weight).solved()
         told = [j for j in said if V[j, j] < (_TOLD * wide[names[j]].sd) ** 2]
         if not told:
             continue
@@ -85,7 +85,7 @@ def conflicts(
         square = []
         for prior in (1.0, _NO_PRIOR):
             weight[told] *= prior
-            _, mode, V = replace(laplace, mean=mean, weight=weight).solved({})
+            _, mode, V = replace(laplace, mean=mean, weight=weight).solved()
             apart = mode[told] - np.array([stated[names[j]].mean for j in told])
             square.append(float(apart @ np.linalg.solve(V[np.ix_(told, told)] + own, apart)))
         probability = float(gammaincc(0.5 * len(told), 0.5 * square[0]))

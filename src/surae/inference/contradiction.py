@@ -16,7 +16,7 @@ import numpy as np
 from surae.base.frozen import FrozenDict
 from surae.base.units import FloatArray
 from surae.inference.coordinates import is_straight
-from surae.inference.evidence import LaplaceApproximation
+from surae.inference.evidence import LaplaceApproximation, subsets
 from surae.inference.linearised import measured
 from surae.inference.noise import NoiseModel, noise_behind, whitened
 from surae.inference.problem import FitProblem
@@ -106,10 +106,10 @@ def contradiction(result: FitResult) -> Contradiction | None:
         off |= dict.fromkeys(range(len(free), len(free) + len(zeros)), 0.0)
         laplace = _quadratic(target, noise, zeros)
         try:
-            (alone, *_), (together, better, _) = laplace.solved(off), laplace.solved({})
+            sets = {s.groups: s for s in subsets(laplace, {"all": [*off]}, off)}
         except np.linalg.LinAlgError:
             return None
-    gain = alone - together
+    gain, better = sets[()].evidence - sets["all",].evidence, sets["all",].mode
     if not (gain > _SUPPORTED and np.isfinite(better).all()):
         return None
     away = (better[: len(free)] - target.z) * target.scale

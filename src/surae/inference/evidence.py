@@ -7,8 +7,8 @@ the value at which it is off, its prior not counted) is a matter of small matric
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import chain, combinations
+from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from scipy.linalg.lapack import dtrtri
@@ -38,19 +38,10 @@ class LaplaceApproximation:
     mean: FloatArray
     weight: FloatArray
 
-    def solved(self, off: Mapping[int, float]) -> tuple[float, FloatArray, FloatArray]:
-        """Evidence −2 ln Z, mode (q,) and covariance (q, q) with the parameters `off` held."""
-        free = np.array([j for j in range(len(self.z)) if j not in off], dtype=int)
-        mode, covariance = self.z.copy(), np.zeros((len(self.z), len(self.z)))
-        mode[[*off]] = [*off.values()]
-        shift = mode - self.z
-        gradient = self.gradient + self.information @ shift
-        cost = self.cost + float(shift @ (2.0 * self.gradient + self.information @ shift))
-        weight2 = self.weight[free] ** 2
-        away = self.z[free] - self.mean[free]
-        H = self.information[np.ix_(free, free)] + np.diag(weight2)
-        g = gradient[free] + weight2 * away
-        cost += float(weight2 @ away**2)
+    def solved(self) -> tuple[float, FloatArray, FloatArray]:
+        """Evidence −2 ln Z, mode (q,) and covariance (q, q)."""
+        weight2, away = self.weight**2, self.z - self.mean
+        H, g = self.information + np.diag(weight2), self.gradient + weight2 * away
         # Columns of very different size: a factor of what is scaled keeps its digits.
         scale = 1.0 / np.sqrt(np.diag(H))
         scaled = H * scale * scale[:, None]
@@ -61,10 +52,9 @@ class LaplaceApproximation:
         inverse = dtrtri(factor, lower=1)[0] * scale
         solved = inverse @ g
         log_det = 2.0 * float(np.log(np.diag(factor) / scale).sum())
-        mode[free] -= inverse.T @ solved
-        covariance[np.ix_(free, free)] = inverse.T @ inverse
-        evidence = cost - float(solved @ solved) + log_det - float(np.log(weight2).sum())
-        return evidence, mode, covariance
+        evidence = self.cost + float(weight2 @ away**2 - solved @ solved)
+        evidence += log_det - float(np.log(weight2).sum())
+        return evidence, self.z - inverse.T @ solved, inverse.T @ inverse
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,16 +93,26 @@ def subsets(
 
     `off` has the value at which each is off, `odds` those beforehand that a group is in, else 1.
     """
-    scored = []
-    for chosen in chain.from_iterable(combinations(groups, n) for n in range(len(groups) + 1)):
-        held = {j: off[j] for g in groups if g not in chosen for j in groups[g]}
-        try:
-            evidence, mode, covariance = laplace.solved(held)
-        except np.linalg.LinAlgError:
-            continue
-        evidence -= 2.0 * sum(float(np.log((odds or {}).get(g, 1.0))) for g in chosen)
-        scored.append(Subset(chosen, 0.0, evidence, mode, np.diag(covariance).copy()))
-    scored.sort(key=lambda subset: subset.evidence)
-    weights = np.exp(-0.5 * np.array([subset.evidence - scored[0].evidence for subset in scored]))
-    weights /= weights.sum()
-    return tuple(replace(s, weight=float(w)) for w, s in zip(weights, scored, strict=True))
+    least, mode, V = laplace.solved()
+    at = [j for group in groups for j in groups[group]]
+    sets = [chosen for n in range(len(groups) + 1) for chosen in combinations(groups, n)]
+    held = np.array([[g not in chosen for g in groups for _ in groups[g]] for chosen in sets])
+    values, mean, weight = np.array([off[j] for j in at]), laplace.mean[at], laplace.weight[at]
+    # what all else does where some are held follows from the covariance of all
+    sd = np.sqrt(np.diag(V))
+    by, away = V[at] / np.outer(sd[at], sd), (values - mode[at]) / sd[at]
+    both = held[:, :, None] & held[:, None, :]
+    own = np.where(both, by[:, at], np.eye(len(at)))
+    inverse = np.where(both, np.linalg.inv(own), 0.0)
+    pulled = inverse @ away
+    evidence = least + pulled @ away + np.linalg.slogdet(own)[1]
+    evidence += held @ (2.0 * np.log(sd[at] * weight) - (weight * (values - mean)) ** 2)
+    evidence -= [2.0 * sum(np.log((odds or {}).get(g, 1.0)) for g in chosen) for chosen in sets]
+    modes = mode + sd * (pulled @ by)
+    variances = sd**2 * (1.0 - (inverse @ by * by).sum(axis=1))
+    modes[:, at] = np.where(held, values, modes[:, at])
+    variances[:, at] *= ~held
+    weights = np.exp(-0.5 * (evidence - evidence.min()))
+    each = zip(sets, weights / weights.sum(), evidence, modes, variances, strict=True)
+    scored = [Subset(s, float(w), float(e), *rest) for s, w, e, *rest in each]
+    return tuple(sorted(scored, key=lambda subset: subset.evidence))

@@ -47,11 +47,13 @@ class SensorRows:
     """
 
     def __init__(
-        self, whole: FloatArray, q: int, fast: FloatArray, first: IntArray, muscles: int
+        self, whole: FloatArray, q: int, fast: FloatArray, first: IntArray, latents: Latents
     ) -> None:
         self.whole, self.fast, self.first = whole, fast, first
         self.by_z, self.by_c, self.residual = whole[:q], whole[q:-1], whole[-1]
-        self._muscles = muscles
+        self._muscles = len(latents.muscles)
+        #: Rows that stay as they are for as long as a descent lasts: by all latents but the gains.
+        self.still = slice(q + latents.slices["drift"].start, len(whole) - 1)
 
     @cached_property
     def products(self) -> FloatArray:
@@ -81,8 +83,15 @@ class SensorRows:
 
     @cached_property
     def border(self) -> FloatArray:
-        """Products of the fast columns with `whole`, shape (k, q + m + 1)."""
-        return border_products(self.fast, self.first, np.ascontiguousarray(self.whole.T))
+        """Products of the fast columns with the rows of `whole` that move, shape (k, …)."""
+        moving = np.delete(self.whole, self.still, axis=0)
+        return border_products(self.fast, self.first, np.ascontiguousarray(moving.T))
+
+    @cached_property
+    def still_border(self) -> FloatArray:
+        """Those with the rows that stay."""
+        still = np.ascontiguousarray(self.whole[self.still].T)
+        return border_products(self.fast, self.first, still)
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,26 +154,6 @@ class Observed:
                 simulator.pulled_by(simulator.torque(values))
         return simulator, recording, latents, values
 
-    def residual(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> FloatArray:
-        """Modelled minus measured torque of a recording [Nm], shape (n,)."""
-        simulator, recording, latents, values = self._set(z, c, number)
-        torque = simulator.torque(values)
-        lift = c[latents.slices["drift"]] @ latents.drift
-        own, added = c[latents.of_model], self._added[number]
-        if own.any():
-            if added is None:
-                parts = simulator.parts(values)
-                active = np.stack([parts.neural_tri, parts.neural_tib])
-                added = latents.of_parts(active, np.stack([parts.tissue_tri, parts.tissue_tib]))
-            lift = lift + own @ added
-        if len(w) and self._noise[number]:
-            noise = self._noise[number][0].lifted(w[:, None])[:, 0]
-            if recording.weight is not None:
-                root = np.sqrt(recording.weight)
-                noise = np.divide(noise, root, out=np.zeros_like(noise), where=root > 0.0)
-            lift = lift + noise
-        return np.asarray(torque + lift - measured(recording))
-
     def plain_residual(self, z: FloatArray, recording: ModelInputs, number: int) -> FloatArray:
         """Modelled minus measured torque by the parameters alone [Nm], shape (n,)."""
         simulator: Any = self._spec.simulator(recording, self._at.problem.options)
@@ -222,7 +211,7 @@ class Observed:
             root = np.sqrt(recording.weight)
             whole *= root
             fast = fast * root[np.minimum(first[:, None] + np.arange(fast.shape[1]), n - 1)]
-        each = [SensorRows(whole, q, fast, first, len(latents.muscles))]
+        each = [SensorRows(whole, q, fast, first, latents)]
         by_name = at.by_name(z, number)
         films = zip(latents.films, latents.own_of_films(), seen.rows[1:], strict=True)
         for film, where, rows in films:
@@ -240,7 +229,7 @@ class Observed:
             if moving:
                 short, begins = self._fast_columns(response, values, number, film.group)
                 fast, first = film.short(grown * short, begins)
-            each.append(SensorRows(whole, q, fast, first, len(latents.muscles)))
+            each.append(SensorRows(whole, q, fast, first, latents))
         if len(w):
             self._noise[number] = self._noise[number] or each
             for own_rows, like in zip(each, self._noise[number], strict=True):

@@ -112,8 +112,9 @@ class LogPosterior(Coordinates):
     def _prepare(self) -> None:
         fast = self.fast
         self._fast = [] if fast is None else [each.fast.precision(fast) for each in self.latents]
-        #: Of each recording the products of its fast columns, and the factor made of them.
-        self._factored: dict[int, tuple[FloatArray, FloatArray]] = {}
+        #: Of each recording the products of its fast columns, the factor made of them, and what it
+        #: makes of their products with rows that stay.
+        self._factored: dict[int, tuple[FloatArray, FloatArray, FloatArray]] = {}
         #: Inverse covariance of each recording's slow latents beforehand, shape (m, m).
         self.precisions = [each.precision(self.sizes) for each in self.latents]
 
@@ -152,9 +153,8 @@ class LogPosterior(Coordinates):
 
     def expected(self) -> tuple[FloatArray, ...]:
         """Fast gains beyond what is expected of them by the envelopes alone: none."""
-        if self.fast is None:
-            return tuple(np.zeros(0) for _ in self.latents)
-        return tuple(np.zeros_like(mean) for _, mean in self._fast)
+        none = [mean for _, mean in self._fast] or [np.zeros(0) for _ in self.latents]
+        return tuple(map(np.zeros_like, none))
 
     def variances(self, number: int) -> list[float]:
         """Of the noise of a recording's torque, then of its films."""
@@ -163,7 +163,7 @@ class LogPosterior(Coordinates):
 
     def evidence(self, point: Point) -> float:
         """−2 ln Z of the mode near a point, all latent integrated over, but for a constant."""
-        total = self.laplace(point).solved({})[0]
+        total = self.laplace(point).solved()[0]
         for number, b in enumerate(point.blocks):
             films = self.latents[number].films
             counts = self.problem.inputs[number].n, *(len(film.length) for film in films)
@@ -194,7 +194,7 @@ class LogPosterior(Coordinates):
         band, fast, gain = np.zeros((0, 1)), np.zeros((0, q + m + 1)), 0.0
         if len(w):
             prior, mean = self._fast[number]
-            muscles, own = len(prior) - 1, each[0][0].band
+            muscles, own, at_c = len(prior) - 1, each[0][0].band, each[0][0].still.start
             border = reduce(np.add, (rows.border / variance for rows, variance in each))
             away = w + self.observed.expected[number] - mean
             pull = self.fast_product(number, away[:, None])[:, 0]
@@ -207,9 +207,11 @@ class LogPosterior(Coordinates):
                 band[0] += prior[0]
                 band[muscles] += prior[muscles]
                 band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False).T
-                self._factored[number] = own, band
-            band = self._factored[number][1]
-            fast = solve_band(band, border)
+                still = reduce(np.add, (rows.still_border / variance for rows, variance in each))
+                self._factored[number] = own, band, solve_band(band, still)
+            _, band, still = self._factored[number]
+            solved = solve_band(band, border)
+            fast = np.hstack([solved[:, :at_c], still, solved[:, at_c:]])
             H -= fast.T @ fast
             gain = float(fast[:, -1] @ fast[:, -1])
         D = H[q : q + m, q : q + m]

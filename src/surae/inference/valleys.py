@@ -83,9 +83,7 @@ def _started(post: LogPosterior, begin: FloatArray, point: Point, evaluations: i
     initial, last = (
         {n: by[n] for n in post.problem.free} for by in map(post.by_name, (begin, point.z))
     )
-    sse = sum(
-        float(np.sum(post.observed.residual(point.z, *no, i) ** 2))
-        for i, no in enumerate(zip(post.still(), post.expected(), strict=True))
-    )
+    inputs = enumerate(post.problem.inputs)
+    sse = sum(float(np.sum(post.observed.plain_residual(point.z, r, i) ** 2)) for i, r in inputs)
     outcome = Outcome.CONVERGED if point.rested else Outcome.ITERATIONS
     return Start(initial, last, sse, str(outcome), evaluations)
