@@ -118,7 +118,7 @@ class SessionResult(FittedLeg):
         """
         from surae.report.session import answers_in
 
-        return FrozenDict(answers_in(self._report(before, language).document))
+        return FrozenDict(answers_in(self._report(before, language, brief=True).document))
 
     def blocks(self, language: str = "en") -> dict[str, Any]:
         """The leg's page as plain data.
@@ -147,12 +147,14 @@ class SessionResult(FittedLeg):
         """The fit that stands for the leg: that of all together, or the only one."""
         return self.joint or (next(iter(self.fits.values())) if len(self.fits) == 1 else None)
 
-    def _report(self, before: "SessionResult | None", language: str) -> "Report":
+    def _report(
+        self, before: "SessionResult | None", language: str, *, brief: bool = False
+    ) -> "Report":
         from surae.report.session import session_report  # matplotlib
 
         first = None if before is None else before.main
         now = datetime.now().astimezone()
-        return session_report(self, created=now, before=first, language=language)
+        return session_report(self, created=now, before=first, language=language, brief=brief)
 
     def save(self, folder: PathLike) -> None:
         """Write the folder that `load_session` reads: fits, tables, report and index.

@@ -45,9 +45,13 @@ def answers_in(document: block.Document) -> tuple[tuple[str, str], ...]:
 
 
 def session_report(
-    leg: FittedLeg, *, created: datetime, before: AssessedFit | None = None, language: str = "en"
-) -> Report:
-    """The leg's page: its answers, then details and research, which are in English alone."""
+    leg: FittedLeg, *, created: datetime, before: AssessedFit | None = None, language: str = "en",
+    brief: bool = False,
+) -> Report:  # fmt: skip
+    """The leg's page: its answers, then details and research, which are in English alone.
+
+    A `brief` one, for whoever reads the answers alone, ends there.
+    """
     shown = leg.main
     _ = words_in(language, ANKLE if shown is None else shown.result.problem.options.anatomy)
     contradicted = trials.contradictions(leg.alone, leg.together)
@@ -57,7 +61,7 @@ def session_report(
     rest: tuple[block.Section, ...] = ()
     if answers.measures is not None:
         rest = (_in_words(answers.measures, answers.at, _),)
-    if language == "en":
+    if language == "en" and not brief:
         rest += _details(leg, answers, contradicted, figures)
     written = _("Report of {date}.", date=f"{created:%Y-%m-%d %H:%M}")
     footer = _("Made by surae for research.")
@@ -76,7 +80,7 @@ def session_report(
         footer=footer,
         language=language,
     )
-    traces = () if leg.joint is None or language != "en" else traces_of(leg.joint.result)
+    traces = () if leg.joint is None or language != "en" or brief else traces_of(leg.joint.result)
     return Report(document, figures.items(), traces)
 
 
