@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from surae.quality import Quality, check_recording
+from surae.recording import Recording
 
 MOTION = (("sine", 0.0, False),)
 #: Begins and lengths of lost pieces [s].
@@ -77,3 +78,42 @@ def test_measured_emg_is_not_lost_in_pieces(shared) -> None:
     assert files
     for path in files:
         assert not [line for line in lines(check(path), "emg-flat") if "stands still" in line]
+
+
+def leg(kind: str, seed: int = 3, family: str = "a", *, raw: bool = True):
+    """A virtual leg of another generator, its signals by name."""
+    make = pytest.importorskip("ankle_legs.make")
+    one = make.leg(family, seed)
+    return one.columns(one.record(1, 35.0, kind), 1, raw=raw)
+
+
+def recorded(columns, *, raw: bool) -> Recording:
+    emg = np.stack([values for name, values in columns.items() if name.startswith("emg_")], axis=1)
+    kind = "raw" if raw else "envelope"
+    signals = (columns[name] for name in ("time_s", "angle_rad", "torque_Nm"))
+    return Recording.from_arrays(*signals, emg, emg_kind=kind)
+
+
+@pytest.mark.parametrize("raw", [True, False])
+@pytest.mark.parametrize(("muscle", "begin"), [("ta", 16.0), ("gl", 16.0), ("sol", 20.0)])
+def test_an_electrode_that_falls_silent_is_named_with_its_time(muscle, begin, raw) -> None:
+    columns = leg("active", raw=raw)
+    dead = columns["time_s"] >= begin
+    noise = 2e-6 * np.random.default_rng(1).standard_normal(dead.sum())
+    name = f"emg_{muscle}_V"
+    columns[name] = columns[name].copy()
+    columns[name][dead] = noise if raw else np.abs(1.5e-6 + 0.1 * noise)
+    quality = check_recording(recorded(columns, raw=raw))
+    (found,) = [f for f in quality.findings if f.code == "electrode-off"]
+    assert (found.channel, found.severity) == (f"emg_{muscle}", "error")
+    assert begin - 4.0 < found.start_s < begin + 0.5  # the last effort that it showed
+    assert "silent from about" in found.message
+
+
+@pytest.mark.parametrize("raw", [True, False])
+@pytest.mark.parametrize("kind", ["active", "passive", "isometric", "alone", "maximal"])
+def test_a_muscle_that_is_not_asked_again_has_its_electrode(kind, raw) -> None:
+    """One muscle after another rests from its turn on; so does the tibialis before the calf."""
+    for seed, family in ((3, "a"), (4, "p")):
+        quality = check_recording(recorded(leg(kind, seed, family, raw=raw), raw=raw))
+        assert not lines(quality, "electrode-off")

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.quality.emg import REST_VOLTS
+from surae.quality.emg import ONE_STRENGTH, REST_VOLTS
 from surae.quality.finding import Finding, Severity, Unjudged, make_finding
 from surae.quality.mains import line
 from surae.quality.numeric import quantile, quantiles, runs, smooth, span_of
 from surae.quality.reflex import Reflex, reflex
-from surae.quality.trial import CheckedTrial
+from surae.quality.trial import SLOW, CheckedTrial
 from surae.recording import MUSCLES
 
 #: Activity as a part of the largest in the trial that a relaxed muscle stays below, and as a
@@ -30,6 +30,14 @@ STILL_SECONDS, STILL_SHARE = 5.0, 0.3
 #: What angle alone leaves of the torque [Nm] of a leg at rest: less than 2 in measured and virtual
 #: passive trials.
 PASSIVE_LEFT = 4.0
+#: A muscle works above this part of its largest activity, other heads of the triceps go on above
+#: that. A head that worked with them for this part of so many seconds, and then shows noise alone
+#: for so many in which they work, has lost its electrode: of 960 virtual trials none comes to both.
+_WORKS, _GO_ON, _WITH_THEM, _BEFORE, _AFTER = 0.1, 0.3, 0.8, 1.0, 3.0
+#: Torque in the direction of a silent muscle [Nm] that EMG does not explain, and so many times that
+#: before: no electrode that holds comes to both in them; one of the tibialis that is lost has 5 to
+#: 20 Nm, and mostly 2 to 8 times as much.
+_LEFT, _MORE = 4.0, 2.0
 #: Both sides count as active above this part of their largest activity...
 TOGETHER = 0.25
 #: ...and so for more than this share of the time in which either is.
@@ -79,14 +87,13 @@ def active_part(trial: CheckedTrial) -> Iterator[Finding]:
     for muscle, envelope in trial.slow.items():
         top, rest = quantiles(envelope, 0.98, 0.05)
         idle[muscle] = top < _rest(trial.emg[muscle].unit) or top < VARIES * rest
-    if all(idle.values()) and trial.model is not None:
-        left = float(np.std(trial.model.unexplained))
+    if all(idle.values()):
+        left = 0.0 if trial.model is None else float(np.std(trial.model.unexplained))
         if left > PASSIVE_LEFT and trial.torque is not None:
             top = float(np.abs(trial.torque).max())
             yield _never(trial, "torque", None, tuple(idle), "error", top=top, left=left)
-            return
-    if all(idle.values()):
-        yield _never(trial, "all", None, tuple(idle))
+        else:
+            yield _never(trial, "all", None, tuple(idle))
         return
     sides = {"triceps": trial.triceps, "ta": tuple(m for m in idle if m == "ta")}
     still = {name: side for name, side in sides.items() if side and all(map(idle.get, side))}
@@ -130,10 +137,9 @@ def _bursts(trial: CheckedTrial) -> Iterator[Finding]:
                 missed.append((first, last))
     if total == 0 or len(missed) <= MISSED * total:
         return
-    first = min(stretch[0] for stretch in missed)
-    last = max(stretch[1] for stretch in missed) - 1
+    begins, ends = zip(*missed, strict=True)
     yield make_finding(
-        "active-not-active/bursts", None, (trial.time[first], trial.time[last]),
+        "active-not-active/bursts", None, (trial.time[min(begins)], trial.time[max(ends) - 1]),
         len(missed) / total, n=len(missed), all=total,
     )  # fmt: skip
 
@@ -154,6 +160,35 @@ def _stopped(trial: CheckedTrial) -> Iterator[Finding]:
     )  # fmt: skip
 
 
+def silenced(trial: CheckedTrial) -> Iterator[Finding]:
+    """Channels that fall silent for good, while heads beside them or the torque go on."""
+    relative = {muscle: _relative(envelope) for muscle, envelope in trial.slow.items()}
+    for muscle, own in relative.items():
+        works, channel, rate = own > _WORKS, trial.emg[muscle], trial.rate_hz
+        end = len(own) - int(np.argmax(works[::-1])) + round(SLOW * rate)
+        top = quantile(trial.slow[muscle], 0.98)
+        if end > len(own) - _AFTER * rate or top < _rest(channel.unit):
+            continue
+        low, high = quantiles(trial.slow[muscle][(end + len(own)) // 2 :], 0.05, 0.98)
+        if high > ONE_STRENGTH * low or (trial.emg_kind == "raw" and high == 0.0):
+            continue  # it lives, or is flat, which is another finding
+        heads = [relative[m] for m in trial.triceps if muscle not in (m, "ta")]
+        beside = np.max([np.zeros_like(own), *heads], axis=0) > _GO_ON
+        with_them, after = works[:end][beside[:end]], beside[end:].sum() / rate
+        lost = after >= _AFTER and len(with_them) >= _BEFORE * rate
+        lost = lost and with_them.mean() >= _WITH_THEM
+        if not lost and trial.model is not None:
+            left = trial.model.unexplained * (-1.0 if muscle == "ta" else 1.0)
+            since = trial.model.time > max(trial.time[end], trial.model.time[0])
+            before, now = (quantile(left[at], 0.98) for at in (~since, since))
+            lost = now > max(_LEFT, _MORE * before)
+        if lost:
+            yield make_finding(
+                "electrode-off/silent", channel.role, (trial.time[end], trial.time[-1]), high,
+                unit=channel.unit, muscle=trial.names[muscle], start=trial.time[end],
+            )  # fmt: skip
+
+
 def _relative(envelope: FloatArray) -> FloatArray:
     low, high = quantiles(envelope, 0.05, 0.98)
     return (envelope - low) / max(high - low, 1e-300)
@@ -162,12 +197,12 @@ def _relative(envelope: FloatArray) -> FloatArray:
 def co_contraction(trial: CheckedTrial) -> Iterator[Finding]:
     """Both sides of the ankle active at the same time, nearly throughout."""
     triceps, ta = trial.group("triceps", fast=True), trial.group("ta", fast=True)
-    width = round(0.15 * trial.rate_hz)
     if triceps is None or ta is None:
         raise Unjudged(f"There is no EMG of both sides of the {trial.joint.name}.")
     if all(quantile(e, 0.98) < _rest(trial.emg[m].unit) for m, e in trial.slow.items()):
         return  # nothing stands out at all
-    levels = [e if trial.emg_kind == "envelope" else smooth(e, width) for e in (triceps, ta)]
+    width = round((0.15 if trial.emg_kind == "raw" else 0.0) * trial.rate_hz)
+    levels = [smooth(envelope, width) for envelope in (triceps, ta)]
     tops = [max(quantile(level, 0.98), 1e-300) for level in levels]
     above = [level > TOGETHER * top for level, top in zip(levels, tops, strict=True)]
     either, both = above[0] | above[1], above[0] & above[1]

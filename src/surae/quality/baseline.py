@@ -53,11 +53,9 @@ def baseline(
     """
     n = len(angle)
     quiet = resting(rate, envelopes, n)
-    seconds = float(quiet.sum()) / rate
-    enough = seconds >= _SECONDS and float(np.ptp(angle[quiet])) >= _SPAN
-    if n < SHORTEST * rate:
-        return None
-    if not enough and (len(envelopes) < len(MUSCLES) or float(np.ptp(angle)) < _SPAN):
+    enough = quiet.sum() >= _SECONDS * rate and float(np.ptp(angle[quiet])) >= _SPAN
+    tells = enough or (len(envelopes) == len(MUSCLES) and float(np.ptp(angle)) >= _SPAN)
+    if n < SHORTEST * rate or not tells:
         return None
     stride = max(1, round(rate / 25.0))
     width = round(0.12 * rate)
@@ -83,8 +81,6 @@ def baseline(
                 for m, e in envelopes.items()
                 if (m == "ta") == (name == "ta")
             ]
-            if not heads:
-                continue
             together = np.mean(heads, axis=0)
             shapes = (angle, angle**2, speed, speed * angle)
             columns += [coarse(head) for head in heads]

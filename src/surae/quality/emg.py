@@ -242,14 +242,13 @@ def offset(trial: CheckedTrial) -> Iterator[Finding]:
             known = top > 2.0 * level and (channel.unit != "V" or top > REST_VOLTS)
             ratio = level / top if known else 0.0
             limit = FLOOR
-        if ratio <= limit:
-            continue
-        yield make_finding(
-            f"emg-offset/{trial.emg_kind}", channel.role, span_of(channel.time), level,
-            severity="warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
-            unit=channel.unit, muscle=trial.names[muscle], level=quantity(level, channel),
-            percent=100 * ratio,
-        )  # fmt: skip
+        if ratio > limit:
+            yield make_finding(
+                f"emg-offset/{trial.emg_kind}", channel.role, span_of(channel.time), level,
+                severity="warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
+                unit=channel.unit, muscle=trial.names[muscle], level=quantity(level, channel),
+                percent=100 * ratio,
+            )  # fmt: skip
 
 
 def artefact(trial: CheckedTrial) -> Iterator[Finding]:

@@ -41,8 +41,7 @@ def torque_lag(trial: CheckedTrial) -> Iterator[Finding]:
 def electrode_lag(trial: CheckedTrial) -> Iterator[Finding]:
     """One electrode late or early for the others."""
     heads = trial.triceps
-    side = _one_side(trial)
-    if side is not None:
+    if (side := _one_side(trial)) is not None:
         yield _finding(trial, *side, "torque")
     if len(heads) >= 3:
         lags = [(lag, muscle) for muscle in heads if (lag := _lag(trial, muscle)) is not None]

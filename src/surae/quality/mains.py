@@ -1,11 +1,10 @@
 """Mains hum, a line in the EMG's spectrum at 50 or 60 Hz; and electrodes that hear nothing else."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
 from surae.base.units import FloatArray
-from surae.base.words import Message
 from surae.quality.finding import Finding, Unjudged, make_finding, quantity
 from surae.quality.numeric import runs, span_of
 from surae.quality.trial import CheckedTrial
@@ -93,33 +92,29 @@ def off(trial: CheckedTrial) -> Iterator[Finding]:
     """Channels that hear nothing but the mains from some instant to the end, and did not before."""
     fast = [c for c in trial.emg.values() if c.rate_hz > 2.2 * MAINS[-1]]
     if trial.emg_kind != "raw" or not fast:
-        raise Unjudged("Only raw EMG shows it.")
-    yield from (finding for channel in fast if (finding := _off(channel, trial.names)) is not None)
-
-
-def _off(channel: Channel, names: Mapping[str, Message]) -> Finding | None:
-    size = round(_PIECE * channel.rate_hz)
-    count = len(channel.values) // size
-    if count * _PIECE < 2.0 * _SHORTEST:
-        return None
-    pieces = channel.values[: count * size].reshape(count, size)
-    pieces = pieces - pieces.mean(axis=1, keepdims=True)
-    power = np.mean(pieces**2, axis=1)
-    waves = np.exp(-2j * np.pi * np.outer(np.arange(size) / channel.rate_hz, MAINS))
-    hums = 2.0 * np.abs(pieces @ waves) / size  # amplitude of each line in each piece
-    mains = int(np.argmax(hums.sum(axis=0)))
-    hum = hums[:, mains]
-    alone = 0.5 * hum**2 > _SHARE * np.maximum(power, np.finfo(float).tiny)
-    first, last = max(runs(alone), key=lambda run: run[1] - run[0], default=(0, 0))
-    if not first or (last - first) * _PIECE < _SHORTEST or (count - last) * _PIECE >= _SHORTEST:
-        return None  # one that hears its muscle again has not come off
-    now, rest = float(np.median(hum[first:last])), np.delete(hum, slice(first, last))
-    if now < _TIMES * float(np.median(rest)):
-        return None
-    start = float(channel.time[first * size])
-    return make_finding(
-        "electrode-off", channel.role,
-        (start, channel.time[min(last * size, len(channel.time) - 1)]), now,
-        unit=channel.unit, muscle=names[channel.role.removeprefix("emg_")], start=start,
-        size=quantity(now, channel), hz=MAINS[mains],
-    )  # fmt: skip
+        raise Unjudged("Only raw EMG shows an electrode that hears the mains alone.")
+    for channel in fast:
+        size = round(_PIECE * channel.rate_hz)
+        count = len(channel.values) // size
+        if count * _PIECE < 2.0 * _SHORTEST:
+            continue
+        pieces = channel.values[: count * size].reshape(count, size)
+        pieces = pieces - pieces.mean(axis=1, keepdims=True)
+        power = np.mean(pieces**2, axis=1)
+        waves = np.exp(-2j * np.pi * np.outer(np.arange(size) / channel.rate_hz, MAINS))
+        hums = 2.0 * np.abs(pieces @ waves) / size  # amplitude of each line in each piece
+        mains = int(np.argmax(hums.sum(axis=0)))
+        hum = hums[:, mains]
+        alone = 0.5 * hum**2 > _SHARE * np.maximum(power, np.finfo(float).tiny)
+        first, last = max(runs(alone), key=lambda run: run[1] - run[0], default=(0, 0))
+        heard = (last - first) * _PIECE >= _SHORTEST and (count - last) * _PIECE < _SHORTEST
+        if not first or not heard:
+            continue  # one that hears its muscle again has not come off
+        now, rest = float(np.median(hum[first:last])), np.delete(hum, slice(first, last))
+        if now >= _TIMES * float(np.median(rest)):
+            start, end = channel.time[[first * size, min(last * size, len(channel.time) - 1)]]
+            yield make_finding(
+                "electrode-off", channel.role, (start, end), now, unit=channel.unit, start=start,
+                muscle=trial.names[channel.role.removeprefix("emg_")],
+                size=quantity(now, channel), hz=MAINS[mains],
+            )  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.base.units import FloatArray
 from surae.quality.finding import Finding, Unjudged, make_finding
-from surae.quality.numeric import BoolArray, correlation, quantile, shifted, smooth
+from surae.quality.numeric import BoolArray, correlation, quantile, runs, shifted, smooth, span_of
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES
 
@@ -54,15 +54,13 @@ def suspected(trial: CheckedTrial) -> Iterator[Finding]:
         raise Unjudged("The signals are too slow to show 25 ms.")
     if float(trial.velocity.max()) < STRETCH:
         raise Unjudged("No stretch is fast enough.")
-    reflexes = reflex(trial)
-    if reflexes is None:
-        return
-    where = np.flatnonzero(reflexes.explained)
-    first, last = (where[0], where[-1]) if where.size else (0, len(trial.time) - 1)
-    yield make_finding(
-        "reflex-suspected", f"emg_{trial.triceps[0]}", (trial.time[first], trial.time[last]),
-        reflexes.delay, joint=trial.joint, ms=1e3 * reflexes.delay, n=reflexes.events,
-    )  # fmt: skip
+    if (reflexes := reflex(trial)) is not None:
+        where = np.flatnonzero(reflexes.explained)
+        span = span_of(trial.time, where if where.size else None)
+        yield make_finding(
+            "reflex-suspected", f"emg_{trial.triceps[0]}", span, reflexes.delay,
+            joint=trial.joint, ms=1e3 * reflexes.delay, n=reflexes.events,
+        )  # fmt: skip
 
 
 def _resting(trial: CheckedTrial) -> BoolArray:
@@ -115,12 +113,9 @@ def _proportional(
 
 def _onsets(trial: CheckedTrial, stretch: FloatArray) -> list[int]:
     """Find where stretches that become fast begin."""
-    fast = stretch > STRETCH
-    starts = np.flatnonzero(np.diff(fast.astype(np.int8)) > 0) + 1
-    apart = round(0.25 * trial.rate_hz)
     onsets: list[int] = []
-    for start in starts.tolist():
-        if not onsets or start - onsets[-1] >= apart:
+    for start, _ in runs(stretch > STRETCH):
+        if start >= (onsets[-1] + round(0.25 * trial.rate_hz) if onsets else 1):
             onsets.append(start)
     return onsets
 
@@ -140,9 +135,8 @@ def _bursts(trial: CheckedTrial, emg: FloatArray, stretch: FloatArray) -> Reflex
     # Where stretches reach their speed, which ramps then keep.
     peaks = [start + int(np.argmax(piece >= 0.95 * piece.max())) for start, piece in pieces]
     for events in (onsets, peaks):
-        followed: list[float] = []
         looked = 0
-        hits: list[int] = []
+        followed: dict[int, float] = {}  # by how much, by the event
         for event in events:
             if event < before or event + after >= len(emg):
                 continue
@@ -155,11 +149,10 @@ def _bursts(trial: CheckedTrial, emg: FloatArray, stretch: FloatArray) -> Reflex
             later = mean(event + round(0.2 * rate), event + after)
             top = float(answer.max())
             if top > BURST * max(rest, later) and top > 0.03 * usual:
-                followed.append((int(np.argmax(answer)) + window.start - event) / rate)
-                hits.append(event)
+                followed[event] = (int(np.argmax(answer)) + window.start - event) / rate
         if looked >= EVENTS and len(followed) >= max(EVENTS, FOLLOWED * looked):
             answered = np.zeros(len(emg), dtype=bool)
-            for event in hits:
+            for event in followed:
                 answered[event : event + after] = True
-            return Reflex(float(np.median(followed)), looked, answered)
+            return Reflex(float(np.median([*followed.values()])), looked, answered)
     return None

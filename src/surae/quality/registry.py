@@ -46,6 +46,7 @@ CHECKS: tuple[Check, ...] = (
     Check(("emg-artefact",), emg.artefact),
     Check(("mains-hum",), mains.hum),
     Check(("electrode-off",), mains.off),
+    Check(("electrode-off",), activity.silenced),
     Check(("electrode-lag",), lag.electrode_lag),
     Check(("emg-torque-lag",), lag.torque_lag),
     Check(("torque-limit",), torque.limit),

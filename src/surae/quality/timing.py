@@ -59,8 +59,7 @@ def axis_findings(channel: Channel) -> Iterator[Finding]:
             "time-gap", _name(channel), (time[gaps[0]], time[gaps[-1] + 1]), lost,
             n=len(gaps), start=time[worst], end=time[worst + 1], ms=1e3 * step,
         )  # fmt: skip
-    back = int((steps <= 0.0).sum())
-    if back:
+    if back := int((steps <= 0.0).sum()):
         yield _disorder(channel, back, step)
         return
     jitter = 0.0 if explained else _jitter(time, gaps)

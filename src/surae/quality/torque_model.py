@@ -83,12 +83,9 @@ def relaxing(column: FloatArray, rate: float) -> FloatArray:
 
 
 def torque_model(
-    time: FloatArray,
-    rate: float,
-    angle: FloatArray,
-    torque: FloatArray,
+    time: FloatArray, rate: float, angle: FloatArray, torque: FloatArray,
     envelopes: dict[str, FloatArray],
-) -> TorqueModel | None:
+) -> TorqueModel | None:  # fmt: skip
     """Regress the torque on angle and EMG; None where there is too little of them.
 
     The signals are uniform, at `rate` [Hz]: s, rad, Nm.

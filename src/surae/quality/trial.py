@@ -110,22 +110,16 @@ def trial_of(
     angle where it can be.
     """
     seen = signals or signals_of(recording)
-    time, rate = seen.time, seen.rate_hz
+    time, rate, torque = seen.time, seen.rate_hz, seen.torque
     slow = {muscle: smooth(e, round(SLOW * rate)) for muscle, e in seen.fast.items()}
     velocity = np.gradient(seen.angle, 1.0 / rate) if len(time) > 2 else np.zeros_like(time)
-    model = None
-    if seen.torque is not None:
-        model = torque_model(time, rate, seen.angle, seen.torque, seen.fast)
+    model = torque_model(time, rate, seen.angle, torque, seen.fast) if torque is not None else None
     return CheckedTrial(
         *(getattr(seen, field.name) for field in fields(seen)),
-        recording=recording,
-        velocity=velocity,
-        slow=slow,
+        recording=recording, velocity=velocity, slow=slow, model=model, joint=joint,
         commanded=commanded or recognised(recording.channels["angle"]),
         effort=_requested_effort(time, slow, commanded),
-        model=model,
-        joint=joint,
-    )
+    )  # fmt: skip
 
 
 def signals_of(recording: Recording) -> Signals:

@@ -54,13 +54,9 @@ class QuickFit:
 
 
 def quick_fit(
-    recording: Recording,
-    signals: Signals,
-    *,
-    later: dict[str, float] | None = None,
-    zero: bool = True,
-    near: QuickFit | None = None,
-) -> QuickFit | None:
+    recording: Recording, signals: Signals, *, later: dict[str, float] | None = None,
+    zero: bool = True, near: QuickFit | None = None,
+) -> QuickFit | None:  # fmt: skip
     """Fit model 1.0 quickly to what a recording might be.
 
     `signals` are those of what it might be; `later` is by how much the EMG of a muscle is
@@ -85,16 +81,11 @@ def quick_fit(
     silent = [f"g{k + 1}" for k in range(len(MUSCLES)) if not emg[:, k].any()]
     measured = read_only(signals.torque[thin])
     inputs = ModelInputs(
-        recording.name,
-        rate / step,
-        time=read_only(signals.time[thin]),
-        angle=read_only(moved[thin]),
-        velocity=read_only(velocity[thin]),
+        recording.name, rate / step, time=read_only(signals.time[thin]),
+        angle=read_only(moved[thin]), velocity=read_only(velocity[thin]),
         acceleration=read_only(np.gradient(velocity, 1.0 / rate)[thin]),
-        emg=read_only(emg[thin]),
-        emg_unit="V",
-        torque=measured,
-    )
+        emg=read_only(emg[thin]), emg_unit="V", torque=measured,
+    )  # fmt: skip
     mass = {name: value for name, value in recording.fixed.items() if name == "m"}
     try:
         problem = make_problem([inputs], fixed=dict.fromkeys(silent, 0.0) | mass)
