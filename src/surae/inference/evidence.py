@@ -96,7 +96,7 @@ def subsets(
     least, mode, V = laplace.solved()
     at = [j for group in groups for j in groups[group]]
     sets = [chosen for n in range(len(groups) + 1) for chosen in combinations(groups, n)]
-    held = np.array([[g not in chosen for g in groups for _ in groups[g]] for chosen in sets])
+    held = np.array([[g not in chosen for g in groups for _ in groups[g]] for chosen in sets], bool)
     values, mean, weight = np.array([off[j] for j in at]), laplace.mean[at], laplace.weight[at]
     # what all else does where some are held follows from the covariance of all
     sd = np.sqrt(np.diag(V))
