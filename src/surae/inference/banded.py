@@ -7,7 +7,7 @@ from scipy.linalg.lapack import dtbtrs
 
 from surae.base.units import FloatArray
 from surae.model.activation import IntArray
-from surae.model.jit import jit
+from surae.model.jit import inner, jit
 
 #: Columns or rows that are taken together.
 _BLOCK = 16
@@ -27,37 +27,43 @@ def band_products(columns: FloatArray, first: IntArray, band: FloatArray) -> Non
             band[d, j] += total
 
 
+@inner
+def _together(columns: FloatArray, first: IntArray, begin: int, n: int) -> FloatArray:
+    """Short columns, in order, from one on, all from its first sample on, shape (16, …)."""
+    end, start, size = min(begin + _BLOCK, len(first)), first[begin], columns.shape[1]
+    block = np.zeros((end - begin, min(first[end - 1] + size, n) - start))
+    for j in range(begin, end):
+        own = block[j - begin, first[j] - start :]
+        own[:size] = columns[j, : len(own)]
+    return block
+
+
 @jit
 def border_products(columns: FloatArray, first: IntArray, rows: FloatArray) -> FloatArray:
-    """Products of short columns, (k, l), in order, with long ones, (n, p), shape (k, p)."""
-    (k, size), n = columns.shape, len(rows)
-    out = np.empty((k, rows.shape[1]))
-    for begin in range(0, k, _BLOCK):
-        end, start = min(begin + _BLOCK, k), first[begin]
-        block = np.zeros((end - begin, min(first[end - 1] + size, n) - start))
-        for j in range(begin, end):
-            own = block[j - begin, first[j] - start :]
-            own[:size] = columns[j, : len(own)]
-        out[begin:end] = block @ rows[start : start + block.shape[1]]
+    """Products of short columns, (k, l), with long ones, (n, p), shape (k, p)."""
+    out = np.empty((len(first), rows.shape[1]))
+    for j in range(0, len(first), _BLOCK):
+        block = _together(columns, first, j, len(rows))
+        out[j : j + len(block)] = block @ rows[first[j] : first[j] + block.shape[1]]
     return out
 
 
 @jit
 def lifted(columns: FloatArray, first: IntArray, heights: FloatArray, out: FloatArray) -> None:
     """Sums of short columns, (k, l), times heights, (k, d), into (n, d)."""
-    n, d = out.shape
-    for j in range(len(first)):
-        for t in range(columns.shape[1]):
-            i = first[j] + t
-            if i >= n:
-                break
-            for a in range(d):
-                out[i, a] += columns[j, t] * heights[j, a]
+    for j in range(0, len(first), _BLOCK):
+        block = _together(columns, first, j, len(out))
+        out[first[j] : first[j] + block.shape[1]] += block.T @ heights[j : j + len(block)]
 
 
 def solve_band_transposed(band: FloatArray, right: FloatArray) -> FloatArray:
     """X of Lᵀ·X = right, L a lower band by columns (k, b + 1), right (k, d)."""
-    return np.asarray(dtbtrs(band.T, right, uplo="L", trans="T")[0])
+    if right.shape[1] == 1:
+        return np.asarray(dtbtrs(band.T, right, uplo="L", trans="T")[0])
+    turned, k = np.zeros_like(band), len(band)
+    for d in range(min(band.shape[1], k)):  # from its end on it is a lower band again
+        turned[: k - d, d] = band[: k - d, d][::-1]
+    return solve_band(turned, right[::-1].copy())[::-1].copy()
 
 
 @jit

@@ -85,13 +85,12 @@ class SensorRows:
     def border(self) -> FloatArray:
         """Products of the fast columns with the rows of `whole` that move, shape (k, …)."""
         moving = np.delete(self.whole, self.still, axis=0)
-        return border_products(self.fast, self.first, np.ascontiguousarray(moving.T))
+        return border_products(self.fast, self.first, moving.T.copy())
 
     @cached_property
     def still_border(self) -> FloatArray:
         """Those with the rows that stay."""
-        still = np.ascontiguousarray(self.whole[self.still].T)
-        return border_products(self.fast, self.first, still)
+        return border_products(self.fast, self.first, self.whole[self.still].T.copy())
 
 
 @dataclass(frozen=True, slots=True)

@@ -112,8 +112,7 @@ class LogPosterior(Coordinates):
     def _prepare(self) -> None:
         fast = self.fast
         self._fast = [] if fast is None else [each.fast.precision(fast) for each in self.latents]
-        #: Of each recording the products of its fast columns, the factor made of them, and what it
-        #: makes of their products with rows that stay.
+        #: By recording: products of its fast columns, their factor, what that makes of still rows.
         self._factored: dict[int, tuple[FloatArray, FloatArray, FloatArray]] = {}
         #: Inverse covariance of each recording's slow latents beforehand, shape (m, m).
         self.precisions = [each.precision(self.sizes) for each in self.latents]
@@ -230,9 +229,8 @@ class LogPosterior(Coordinates):
         band, _ = self._fast[number]
         m = len(band) - 1
         out = band[0][:, None] * moved
-        if band[m].any():
-            out[m:] += band[m, :-m, None] * moved[:-m]
-            out[:-m] += band[m, :-m, None] * moved[m:]
+        out[m:] += band[m, :-m, None] * moved[:-m]
+        out[:-m] += band[m, :-m, None] * moved[m:]
         return np.asarray(out)
 
     def blocks(

@@ -48,10 +48,7 @@ def session_report(
     leg: FittedLeg, *, created: datetime, before: AssessedFit | None = None, language: str = "en",
     brief: bool = False,
 ) -> Report:  # fmt: skip
-    """The leg's page: its answers, then details and research, which are in English alone.
-
-    A `brief` one, for whoever reads the answers alone, ends there.
-    """
+    """The leg's page: its answers, then, if not `brief`, details and research, in English alone."""
     shown = leg.main
     _ = words_in(language, ANKLE if shown is None else shown.result.problem.options.anatomy)
     contradicted = trials.contradictions(leg.alone, leg.together)
