@@ -1,8 +1,12 @@
 """EMG that is lost in pieces, or hums at multiples of the mains, is told; other EMG is not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+import surae
+from surae.base.frozen import read_only
 from surae.quality import Quality, check_recording
 from surae.recording import Recording
 
@@ -72,12 +76,10 @@ def test_hum_is_no_co_contraction(planted) -> None:
 
 
 def test_measured_emg_is_not_lost_in_pieces(shared) -> None:
-    from surae import check
-
     files = [*shared.glob("dynamometer/*.mat"), *shared.glob("repeats/*.mat")]
     assert files
     for path in files:
-        assert not [line for line in lines(check(path), "emg-flat") if "stands still" in line]
+        assert not [line for line in lines(surae.check(path), "emg-flat") if "stands still" in line]
 
 
 def leg(kind: str, seed: int = 3, family: str = "a", *, raw: bool = True):
@@ -117,3 +119,16 @@ def test_a_muscle_that_is_not_asked_again_has_its_electrode(kind, raw) -> None:
     for seed, family in ((3, "a"), (4, "p")):
         quality = check_recording(recorded(leg(kind, seed, family, raw=raw), raw=raw))
         assert not lines(quality, "electrode-off")
+
+
+@pytest.mark.parametrize(("family", "seed"), [("w", 905), ("h", 905)])
+def test_tissue_that_pulls_alike_both_ways_has_no_turned_signs(family, seed) -> None:
+    """With both signs turned a relaxed leg is one too, and may be followed better for no reason."""
+    right = recorded(leg("slow", seed, family), raw=True)
+    signs = {"angle-sign", "torque-sign"}
+    assert not signs & {f.code for f in surae.check(right).findings}
+    channels = dict(right.channels)
+    torque = channels["torque"]
+    channels["torque"] = replace(torque, values=read_only(-torque.values))
+    one_turned = replace(right, channels=channels)  # which of the two, a relaxed leg cannot tell
+    assert signs & {f.code for f in surae.check(one_turned).findings}

@@ -85,8 +85,7 @@ def examined(
         span, degrees = span_of(signals.time), np.rad2deg(high - low)
         findings.append(make_finding("angle-still", "angle", span, high - low, degrees=degrees))
         return _together(quality, findings, but=("angle-units", "rom-not-covered"))
-    fit = None if signals.torque is None else quick_fit(right, signals)
-    if fit is None:
+    if signals.torque is None or (fit := quick_fit(right, signals)) is None:
         return _together(quality, findings)
     wrong, with_signs = _signs(right, signals, fit)
     if wrong:
@@ -134,7 +133,8 @@ def _signs(
         others += [swapped("ta", muscle) for muscle in MUSCLES[1:] if muscle in signals.fast]
     tries = [tried(recording, signals, each) for each in others]
     good = possible([as_it_is, *tries])
-    if not good or as_it_is in good:
+    relaxed = "emg" not in first.slow  # tissue alone also pulls so with both signs turned
+    if not good or as_it_is in good or (relaxed and first.r2 >= EXPLAINS):
         return [], recording
     span, best = span_of(signals.time), good[0]
     codes = {role: f"{role}-sign" for role in best.right.sign} or {"emg_ta": "electrodes-swapped"}
