@@ -26,10 +26,10 @@ def forward(
     for i in range(n):
         level = np.zeros(m)
         for v in range(k):
+            below = turned[v, edge - slopes[v] - 1 :]
             for x in range(m):
-                at = edge + x - slopes[v]
-                beside = turned[v, at - 1] + turned[v, at + 1]
-                came = (1.0 - 2.0 * half) * turned[v, at] + half * beside + _JUMP * often[v]
+                wandered = half * (below[x] + below[x + 2])
+                came = (1.0 - 2.0 * half) * below[x + 1] + wandered + _JUMP * often[v]
                 told[i, v, x], here[v, x] = came, came * fits[i, x]
                 level[x] += here[v, x]
         total = level.sum()

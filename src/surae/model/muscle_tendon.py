@@ -109,7 +109,7 @@ class MuscleTendonSimulator(Simulator):
         self._slack = np.array(options.anatomy.slack)
         in_metres = options.tendon_strain == "thesis"
         self._strain_lengths = np.ones(2) if in_metres else self._slack
-        self._staged: dict[int, tuple[MusclePath, FloatArray, FloatArray]] = {}
+        self._staged: dict[int, tuple[MusclePath, FloatArray, FloatArray, IntArray]] = {}
         self._curves = [[self._at.get(name, -1) for name in names] for names in _CURVES]
         #: Active state over which it reaches zero [N]; 0 is the model, with its kink.
         self.rest = 0.0
@@ -167,7 +167,7 @@ class MuscleTendonSimulator(Simulator):
     def _integrate(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
     ) -> FloatArray:
-        lengths, slopes = self._stages(group, muscle)
+        lengths, slopes, moving = self._stages(group, muscle)
         states = np.full((5, len(muscle.length)), np.nan)
         # the last value and the last row are of what the model does not have
         columns = np.concatenate([COLUMNS[group], self._curves[group]])
@@ -176,8 +176,8 @@ class MuscleTendonSimulator(Simulator):
         compliant.compliant_states(
             np.append(p, 0.0)[columns], np.append(into.slots, len(into.jacobian) - 1)[columns],
             float(self._strain_lengths[group]), muscle.arm, lengths, active.alpha, active.slopes,
-            into.slots[active.columns], slopes, into.turned, self._factor, self._dt, self.rest,
-            states, into.jacobian, linear, seen,
+            into.slots[active.columns], slopes, into.turned[moving], self._factor, self._dt,
+            self.rest, states, into.jacobian, linear, seen,
         )  # fmt: skip
         return states
 
@@ -208,14 +208,14 @@ class MuscleTendonSimulator(Simulator):
             keep=1.0 / (1.0 + compliant.GAMMA * self._dt * (1.0 + k_rel) / tau),
         )  # fmt: skip
 
-    def _stages(self, group: int, muscle: MusclePath) -> tuple[FloatArray, FloatArray]:
-        """Lengths and their slopes at the stages, of the last path as they were."""
+    def _stages(self, group: int, muscle: MusclePath) -> tuple[FloatArray, FloatArray, IntArray]:
+        """Lengths at the stages, slopes by what moves them, and of what; of the last path kept."""
         if group not in self._staged or self._staged[group][0] is not muscle:
-            self._staged[group] = (
-                muscle,
-                compliant.stages(muscle.length, muscle.speed, self._dt),
-                compliant.stages(muscle.length_slopes, muscle.speed_slopes, self._dt),
-            )
+            slopes = np.stack([muscle.length_slopes, muscle.speed_slopes])
+            moving = np.flatnonzero(slopes.any(axis=(0, 2)))  # nothing of the other group does
+            by = compliant.stages(slopes[0, moving], slopes[1, moving], self._dt)
+            lengths = compliant.stages(muscle.length, muscle.speed, self._dt)
+            self._staged[group] = muscle, lengths, by, moving
         return self._staged[group][1:]
 
     def _law(self, values: FloatArray, group: int) -> TendonLaw:
