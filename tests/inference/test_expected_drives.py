@@ -82,9 +82,9 @@ def test_probabilities_are_those_of_whole_matrices() -> None:
     for row in fits[:0:-1]:
         backward.append(step.T @ (backward[-1] * np.tile(row, 3)))
     both = (np.array(forward) * backward[::-1]).reshape(n, 3, m).sum(axis=1)
-    after = drive_chain.forward(fits, slopes, turns, half, True)
-    before = drive_chain.forward(fits[::-1].copy(), -slopes, turns, half, False)[::-1]
-    own = (after * before / often[:, None]).sum(axis=1)
+    told, own = np.empty((n, 3, m)), np.zeros((n, m))
+    drive_chain.forward(fits, slopes, turns, half, told, own[:0])
+    drive_chain.forward(fits[::-1].copy(), -slopes, turns, half, told, own)
     norm = [each / each.sum(axis=1, keepdims=True) for each in (own, both)]
     np.testing.assert_allclose(*norm, atol=1e-7)
 

@@ -12,31 +12,34 @@ _JUMP = 1e-9
 
 @jit
 def forward(
-    fits: FloatArray, slopes: IntArray, turns: float, half: float, after: bool
-) -> FloatArray:
-    """Probabilities of slopes and levels at each sample, by those before; by itself too, `after`.
+    fits: FloatArray, slopes: IntArray, turns: float, half: float, told: FloatArray,
+    share: FloatArray,
+) -> None:  # fmt: skip
+    """Probabilities of slopes after each sample and of levels, by those before and itself.
 
     `fits` has the likelihood of each level, shape (n, m); `turns` is the probability that a slope
-    changes, `half` the part that wanders to either side. Slopes are those before a sample, or after
-    it. Of shape (n, k, m).
+    changes, `half` the part that wanders to either side; `told` is filled, (n, k, m). With room in
+    `share`, (n, m), samples come the other way round, and it is what all say of the levels.
     """
-    k, (n, m) = len(slopes), fits.shape
+    k, (n, m), back = len(slopes), fits.shape, len(share) > 0
     edge, often = int(np.abs(slopes).max()) + 1, np.where(slopes == 0, 0.5, 0.5 / (k - 1))
-    here, turned, told = np.empty((k, m)), np.zeros((k, m + 2 * edge)), np.empty((n, k, m))
+    here, turned, came = np.empty((k, m)), np.zeros((k, m + 2 * edge)), np.empty(m)
     for i in range(n):
         level = np.zeros(m)
         for v in range(k):
             below = turned[v, edge - slopes[v] - 1 :]
             for x in range(m):
-                wandered = half * (below[x] + below[x + 2])
-                came = (1.0 - 2.0 * half) * below[x + 1] + wandered + _JUMP * often[v]
-                told[i, v, x], here[v, x] = came, came * fits[i, x]
+                came[x] = (1.0 - 2.0 * half) * below[x + 1] + half * (below[x] + below[x + 2])
+                came[x] += _JUMP * often[v]
+                here[v, x] = came[x] * fits[i, x]
                 level[x] += here[v, x]
+            if back:  # slopes are probabilities by how often there are
+                for x in range(m):
+                    share[n - 1 - i, x] += told[n - 1 - i, v, x] * came[x] / often[v]
         total = level.sum()
         for v in range(k):
             for x in range(m):
                 goes = (1.0 - turns) * here[v, x] + turns * often[v] * level[x]
                 turned[v, x + edge] = goes / total
-                if after:
+                if not back:
                     told[i, v, x] = goes
-    return told

@@ -47,16 +47,14 @@ def _expected(envelope: FloatArray, relative: float, rate_hz: float) -> FloatArr
     fits = -(seen * np.exp(-levels) + levels) / relative
     fits = np.exp(fits - fits.max(axis=1, keepdims=True))
     slopes = np.array(_SLOPES)
-    rarer = np.where(slopes == 0, 1.0, len(slopes) - 1.0)
     moves = -np.expm1(-_TURNS / rate_hz), min(0.5 * _WANDER**2 / rate_hz / apart**2, 0.25)
     drive = np.empty(len(envelope))
     for begin in range(0, len(envelope), _BLOCK):
         first = max(begin - _BESIDE, 0)
         own = fits[first : begin + _BLOCK + _BESIDE]
-        # before a sample and after it, which is before it the other way round
-        told = forward(own, slopes, *moves, True)
-        after = forward(own[::-1].copy(), -slopes, *moves, False)[::-1]
-        share = np.einsum("k,nkm,nkm->nm", rarer, told, after)
+        share, told = np.zeros_like(own), np.empty((len(own), len(slopes), len(levels)))
+        forward(own, slopes, *moves, told, share[:0])
+        forward(own[::-1].copy(), -slopes, *moves, told, share)
         each = share @ np.exp(levels) / share.sum(axis=1)
         drive[begin : begin + _BLOCK] = each[begin - first :][:_BLOCK]
     return top * drive
