@@ -24,6 +24,8 @@ from surae.model.sources import source_of
 #: electrode. Bandwidth is 1.4 % off (root mean square) on 30 virtual legs whose sensors, cables and
 #: muscles are as these, 8 to 22 % where they are not (5 % held), 13 % where muscles let go slowly.
 DYNAMICS, ORDER, _RELEASED, _UNHEARD = ("f0", "beta"), 0.05, 0.10, 0.10
+#: Standard deviations of f0, β or bandwidth by which another filter would be seen.
+_TELLS = 2.0
 #: What the latents are called among the sources.
 _CALLED = {
     "gain": "emg_gain",
@@ -97,15 +99,12 @@ def between_subsets(
     return np.concatenate([moved, root(V) * scale])
 
 
-def dynamics(
-    posterior: LogPosterior, V: FloatArray, beta: float, *, unheard: bool
-) -> FloatArray:  # fmt: skip
+def dynamics(posterior: LogPosterior, V: FloatArray, beta: float, *, unheard: bool) -> FloatArray:
     """Shifts by what the activation filter cannot express, or by muscles `unheard`, shape (r, q).
 
-    No residual tells that from another filter; the other values follow along their valleys, but of
-    what electrodes hear only as far as one standard deviation of what is moved: farther off, a
-    residual would tell. f0 and β may both be moved and their bandwidth not, which has a shift of
-    its own.
+    No residual tells that from another filter; the other values follow along their valleys, of what
+    electrodes hear as far as no residual tells: two standard deviations of what is moved, one of
+    their own. f0 and β may both be moved and their bandwidth not, which has a shift of its own.
     """
     size = _UNHEARD if unheard else ORDER
     if "release" in posterior.names and not posterior.problem.has_unheard:  # else the same twice
@@ -116,11 +115,12 @@ def dynamics(
         # ∂ ln bandwidth/∂ ln β of f0·√(b + √(b² + 1)), b = 1 − 2β²
         slope = -2.0 * beta**2 / np.hypot(1.0 - 2.0 * beta**2, 1.0)
         ways.append(ways[0] + slope * ways[1])
-    moved = np.zeros((len(ways), len(V)))
+    moved, most = np.zeros((len(ways), len(V))), np.inf if unheard else np.sqrt(np.diag(V))
     for row, way in zip(moved, ways, strict=True):
-        variance = float(way @ V @ way)
-        row[:] = V @ way * (size if unheard else min(size, variance**0.5)) / variance
-        row[at] = size * V[at] @ way / variance
+        along, variance = V @ way, float(way @ V @ way)
+        reach = size if unheard else min(size, _TELLS * variance**0.5)
+        row[:] = np.clip(reach * along / variance, -most, most)
+        row[at] = size * along[at] / variance
     return moved
 
 

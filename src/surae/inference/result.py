@@ -129,6 +129,7 @@ class LeastSquares(_Solution):
     zero_wider: ClassVar[float] = 1.0
     turned: ClassVar[Mapping[str, float]] = FrozenDict()
     softening: ClassVar[tuple[tuple[float, float], ...]] = ()
+    sizes: ClassVar[Mapping[str, float]] = FrozenDict()
     #: Parameters that may lie at their lower bound without being held by it.
     may_vanish: ClassVar[tuple[str, ...]] = ()
 

@@ -10,10 +10,7 @@ from surae.base.records import Plain
 from surae.base.tables import Tabular, TextTable
 from surae.recording.emg_kind import Look
 from surae.recording.recording import MUSCLES
-from surae.recording.roles import (
-    Guess,
-    Side,
-)
+from surae.recording.roles import Guess, Side
 from surae.recording.table import some
 
 

@@ -120,10 +120,7 @@ def _details(
         budget = budget_of(shown)
         if budget.rows:
             figures["budget"] = budget_figure(budget)
-        research += [
-            parameters_section(shown, next_anchor=""),
-            budget_section(budget),
-        ]
+        research += [parameters_section(shown, next_anchor=""), budget_section(budget)]
     details.append(trials.findings_section(leg.quality, answers.zero))
     if leg.fits:
         figures["trials"] = trials_figure(leg.alone, leg.together, disputed=contradicted)
