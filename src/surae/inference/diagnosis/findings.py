@@ -22,6 +22,7 @@ from surae.inference.diagnosis.units import wrong_units
 from surae.quality import Commanded, Finding, Quality, check_recording
 from surae.quality.finding import make_finding
 from surae.quality.numeric import quantiles, span_of
+from surae.quality.position import perturbing
 from surae.quality.registry import ordered, unfit
 from surae.quality.torque import GRAVITY
 from surae.quality.trial import Signals, signals_of
@@ -59,10 +60,9 @@ _AGREED = 0.25
 
 
 def examined(
-    recording: Recording,
-    commanded: Commanded | None = None,
+    recording: Recording, commanded: Commanded | None = None,
     left_out: Iterable[Sequence[float]] = (),
-) -> Quality:
+) -> Quality:  # fmt: skip
     """All findings of a recording: those of the checks, and what is wrong with signs and units.
 
     What is wrong is put right before the checks look, so that what follows from it is no finding.
@@ -85,7 +85,9 @@ def examined(
         span, degrees = span_of(signals.time), np.rad2deg(high - low)
         findings.append(make_finding("angle-still", "angle", span, high - low, degrees=degrees))
         return _together(quality, findings, but=("angle-units", "rom-not-covered"))
-    if signals.torque is None or (fit := quick_fit(right, signals)) is None:
+    # inertia makes most of the torque of small random perturbations
+    told = signals.torque is not None and not perturbing(signals.angle, signals.rate_hz)
+    if not told or (fit := quick_fit(right, signals)) is None:
         return _together(quality, findings)
     wrong, with_signs = _signs(right, signals, fit)
     if wrong:
