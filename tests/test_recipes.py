@@ -162,7 +162,7 @@ msgid "plainly/brief"
 msgstr "the trial is brief"
 
 '''),
-        ("inference/adequacy.py", "def _softened(", '''\
+        ("inference/adequacy.py", "def _unlike(", '''\
 def _brief(result: FitResult) -> Iterator[Reason]:
     """What lasts a few seconds shows no relaxation."""
     seconds = sum(own.n / own.rate_hz for own in result.problem.inputs)
@@ -171,7 +171,7 @@ def _brief(result: FitResult) -> Iterator[Reason]:
 
 
 '''),
-        ("inference/adequacy.py", "        *_softened(result)", "        *_brief(result),\n"),
+        ("inference/adequacy.py", "        *_unlike(result)", "        *_brief(result),\n"),
     ],
     "a verdict": [
         ("inference/parameter.py", '    FIXED = "fixed"', '    HEARSAY = "hearsay"\n'),
