@@ -69,6 +69,7 @@ def test_a_relaxed_trial_claims_no_optimal_length_that_ultrasound_denies(fits):
 def test_no_measured_trial_is_said_to_soften(fits):
     for fit in fits.values():
         assert not any("softened" in reason for reason in fit.adequacy.reasons)
+        assert not any("no model" in reason for reason in fit.adequacy.reasons)
 
 
 @pytest.mark.slow

@@ -88,7 +88,7 @@ def test_a_search_takes_few_evaluations(tmp_path) -> None:
 
 def two_ends(*case: object):
     """A leg whose search has two ends, 0.1 apart in −2 ln p: where a tendon is just taut."""
-    return pytest.param(*case, marks=pytest.mark.xfail(reason="two ends of a tendon's toe"))
+    return pytest.param(*case, marks=pytest.mark.xfail(reason="two ends", strict=True))
 
 
 #: Legs, and of raw EMG how many samples at 1024 Hz there are to one that is kept.

@@ -17,6 +17,7 @@ def softens(inputs) -> bool:
     judged = assess(solve(make_problem([inputs], "auto"))).adequacy
     said = any("softened" in reason for reason in judged.reasons)
     assert not said or judged.grade != "adequate"
+    assert not any("no model" in reason for reason in judged.reasons)
     return said
 
 

@@ -29,9 +29,9 @@ from surae.model.laboratory import DEPARTURES, LAWS, RARE, group_of
 
 #: Active state over which it reaches zero at the first rate, of envelopes from elsewhere [N].
 _ROUNDED = 12.0
-#: Standard deviation of the drives' errors that is weighed against none, and from which their size
-#: is sought. At 0.11 a virtual leg that has 0.075 asked for none, at 0.05 clean raw EMG for some.
-_ERROR = 0.08
+#: Standard deviation of the drives' errors that is weighed against none, where its search begins
+#: (a leg with 0.075 asked for none at 0.11, clean raw EMG for some at 0.05); and times the least.
+_ERROR, _ANY = 0.08, 1.05
 #: What is to be gained in −2 ln p where sets are weighed: weights are not of the path then.
 _WEIGHED = 0.01
 #: Part of the torque's changes that parameters alone have to follow before: of a model that follows
@@ -170,5 +170,5 @@ def _with_errors_of_drives(own: LogPosterior, point: Point) -> Reached:
     some = own.having(fast=_ERROR, sizes=BEGIN)
     some, where = learnt(some, some.descend(point.z, tolerance=0.3), tolerance=0.1)
     # errors of the least size are none: theirs is another prior, of noise that is known
-    there_are = (some.fast or 0.0) > 1.05 * ERRORS[0] and some.evidence(where) < none
+    there_are = (some.fast or 0.0) > _ANY * ERRORS[0] and some.evidence(where) < none
     return (some, where) if there_are else (post, there)
