@@ -130,7 +130,7 @@ def test_raw_emg_identifies_as_much_as_envelopes(tmp_path) -> None:
         for raw in claimed:
             (path,) = make(family, 4951, tmp_path / str(raw), (1,), raw=raw)
             for name, own in surae.fit(path, quality=()).parameters.items():
-                if own.verdict == "identified" and name in truth:
+                if own.verdict == "identified" and truth.get(name) is not None:
                     claimed[raw] += 1
                     true[raw] += own.ci95[0] <= truth[name] <= own.ci95[1]
     assert claimed[True] >= 0.9 * claimed[False] > 0
