@@ -49,7 +49,7 @@ docs: $(READY)          ## the documentation site, its examples executed, in doc
 release: $(READY)      ## all that a release must pass; wheels and source archives in dist
 	@$(BIN)/python .ci/release
 
-wheel: $(READY)         ## the wheel on the oldest and the newest Python and dependencies
+wheel: $(READY)         ## wheels and source archives on the oldest and the newest Python and dependencies
 	@.ci/wheel
 
 lock: $(READY)          ## renew requirements.lock from pyproject.toml

@@ -40,7 +40,7 @@ exclude_patterns = [
 root_doc = "index"
 
 html_theme = "pydata_sphinx_theme"
-html_title = "surae"
+html_title = f"surae {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_sidebars = {page: [] for page in ("index", "start", "clinicians", "reproduction", "glossary")}

@@ -1,4 +1,4 @@
-"""CITATION.cff: what its schema requires, and what the package says; the paper's counts."""
+"""CITATION.cff: what its schema requires, and what the package says; the paper, the recipe."""
 
 import re
 import tomllib
@@ -63,3 +63,24 @@ def test_what_the_paper_cites_is_in_its_bibliography():
     bibliography = (ROOT / "paper" / "paper.bib").read_text(encoding="utf-8")
     cited = set(re.findall(r"@([a-z]+\d{4})", paper))
     assert cited == set(re.findall(r"^@\w+\{(\w+),", bibliography, flags=re.MULTILINE))
+
+
+def test_condas_recipe_needs_and_offers_what_the_package_does():
+    """Both ways: what a dependency of one alone would be is found by nobody but conda's users."""
+    recipe = (ROOT / "recipe" / "recipe.yaml").read_text(encoding="utf-8")
+    run = recipe.split("\n  run:\n")[1].split("\n\n")[0]
+    needs = {line.removeprefix("    - ").replace(" ", "") for line in run.splitlines()}
+    asked = {need.replace("matplotlib>", "matplotlib-base>") for need in PROJECT["dependencies"]}
+    assert needs == asked | {f"python{PROJECT['requires-python']}"}
+    scripts = re.findall(r'"(.+?)"', recipe.split("entry_points: [")[1].split("]")[0])
+    assert scripts == [f"{name} = {what}" for name, what in PROJECT["scripts"].items()]
+
+
+def test_counts_on_the_front_are_those_that_were_made():
+    """README and challenge say of no entrant what no count has."""
+    counts = (ROOT / "benchmarks" / "counts.md").read_text(encoding="utf-8")
+    for page in ("README.md", "docs/challenge.md"):
+        rows = re.findall(r"^\|.*\d of \d.*$", (ROOT / page).read_text("utf-8"), re.MULTILINE)
+        said = [re.search(r"\d+ of \d+", row)[0] for row in rows]
+        assert len(said) > 2
+        assert [each for each in said if not re.search(rf"(?<!\d){each}(?!\d)", counts)] == []

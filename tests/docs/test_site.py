@@ -36,6 +36,13 @@ def test_a_page_of_a_package_has_what_surae_itself_lacks(package):
     assert [name for name in names if name.isupper() and f"`{name}`" not in text] == []
 
 
+def test_every_page_shows_the_version():
+    """It stands where the theme shows the site's title: at the head of each page."""
+    conf = (DOCS / "conf.py").read_text()
+    assert 'html_title = f"surae {release}"' in conf
+    assert 'release = installed("surae")' in conf
+
+
 def test_the_table_of_the_quality_gate_has_every_code(monkeypatch):
     monkeypatch.syspath_prepend(str(DOCS / "_ext"))
     import quality_table

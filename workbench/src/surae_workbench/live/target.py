@@ -5,6 +5,7 @@ recorded beside what was measured.
 """
 
 import threading
+import time
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +18,8 @@ from surae_workbench.live.lsl import lsl, outlet
 NAME, SOURCE, KIND = "surae target", "surae-live-target", "Target"
 #: Rate [Hz], and how much of it is sent at a time [s].
 _RATE, _STEP = 100.0, 0.02
+#: So long an outlet that sends no more waits for those who hear it to leave [s].
+_LEAVE = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,3 +89,7 @@ class TargetStream:
                 times = start + np.arange(sent, due) / _RATE
                 stream.push_chunk(self._plan.at(times), float(times[-1]))
                 sent = due
+        # LSL has crashed where an outlet went while its samples were still on their way.
+        end = time.monotonic() + _LEAVE
+        while stream.have_consumers() and time.monotonic() < end:
+            time.sleep(_STEP)
