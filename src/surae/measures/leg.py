@@ -6,7 +6,7 @@ part in it. Lengths, arms and the balance of muscle and tendon are those of `sur
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -65,6 +65,7 @@ class Leg:
     gained: tuple[float, ...] = (1.0, 1.0)
     _holds: dict[tuple[str, float, float], MuscleHold] = field(default_factory=dict, compare=False)
     _muscles: dict[str, Muscle] = field(default_factory=dict, compare=False)
+    _angles: dict[tuple[str, float], float] = field(default_factory=dict, compare=False)
     # What all legs of these recordings and options share:
     _ties: list[Simulator] = field(default_factory=list, compare=False)
     _geometry: dict[tuple[float, float | None], tuple[MusclePlace, MusclePlace]] = field(
@@ -74,10 +75,7 @@ class Leg:
     def with_values(self, values: Mapping[str, float]) -> "Leg":
         """The leg with other values of some parameters, in the same recordings."""
         own = {**self.values, **values}
-        return Leg(
-            self.spec, self.options, own, self.inputs, self.moved, self.gained, _ties=self._ties,
-            _geometry=self._geometry,
-        )  # fmt: skip
+        return replace(self, values=own, _holds={}, _muscles={}, _angles={})
 
     @property
     def is_compliant(self) -> bool:
@@ -105,9 +103,7 @@ class Leg:
 
     def _path(self, group: str, angle: float) -> MusclePlace:
         """Path of a group at an angle, as of `surae.model.movement` where the leg has its own."""
-        scale, bent, bend, longer, turn, zero = (
-            self.values.get(f"{name}_{group}", 0.0) for name in OWN_PATH
-        )
+        scale, bent, bend, longer, turn, zero = self._own_path[GROUPS.index(group)]
         angle += self.values.get(ZERO, 0.0)
         length, slope, arm, arm_slope = self._assumed(group, angle, self._second)
         rest = self._assumed(group, 0.0, None).length
@@ -118,6 +114,10 @@ class Leg:
             rest + zero + stretch * (length - rest) + turn * angle**2,
             stretch * slope + 2.0 * turn * angle, grown * arm * factor, grown * turned,
         )  # fmt: skip
+
+    @cached_property
+    def _own_path(self) -> list[list[float]]:
+        return [[self.values.get(f"{name}_{g}", 0.0) for name in OWN_PATH] for g in GROUPS]
 
     def _assumed(self, group: str, angle: float, second: float | None) -> MusclePlace:
         """Path of a group as the geometry assumes it, with a second joint at an angle [rad]."""
@@ -186,9 +186,11 @@ class Leg:
         def missing(degrees: float) -> float:
             return self.rigid_length(group, degrees) - length
 
-        if not missing(_ENDS[0]) * missing(_ENDS[1]) < 0.0:
-            raise NotDefinedError("none/long")
-        return float(brentq(missing, *_ENDS, xtol=1e-12))
+        if (group, length) not in self._angles:
+            if not missing(_ENDS[0]) * missing(_ENDS[1]) < 0.0:
+                raise NotDefinedError("none/long")
+            self._angles[group, length] = float(brentq(missing, *_ENDS, xtol=1e-12))
+        return self._angles[group, length]
 
     def tendon(self, group: str) -> TendonCurve:
         """The tendon's curve, as `surae.model.tendon.tendon_force` takes it."""

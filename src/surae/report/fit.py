@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
-from itertools import chain
 
 import numpy as np
 
@@ -103,29 +102,22 @@ def fit_report(
             "those of the thesis Estimating ankle muscle parameters (van de Poll, 2015)."
         ),
     )
-    figures = _figures(budget, traces, assessment, predictions)
-    if isinstance(result.problem.options.geometry, GeometryTable):
-        drawn = geometry_figure(result.problem.options, joint.headings)
-        figures = chain(figures, [("geometry", drawn)])
-    return Report(document, figures, traces)
+    return Report(document, _figures(fit, budget, traces, predictions), traces)
 
 
 def predictions_report(assessment: Assessment, predictions: Sequence[Prediction]) -> Report:
     """How other recordings are predicted, to be a part of a page."""
-    drawn = [("predictions", predictions_figure(predictions))]
-    return Report(
-        block.Document("", "", "", "", predictions_section(assessment, predictions)), drawn
-    )
+    page = block.Document("", "", "", "", predictions_section(assessment, predictions))
+    return Report(page, [("predictions", predictions_figure(predictions))])
 
 
 def _figures(
-    budget: BudgetTable,
-    traces: Sequence[Traces],
-    assessment: Assessment,
+    fit: AssessedFit, budget: BudgetTable, traces: Sequence[Traces],
     predictions: Sequence[Prediction],
-) -> Iterator[tuple[str, Figure]]:
+) -> Iterator[tuple[str, Figure]]:  # fmt: skip
     """Name and figure, such as ``"torque-0"``; the same on the page and on paper."""
-    for number, (trial, white) in enumerate(zip(traces, assessment.whiteness, strict=True)):
+    options = fit.result.problem.options
+    for number, (trial, white) in enumerate(zip(traces, fit.assessment.whiteness, strict=True)):
         yield f"torque-{number}", torque_figure(trial)
         residual = residual_figure(trial.time, trial.residual, white, trial.excluded)
         yield f"residual-{number}", residual
@@ -139,9 +131,11 @@ def _figures(
         yield "predictions", predictions_figure(predictions)
     if budget.rows:
         yield "budget", budget_figure(budget)
-    estimated = assessment.covariance
+    estimated = fit.assessment.covariance
     if len(estimated.names) > 1:
         yield "correlation", correlation_figure(estimated.names, estimated.correlation)
+    if isinstance(options.geometry, GeometryTable):
+        yield "geometry", geometry_figure(options, options.anatomy.headings)
 
 
 def _summary(fit: AssessedFit, traces: Sequence[Traces]) -> block.Section:

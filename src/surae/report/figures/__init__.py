@@ -6,7 +6,6 @@ whose global state is left alone; nothing else of surae imports it first.
 
 import base64
 import io
-import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -19,15 +18,17 @@ from surae.base.working_folder import ignoring
 from surae.report.traces import min_max
 
 with ignoring("matplotlibrc"):
+    from matplotlib import rc_context
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes as Axes
     from matplotlib.figure import Figure as Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
+    from matplotlib.transforms import Bbox
 
 __all__ = [
-    "BLUE", "GREY", "INK", "MUTED", "OCHRE", "RED", "WIDTH", "Axes", "Figure", "align", "data_url",
-    "dress", "dress_degrees", "heading", "legend", "new_figure", "png", "shade_excluded",
-    "shared_legend", "svg", "trace", "write_figure",
+    "BLUE", "GREY", "GRID", "INK", "MUTED", "OCHRE", "RED", "WIDTH", "Axes", "Figure", "align",
+    "data_url", "dress", "dress_degrees", "heading", "legend", "new_figure", "png",
+    "shade_excluded", "shared_legend", "svg", "trace", "write_figure",
 ]  # fmt: skip
 
 
@@ -42,7 +43,6 @@ BLUE, RED, OCHRE, GREY = "#1f4e8c", "#a8321f", "#b8860b", "#a3abb5"
 
 #: Room [inch] for a heading and for each entry of a legend beside it.
 _HEADING, _ENTRY = 2.0, 0.85
-_RANDOM_ID = re.compile(r'(?<=["#])[a-z]+[0-9a-f]{10}(?=[")])')
 
 
 def new_figure(height: float, *, width: float = WIDTH) -> Figure:
@@ -53,7 +53,7 @@ def new_figure(height: float, *, width: float = WIDTH) -> Figure:
 def align(figure: Figure) -> None:
     """Lay a figure out and hold its axes' labels there, those of a column in line; at its end.
 
-    Each drawing would ask for their places again, and the layout for those of empty ones.
+    The layout asks twice how far each axes' letters reach and each drawing asks again: they hold.
     """
     engine = figure.get_layout_engine()
     if figure.canvas.manager is not None or not isinstance(engine, ConstrainedLayoutEngine):
@@ -63,7 +63,12 @@ def align(figure: Figure) -> None:
     for axis in every:
         if not axis.label.get_text():
             axis.set_label_coords(0.5, 0.5)
+    for axes in figure.axes:
+        if axes.get_aspect() == "auto":
+            vars(axes)["get_tightbbox"] = _held(axes)
     engine.execute(figure)
+    for axes in figure.axes:
+        vars(axes).pop("get_tightbbox", None)
     figure.set_layout_engine("none")
     figure.align_ylabels()
     for axis in every:
@@ -71,6 +76,13 @@ def align(figure: Figure) -> None:
             x, y = axis.label.get_position()
             inside = axis.axes.transAxes.inverted().transform((x, y))
             axis.set_label_coords(*((x, inside[1]) if axis.axis_name == "x" else (inside[0], y)))
+
+
+def _held(axes: Axes) -> Callable[..., Bbox]:
+    """Where an axes and its letters are, as far beyond it as they reach now."""
+    around = axes.get_tightbbox(for_layout_only=True) or axes.bbox
+    reach = around.get_points() - axes.bbox.get_points()
+    return lambda *_given, **_named: Bbox(axes.bbox.get_points() + reach)
 
 
 def dress(axes: Axes, ylabel: str, xlabel: str = "", *, grid: bool = True) -> None:
@@ -156,11 +168,9 @@ def svg(figure: Figure) -> bytes:
     align(figure)
     buffer = io.StringIO()
     canvas: Any = FigureCanvasSVG(figure)
-    canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})
-    names: dict[str, str] = {}
-    return _RANDOM_ID.sub(
-        lambda found: names.setdefault(found.group(), f"i{len(names)}"), buffer.getvalue()
-    ).encode()
+    with rc_context({"svg.hashsalt": "surae"}):  # else its names are drawn by lot
+        canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})
+    return buffer.getvalue().encode()
 
 
 def data_url(data: bytes, kind: str = "svg+xml") -> str:
@@ -170,7 +180,6 @@ def data_url(data: bytes, kind: str = "svg+xml") -> str:
 
 def pdf(figure: Figure) -> bytes:
     """The figure as PDF, its letters from embedded TrueType fonts; equal figures, equal bytes."""
-    from matplotlib import rc_context
     from matplotlib.backends.backend_pdf import FigureCanvasPdf
 
     buffer = io.BytesIO()

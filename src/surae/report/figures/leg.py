@@ -15,8 +15,8 @@ from surae.report.language import Words
 
 #: Width of a card's figure, so that its letters are read on a telephone too [inch].
 CARD_WIDTH = 4.6
-#: A band may reach so many times the measured range beyond it before it is cut off.
-_BEYOND = 0.5
+#: A band may reach so many times the measured range beyond it; width of a letter in a bar [%].
+_BEYOND, _LETTER = 0.5, 1.7
 
 
 def stiffness_figure(
@@ -109,10 +109,11 @@ def shares_bar(parts: Sequence[tuple[str, float, tuple[float, float] | None]]) -
     begin = 0.0
     for (name, value, interval), colour in zip(parts, (INK, BLUE, GREY, "#e3e6ea"), strict=False):
         axes.barh(0, value, left=begin, height=0.6, color=colour, edgecolor="white")
-        if value > 12.0:
+        text = f"{name} {value:.0f} %"
+        if value > _LETTER * len(text):
             axes.text(
-                begin + 0.5 * value, 0, f"{name} {value:.0f} %", ha="center", va="center",
-                fontsize=9, color="white" if colour in (INK, BLUE) else INK,
+                begin + 0.5 * value, 0, text, ha="center", va="center", fontsize=9,
+                color="white" if colour in (INK, BLUE) else INK,
             )  # fmt: skip
         if interval is not None:
             ends = [begin + min(max(end, 0.0), 100.0) for end in interval]

@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from surae.base.units import FloatArray
 from surae.inference import Whiteness
@@ -25,11 +24,9 @@ __all__ = ["budget_figure", "correlation_figure", "geometry_figure", "residual_f
 
 
 def residual_figure(
-    time: FloatArray,
-    residual: FloatArray,
-    whiteness: Whiteness,
+    time: FloatArray, residual: FloatArray, whiteness: Whiteness,
     excluded: Sequence[tuple[int, int]] = (),
-) -> Figure:
+) -> Figure:  # fmt: skip
     """Residual [Nm] against time, hatched where a fit left it out, and its autocorrelation."""
     figure = figures.new_figure(4.2)
     axes, correlated = figure.subplots(2)
@@ -121,7 +118,6 @@ def budget_figure(budget: BudgetTable) -> Figure:
     figures.dress(axes, "", "Share of the variance [%]", grid=False)
     begins = np.zeros(len(names))
     y = np.add.outer(range(len(names)), (-0.36, -0.36, 0.36, 0.36))
-    patches = []
     for number, (source, label) in enumerate(zip(budget.sources, budget.labels, strict=True)):
         colour, hatch = SOURCES[source].look
         look: dict[str, Any] = {
@@ -129,8 +125,7 @@ def budget_figure(budget: BudgetTable) -> Figure:
         }  # fmt: skip
         ends = begins + shares[:, number]
         boxes = np.dstack((np.stack((begins, ends, ends, begins), axis=1), y))[ends > begins]
-        axes.add_collection(PolyCollection(list(boxes), **look), autolim=False)
-        patches.append(Patch(label=label, **look))
+        axes.add_collection(PolyCollection(list(boxes), label=label, **look), autolim=False)
         begins = ends
     axes.set_yticks(range(len(names)), names)
     axes.set(xlim=(0.0, 100.0), ylim=(len(names) - 0.3, -0.7))
@@ -140,10 +135,7 @@ def budget_figure(budget: BudgetTable) -> Figure:
     known.tick_params(length=0, labelcolor=INK)
     known.spines["right"].set_visible(False)
     known.set_ylabel("known to (95 %)", fontsize=9, color=INK)
-    figure.legend(
-        handles=patches, loc="outside upper center", ncols=3, frameon=False, fontsize=8,
-        labelcolor=INK, handlelength=2.4, handleheight=1.1, columnspacing=1.6,
-    )  # fmt: skip
+    figures.shared_legend(figure, [axes], 3)
     return figure
 
 

@@ -2,12 +2,13 @@
 
 from collections.abc import Collection, Mapping
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.inference import Assessment, ParameterEstimate, Verdict
 from surae.report import figures
-from surae.report.figures import BLUE, GREY, INK, MUTED, WIDTH
+from surae.report.figures import BLUE, GREY, GRID, INK, MUTED, WIDTH
 from surae.report.parameters import shown_parameters
 
 #: Width of a panel, and height of a trial in it [inch].
@@ -29,14 +30,21 @@ def trials_figure(
     rows = -(-len(names) // columns)
     figure = figures.new_figure(rows * (0.75 + _HEIGHT * max(len(fits), 2)))
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True)
+    for axes in panels[
+        :, 1:
+    ].flat:  # lines where ticks would be, which take a hundred times as long
+        axes.yaxis.set_visible(False)
+        axes.hlines(
+            range(len(trials)), 0.0, 1.0, transform=axes.get_yaxis_transform(), color=GRID,
+            linewidth=0.6, zorder=0.5,
+        )  # fmt: skip
     for axes, name in zip(panels.flat, names, strict=False):
         figures.dress(axes, "")
         figures.heading(axes, name)
         if joint is not None and name in joint.parameters:
             _band(axes, joint.parameters[name])
-        for place, trial in enumerate(trials):
-            if name in fits[trial].parameters:
-                _mark(axes, place, fits[trial].parameters[name], name not in disputed)
+        told = {k: found for k, t in enumerate(trials) if (found := fits[t].parameters.get(name))}
+        _mark(axes, told, name not in disputed)
         axes.tick_params(axis="y", labelsize=7)
         axes.locator_params(axis="x", nbins=4)
         axes.xaxis.get_offset_text().set(fontsize=7, color=MUTED)
@@ -55,13 +63,14 @@ def _band(axes: Axes, p: ParameterEstimate) -> None:
     axes.axvline(p.value, color=BLUE, linewidth=1.0)
 
 
-def _mark(axes: Axes, place: int, p: ParameterEstimate, agreed: bool) -> None:
-    sure = agreed and p.verdict is Verdict.IDENTIFIED
-    if p.ci95 is not None:
-        axes.plot(_within(p), [place, place], color=INK if sure else GREY, linewidth=1.6)
-    axes.plot(
-        [p.value], [place], marker="o", markersize=3.5, linestyle="none", markeredgecolor=INK,
-        markerfacecolor=INK if p.ci95 is not None else "white", markeredgewidth=0.8,
+def _mark(axes: Axes, trials: Mapping[int, ParameterEstimate], agreed: bool) -> None:
+    known = {place: p for place, p in trials.items() if p.ci95 is not None}
+    sure = [agreed and p.verdict is Verdict.IDENTIFIED for p in known.values()]
+    low, high = np.array([_within(p) for p in known.values()]).reshape(-1, 2).T
+    axes.hlines(list(known), low, high, [INK if s else GREY for s in sure], linewidth=1.6)
+    axes.scatter(
+        [p.value for p in trials.values()], list(trials), s=3.5**2, edgecolors=INK, linewidths=0.8,
+        facecolors=[INK if place in known else "white" for place in trials], zorder=2.5,
     )  # fmt: skip
 
 
