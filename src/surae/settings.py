@@ -222,8 +222,9 @@ class FitSettings(Request):
         """How far the angle's zero may be off, one standard deviation [deg]."""
         if self.angle_zero_sd is not None:
             return self.angle_zero_sd
-        if self.stated_zero is not None:
-            return self.stated_zero[1]
+        if self.stated_zero is not None and self.knowledge is not None:
+            sd, tilt = self.stated_zero[1], self.knowledge.tilt_deg(self.options.anatomy.distance)
+            return max(sd, min(math.hypot(sd, tilt), _ZERO))
         return 0.0 if "angle_zero" in self.fixed else _ZERO
 
     @property

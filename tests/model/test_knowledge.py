@@ -10,6 +10,7 @@ from surae.base.errors import InputError
 from surae.base.records import from_plain
 from surae.model.geometry import moment_arm
 from surae.model.geometry_file import read_geometry
+from surae.model.joint import ANKLE
 from surae.model.knowledge import Knowledge, Plate
 from surae.model.knowledge_file import known_from, read_knowledge, read_session_toml
 from surae.model.sources import SOURCES, advice
@@ -240,6 +241,23 @@ def test_arms_that_are_told_twice_otherwise_are_of_nobody(tmp_path) -> None:
     arms = settings.knowledge.statements["arms"]
     assert arms.agrees is False
     assert arms.texts[1].startswith(f"{1.16 * tri:.3g} ± 1.5 mm and ")
+
+
+def test_a_zero_of_the_plate_is_off_at_an_ankle_above_its_axis() -> None:
+    zero, axis = StatedZero(2.0, 1.0, again=2.4), StatedAxis((4.0, -6.0), 2.0, again=(4.5, -5.0))
+    alone = FitSettings.of(knowledge=Knowledge(angle_zero_deg=zero))
+    both = FitSettings.of(knowledge=Knowledge(angle_zero_deg=zero, axis_mm=axis))
+    ((_, known),) = both.knowledge.statements["angle_zero"].numbers.values()
+    up, sd = both.knowledge.statements["axis"].numbers["up"]
+    tilt = np.degrees(np.hypot(up, sd) / 1e3 / ANKLE.distance)
+    assert alone.zero_sd == known
+    assert both.zero_sd == pytest.approx(np.hypot(known, tilt))
+    assert both.zero_sd > 2.0 * known
+    # to state an axis makes no zero less sure than one that nobody stated
+    far = StatedAxis((0.0, 20.0), 5.0)
+    assert FitSettings.of(knowledge=Knowledge(angle_zero_deg=zero, axis_mm=far)).zero_sd == 2.5
+    once = Knowledge(angle_zero_deg=StatedZero(2.0, 1.5), axis_mm=far)
+    assert FitSettings.of(knowledge=once).zero_sd == pytest.approx(np.hypot(1.5, 2.3))
 
 
 def test_what_is_asked_goes_before_what_is_known() -> None:

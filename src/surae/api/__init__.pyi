@@ -3,7 +3,6 @@
 from surae.api.answers import change as change
 from surae.api.answers import fit_of as fit_of
 from surae.api.answers import other_change as other_change
-from surae.api.answers import predictions_part as predictions_part
 from surae.api.answers import validate as validate
 from surae.api.answers import write_change_page as write_change_page
 from surae.api.designing import as_device as as_device
@@ -62,7 +61,6 @@ from surae.model import adapted as adapted
 from surae.model import check_value as check_value
 from surae.model import get_model as get_model
 from surae.model import with_optional as with_optional
-from surae.model.geometry_file import geometry_of_text as geometry_of_text
 from surae.model.jit import cache_folder as cache_folder
 from surae.model.jit import on_compilation as on_compilation
 from surae.model.knowledge import Knowledge as Knowledge

@@ -100,14 +100,6 @@ def write_change_page(
     ).write(path)  # fmt: skip
 
 
-def predictions_part(fit: Fit, predictions: Sequence[Prediction]) -> str:
-    """How a fit predicts other recordings, as HTML for a part of a page."""
-    from surae.report import part_of
-    from surae.report.fit import predictions_report  # matplotlib
-
-    return part_of(**predictions_report(fit.assessment, predictions).plain())
-
-
 def fit_of(given: Fit | PathLike) -> Fit:
     """A fit that is given as itself, as its file, or as the folder of a session."""
     return given if isinstance(given, Fit) else load(_file_of(given))

@@ -263,7 +263,7 @@ class LogPosterior(Coordinates):
         w = self.expected() if w is None or self.fast is None or not len(w[0]) else tuple(w)
         self.observed.anew()
         here = self._point(z, c, w)
-        spent, idle = 0, 0
+        spent, idle, last = 0, 0, 1.0
         secant, eye = Secant(len(z)), np.eye(len(z))
         while True:
             H, g = self._normal(here)
@@ -281,7 +281,8 @@ class LogPosterior(Coordinates):
             A = secant.added(A, scale)
             d = box_quadratic(A + damping * eye, b, *room)
             gain, slope = predicted_gain(A, b, d), 2.0 * (latent_gain - float(b @ d))
-            part, better = 1.0, False
+            part = begun = min(1.0, 2.0 * last)  # the one before may have had to be shortened
+            better = False
             while not better and part > _SHORTEST and spent < evaluations:
                 trial = self._trial(here, d / scale, part)
                 spent += 1
@@ -297,9 +298,10 @@ class LogPosterior(Coordinates):
                 continue
             if trial.cost < (1.0 - FAR) * here.cost:
                 secant = Secant(len(z))
-            if part < 1.0:
+            last = part
+            if part < begun:
                 damping *= 2.0
-            else:
+            elif part == 1.0:
                 ratio = (here.cost - trial.cost) / max(gain + latent_gain, 1e-300)
                 damping = max(damping * eased(ratio), 1e-12)
             here = trial

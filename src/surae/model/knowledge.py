@@ -171,6 +171,16 @@ class Knowledge(Request):
         arms = self.geometry_arms_mm or (1e3 * ARMS[0][0], 1e3 * ARMS[1][0])
         return dict(zip(("tri", "tib"), arms, strict=True))
 
+    def tilt_deg(self, strap: float) -> float:
+        """How far a foot may be turned on a plate that stands at its zero [deg]: ‖up‖ / R.
+
+        A zero is read at the foot or at the plate, which nobody states, and an ankle above the
+        device's axis by `up` turns the foot against the plate, strapped at R = `strap` [m], so far.
+        """
+        axis = self.statements.get("axis")
+        up = math.hypot(*axis.numbers["up"]) if axis else 0.0
+        return math.degrees(up / (1e3 * strap))
+
     def agrees(self, source: str) -> bool | None:
         """Whether two statements of a source agree; None where there is no statement."""
         made = self.statements.get("arms" if source == "lengths" else source)
