@@ -23,8 +23,6 @@ from surae.base import names
 from surae.base.records import to_plain
 from surae.base.requests import DesignSettings, ExpectSettings
 from surae.base.setting import Setting, default_of, kind_of, settings_of
-from surae.model.geometry_file import geometry_of
-from surae.recording.source import Source
 
 #: No control characters, nor those that break lines or turn the direction of writing.
 _PRINTED = r"^[^\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]"
@@ -134,8 +132,8 @@ class Geometry(Strict):
     def plain(self) -> dict[str, Any]:
         """The table; a text is read."""
         if self.text is not None:
-            source = Source(self.name, self.text.encode(), "")
-            table: dict[str, Any] = to_plain(geometry_of(source))
+            source = api.Source(self.name, self.text.encode(), "")
+            table: dict[str, Any] = to_plain(api.geometry_of(source))
             return table
         return self.model_dump(mode="json", exclude_none=True)
 

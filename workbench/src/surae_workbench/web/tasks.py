@@ -254,11 +254,9 @@ def fit_part(fit: str) -> str:
 
 def predictions(fit: str, recordings: Mapping[str, str]) -> str:
     """How a fit predicts other recordings, by name and file, as its page shows it."""
-    from surae.report.fit import predictions_report  # matplotlib
-
     fitted = api.load(fit)
     others = [replace(imports.read_recording(path), name=name) for name, path in recordings.items()]
-    report = predictions_report(fitted.assessment, api.validate(fitted, others))
+    report = api.predictions_report(fitted.assessment, api.validate(fitted, others))
     return api.part_of(**report.plain())
 
 
