@@ -3,6 +3,7 @@
 import errno
 import os
 import time
+import weakref
 
 import numpy as np
 import pytest
@@ -190,6 +191,26 @@ def test_a_target_that_is_closed_is_a_stream_no_more(lsl, tmp_path) -> None:
         waited(lambda: all(s.state == "lost" for s in recorder.streams.values()))
     finally:
         recorder.close()
+
+
+@pytest.mark.parametrize("heard", [0.2, 60.0])
+def test_a_target_ends_once_nobody_hears_it_or_after_a_second(lsl, monkeypatch, heard) -> None:
+    class Outlet:
+        def push_chunk(self, *_: object) -> None:
+            pass
+
+        def have_consumers(self) -> bool:
+            asked.append(time.monotonic())
+            return asked[-1] < asked[0] + heard
+
+    asked: list[float] = []
+    made = [Outlet()]
+    held = weakref.ref(made[0])
+    monkeypatch.setattr("surae_workbench.live.target.outlet", lambda *_: made.pop())
+    target = TargetStream()
+    target.close()
+    assert min(heard, 1.0) - 0.05 < asked[-1] - asked[0] < min(heard, 1.0) + 0.5
+    assert held() is None
 
 
 @pytest.fixture
