@@ -1,6 +1,10 @@
-"""What a warm `surae fit` costs beside importing its libraries: the median of paired runs."""
+"""What a warm `surae fit` costs beside importing its libraries: the median of paired runs.
+
+With `--first` what the first one after an installation takes, its kernels compiled, and the next.
+"""
 
 import argparse
+import os
 import statistics
 import subprocess
 import sys
@@ -21,10 +25,18 @@ def seconds(command: list[str]) -> float:
     return time.perf_counter() - begin
 
 
+def first(fit: list[str]) -> str:
+    """By the clock, the first fit with an empty folder of kernels, and the second."""
+    with tempfile.TemporaryDirectory() as empty:
+        os.environ["SURAE_CACHE"] = empty
+        return f"first surae fit {seconds(fit):.1f} s, second {seconds(fit):.1f} s"
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("recording", nargs="?", help="a prepared CSV; by default a virtual trial")
     parser.add_argument("--runs", type=int, default=7)
+    parser.add_argument("--first", action="store_true", help="of the first fit after installation")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         recording = arguments.recording or f"{folder}/trial.csv"
@@ -33,6 +45,9 @@ def main() -> None:
                 Path(recording), 128.0, 0.0, profile="multiple-holds", chirp_rate=0.5, duration=32.0
             )
         fit = [sys.executable, "-m", "surae", "fit", recording, "--prepared"]
+        if arguments.first:
+            print(first(fit))
+            return
         seconds(fit), seconds(LIBRARIES)  # warm
         pairs = [(seconds(fit), seconds(LIBRARIES)) for _ in range(arguments.runs)]
     ratio = statistics.median(ours / theirs for ours, theirs in pairs)

@@ -1,6 +1,7 @@
 """The on-disk cache of compiled kernels: named by its source, never stale, always writable."""
 
 import ast
+import importlib
 import os
 import re
 import shutil
@@ -199,6 +200,142 @@ def test_decorating_leaves_the_configuration_of_numba_alone(fresh) -> None:
 
 def abs_of(x: float) -> float:
     return abs(x)
+
+
+def test_each_signature_has_a_file_of_its_own(fresh, tmp_path) -> None:
+    # numba's index, written by two programs at once, may give one's machine code to the other
+    one, other = jit.jit(abs_of), jit.jit(abs_of)
+    one(-1.0), other(-1)
+    files = sorted(path.name for path in (tmp_path / "cache").rglob("*.py*") if path.is_file())
+    assert len(files) == 2
+    both = jit.jit(abs_of)
+    assert [both(-2.0), both(-2)] == [2.0, 2]
+    assert [type(both(-2.0)), type(both(-2))] == [float, int]
+    assert sum(both.stats.cache_hits.values()) == 2
+    assert not both.stats.cache_misses
+
+
+def test_one_of_another_name_or_none_is_compiled(fresh, tmp_path) -> None:
+    jit.jit(abs_of)(-1.0)
+    for path in (tmp_path / "cache").rglob("*.py*"):
+        if path.is_file():
+            path.rename(path.with_name("half-written.tmp"))
+    again = jit.jit(abs_of)
+    assert again(-1.0) == 1.0
+    assert sum(again.stats.cache_misses.values()) == 1
+
+
+@pytest.fixture
+def halves(fresh, monkeypatch) -> Iterator[list[int]]:
+    """Which halves are compiled, in whatever process."""
+    asked: list[int] = []
+
+    class Asked:
+        """A child that notes what it is asked."""
+
+        def __init__(self, calls: int) -> None:
+            assert calls == 1
+
+        def call(self, function: str, arguments: dict[str, int]) -> None:
+            assert function == "surae.model.jit:compile_half"
+            asked.append(arguments["half"])
+
+        def close(self) -> None:
+            """Nothing is open."""
+
+    monkeypatch.setattr("surae.processes.Child", Asked)
+    monkeypatch.setattr(jit, "compile_half", asked.append)
+    jit.compile_all.cache_clear()
+    yield asked
+    jit.compile_all.cache_clear()
+
+
+def test_both_halves_are_compiled_once_for_a_folder(halves) -> None:
+    jit.compile_all()
+    assert sorted(halves) == [0, 1]
+    jit.compile_all.cache_clear()  # another program
+    jit.compile_all()
+    assert sorted(halves) == [0, 1]
+
+
+def test_what_was_interrupted_is_compiled_the_next_time(halves, monkeypatch) -> None:
+    def interrupted(half: int) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(jit, "compile_half", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            jit.compile_all()
+    halves.clear()
+    jit.compile_all()
+    assert sorted(halves) == [0, 1]
+
+
+LISTED = [
+    line.split()
+    for line in (PACKAGE / "model" / "kernels.txt").read_text(encoding="utf-8").splitlines()
+    if line
+]
+
+
+def test_what_is_compiled_ahead_exists_and_takes_as_many_arguments() -> None:
+    assert len({name for name, *_ in LISTED}) == len(LISTED) == 13
+    for name, *given in LISTED:
+        module, kernel = name.split(":")
+        function = getattr(importlib.import_module(f"surae.{module}"), kernel).py_func
+        assert function.__code__.co_argcount == len(given), name
+
+
+def test_kernels_use_nothing_that_is_slow_to_compile() -> None:
+    # a product of matrices or what is written to a slice compiles as long as all else together
+    for source in PACKAGE.rglob("*.py"):
+        text = source.read_bytes()
+        if jit._IMPORT not in text:
+            continue
+        for node in ast.walk(ast.parse(text)):
+            named = [ast.unparse(d) for d in getattr(node, "decorator_list", ())]
+            if not any("jit" in name or name == "inner" for name in named):
+                continue
+            for part in ast.walk(node):
+                where = f"{source.name}:{getattr(part, 'lineno', 0)}"
+                assert not isinstance(part, ast.MatMult), where
+                written = isinstance(part, ast.Subscript) and isinstance(part.ctx, ast.Store)
+                assert not (written and isinstance(part.slice, ast.Slice)), where
+                assert not (isinstance(part, ast.Attribute) and part.attr == "linalg"), where
+
+
+FIRST_FIT = """
+from numba.core import event
+from surae import api
+from surae.model import jit
+
+jit.compile_all()
+compiled = []
+
+class Listener(event.Listener):
+    def on_start(self, told):
+        compiled.append(told.data["dispatcher"].py_func.__name__)
+    def on_end(self, told):
+        pass
+
+with event.install_listener("numba:compile", Listener()):
+    protocol = api.Protocol(profile="multi-sine", duration=20.0)
+    trial = api.virtual_trial(api.virtual_subject(seed=1), api.generate(protocol))
+    api.fit(trial).measures()
+print(compiled)
+"""
+
+
+@pytest.mark.slow
+def test_a_first_fit_compiles_nothing_that_was_not_compiled_ahead(tmp_path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", FIRST_FIT], capture_output=True, text=True, check=True,
+        env={**os.environ, "SURAE_CACHE": str(tmp_path / "cache")},
+    )  # fmt: skip
+    assert done.stdout.split("\n")[-2] == "[]"
+    files = [path.name for path in (tmp_path / "cache").rglob("*.py*") if path.is_file()]
+    kernels = [name.split("-")[0] for name in files]
+    assert len(set(kernels)) == len(kernels) == 33  # one signature each
 
 
 RUN = """

@@ -113,13 +113,10 @@ def explained(error: InputError, recordings: Iterable[Recording | ModelInputs]) 
 
 
 def check(
-    recording: AnyRecording,
-    *,
-    commanded: Commanded | PathLike | None = None,
-    prepared: bool = False,
-    joint: Joint | PathLike | None = None,
+    recording: AnyRecording, *, commanded: Commanded | PathLike | None = None,
+    prepared: bool = False, joint: Joint | PathLike | None = None,
     exclude: Sequence[Sequence[float]] = (),
-) -> Quality:
+) -> Quality:  # fmt: skip
     """Look for faults in a recording before it is fitted.
 
     Parameters
@@ -156,13 +153,10 @@ def check(
 
 
 def check_together(
-    recordings: Iterable[AnyRecording],
-    *,
-    commanded: Commanded | PathLike | None = None,
-    prepared: bool = False,
-    joint: Joint | PathLike | None = None,
+    recordings: Iterable[AnyRecording], *, commanded: Commanded | PathLike | None = None,
+    prepared: bool = False, joint: Joint | PathLike | None = None,
     exclude: Sequence[Sequence[float]] = (),
-) -> list[Quality]:
+) -> list[Quality]:  # fmt: skip
     """Findings of recordings of one leg: holds at several angles are one set.
 
     Parameters

@@ -34,14 +34,10 @@ class Session(TrialSet):
 
     @asks_as_fit
     def fit(
-        self,
-        trials: str | Sequence[str] | None = None,
-        model: str | FitSettings = AUTO,
-        *,
-        progress: SearchProgress | None = None,
-        follow: Follow | None = None,
+        self, trials: str | Sequence[str] | None = None, model: str | FitSettings = AUTO, *,
+        progress: SearchProgress | None = None, follow: Follow | None = None,
         **keywords: "Unpack[FitKeywords]",
-    ) -> Fit:
+    ) -> Fit:  # fmt: skip
         """Fit one trial, or several jointly: they share all parameters of the leg.
 
         Parameters
@@ -81,14 +77,10 @@ class Session(TrialSet):
 
     @asks_as_fit
     def run(
-        self,
-        output: PathLike | None = None,
-        model: str | FitSettings = AUTO,
-        *,
-        progress: StepProgress | None = None,
-        workers: int | None = 1,
+        self, output: PathLike | None = None, model: str | FitSettings = AUTO, *,
+        progress: StepProgress | None = None, workers: int | None = 1,
         **keywords: "Unpack[FitKeywords]",
-    ) -> SessionResult:
+    ) -> SessionResult:  # fmt: skip
         """Check every trial, fit each and all together, and predict each by the others.
 
         Parameters
@@ -120,21 +112,13 @@ class Session(TrialSet):
 
 
 def session(
-    recordings: PathLike | Sequence[PathLike | Recording],
-    *,
-    mapping: PathLike | None = None,
-    name: str | None = None,
-    side: str | None = None,
-    date: str | None = None,
-    condition: str | None = None,
-    notes: str | None = None,
-    efforts: Mapping[str, str] | None = None,
-    sign: Mapping[str, float] | None = None,
-    scale: Mapping[str, float] | None = None,
-    offset: Mapping[str, float] | None = None,
-    swap: Sequence[Sequence[str]] = (),
-    wrap: Mapping[str, float] | None = None,
-) -> Session:
+    recordings: PathLike | Sequence[PathLike | Recording], *, mapping: PathLike | None = None,
+    name: str | None = None, side: str | None = None, date: str | None = None,
+    condition: str | None = None, notes: str | None = None,
+    efforts: Mapping[str, str] | None = None, sign: Mapping[str, float] | None = None,
+    scale: Mapping[str, float] | None = None, offset: Mapping[str, float] | None = None,
+    swap: Sequence[Sequence[str]] = (), wrap: Mapping[str, float] | None = None,
+) -> Session:  # fmt: skip
     """Read the trials of one leg, and decide what each of them is.
 
     Parameters

@@ -7,7 +7,7 @@ from scipy.linalg.lapack import dtbtrs
 
 from surae.base.units import FloatArray
 from surae.model.activation import IntArray
-from surae.model.jit import inner, jit
+from surae.model.jit import jit
 
 #: Columns or rows that are taken together.
 _BLOCK = 16
@@ -27,33 +27,35 @@ def band_products(columns: FloatArray, first: IntArray, band: FloatArray) -> Non
             band[d, j] += total
 
 
-@inner
-def _together(columns: FloatArray, first: IntArray, begin: int, n: int) -> FloatArray:
-    """Short columns, in order, from one on, all from its first sample on, shape (16, …)."""
-    end, start, size = min(begin + _BLOCK, len(first)), first[begin], columns.shape[1]
-    block = np.zeros((end - begin, min(first[end - 1] + size, n) - start))
-    for j in range(begin, end):
-        own = block[j - begin, first[j] - start :]
-        own[:size] = columns[j, : len(own)]
-    return block
-
-
 @jit
+def _fill(columns: FloatArray, first: IntArray, blocks: FloatArray) -> None:
+    """Short columns in blocks, (blocks, 16, …), each from the first sample of its first column."""
+    for j in range(len(first)):
+        block = j // _BLOCK
+        shift = first[j] - first[block * _BLOCK]
+        for t in range(columns.shape[1]):
+            blocks[block, j % _BLOCK, shift + t] = columns[j, t]
+
+
 def border_products(columns: FloatArray, first: IntArray, rows: FloatArray) -> FloatArray:
     """Products of short columns, (k, l), with long ones, (n, p), shape (k, p)."""
-    out = np.empty((len(first), rows.shape[1]))
-    for j in range(0, len(first), _BLOCK):
-        block = _together(columns, first, j, len(rows))
-        out[j : j + len(block)] = block @ rows[first[j] : first[j] + block.shape[1]]
+    out, starts = np.empty((len(first), rows.shape[1])), first[::_BLOCK]
+    wide = int((np.append(starts[1:], first[-1]) - starts).max()) + columns.shape[1]
+    blocks = np.zeros((len(starts), _BLOCK, wide))
+    _fill(columns, first, blocks)
+    for i, (block, start) in enumerate(zip(blocks, starts.tolist(), strict=True)):
+        own, there = out[i * _BLOCK : (i + 1) * _BLOCK], rows[start : start + wide]
+        np.matmul(block[: len(own), : len(there)], there, out=own)
     return out
 
 
 @jit
 def lifted(columns: FloatArray, first: IntArray, heights: FloatArray, out: FloatArray) -> None:
     """Sums of short columns, (k, l), times heights, (k, d), into (n, d)."""
-    for j in range(0, len(first), _BLOCK):
-        block = _together(columns, first, j, len(out))
-        out[first[j] : first[j] + block.shape[1]] += block.T @ heights[j : j + len(block)]
+    for j in range(len(first)):
+        for t in range(min(columns.shape[1], len(out) - first[j])):
+            for c in range(out.shape[1]):
+                out[first[j] + t, c] += columns[j, t] * heights[j, c]
 
 
 def solve_band_transposed(band: FloatArray, right: FloatArray) -> FloatArray:
@@ -67,13 +69,12 @@ def solve_band_transposed(band: FloatArray, right: FloatArray) -> FloatArray:
 
 
 @jit
-def solve_band(band: FloatArray, right: FloatArray) -> FloatArray:
-    """X of L·X = right; LAPACK takes one column after the other, and thrice as long."""
-    (k, wide), x = band.shape, right.copy()
+def _invert(band: FloatArray, blocks: FloatArray) -> None:
+    """What the rows of each block are of those before and of their own right sides."""
+    k, wide = band.shape
     for begin in range(0, k, _BLOCK):
         end, start = min(begin + _BLOCK, k), max(begin - wide + 1, 0)
-        # what these rows are of those before and of their own right sides
-        block = np.zeros((end - begin, end - start))
+        block = blocks[begin // _BLOCK]
         for i in range(begin, end):
             own = block[i - begin]
             own[i - start] = 1.0
@@ -83,6 +84,16 @@ def solve_band(band: FloatArray, right: FloatArray) -> FloatArray:
                 before = block[j - begin]
                 for t in range(j - start + 1):
                     own[t] -= band[j, i - j] * before[t]
-            own /= band[i, 0]
-        x[begin:end] = block @ x[start:end]
+            for t in range(end - start):
+                own[t] /= band[i, 0]
+
+
+def solve_band(band: FloatArray, right: FloatArray) -> FloatArray:
+    """X of L·X = right; LAPACK takes one column after the other, and thrice as long."""
+    (k, wide), x = band.shape, right.copy()
+    blocks = np.zeros((-(-k // _BLOCK), _BLOCK, _BLOCK + wide - 1))
+    _invert(band, blocks)
+    for begin, block in zip(range(0, k, _BLOCK), blocks, strict=True):
+        end, start = min(begin + _BLOCK, k), max(begin - wide + 1, 0)
+        x[begin:end] = block[: end - begin, : end - start] @ x[start:end]
     return x

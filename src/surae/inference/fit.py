@@ -30,14 +30,10 @@ _CONTINUED, _AT_REST = 3, 1e-2
 
 
 def fit_problem(
-    problem: FitProblem,
-    *,
-    starts: int = STARTS,
-    seed: int = 0,
-    progress: SearchProgress | None = None,
-    noise: float | None = None,
+    problem: FitProblem, *, starts: int = STARTS, seed: int = 0,
+    progress: SearchProgress | None = None, noise: float | None = None,
     follow: Follow | None = None,
-) -> FitResult:
+) -> FitResult:  # fmt: skip
     """Find the parameters that bring the modelled torque closest to the measured one.
 
     The first of the `starts` is the problem's own, the others are random within the bounds by

@@ -135,19 +135,10 @@ def compress(rows: FloatArray) -> tuple[FloatArray, FloatArray, float]:
 
 
 def minimise(
-    rows: Rows,
-    x: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-    *,
-    move: Move = np.add,
-    max_iterations: int = 200,
-    ftol: float = 1e-8,
-    xtol: float = 1e-10,
-    gtol: float = 1e-10,
-    stall: float | None = None,
-    better: Better | None = None,
-) -> Minimum:
+    rows: Rows, x: FloatArray, lower: FloatArray, upper: FloatArray, *, move: Move = np.add,
+    max_iterations: int = 200, ftol: float = 1e-8, xtol: float = 1e-10, gtol: float = 1e-10,
+    stall: float | None = None, better: Better | None = None,
+) -> Minimum:  # fmt: skip
     """Minimise the sum of squared residuals within bounds.
 
     Each step solves the damped linear problem exactly within the bounds (`box_quadratic`), so a

@@ -80,14 +80,9 @@ _SLOPE = 0.1
 
 
 def fit_robust(
-    problem: FitProblem,
-    loss: str = "huber",
-    *,
-    starts: int = STARTS,
-    seed: int = 0,
-    progress: SearchProgress | None = None,
-    follow: Follow | None = None,
-) -> FitResult:
+    problem: FitProblem, loss: str = "huber", *, starts: int = STARTS, seed: int = 0,
+    progress: SearchProgress | None = None, follow: Follow | None = None,
+) -> FitResult:  # fmt: skip
     """Fit with a loss that grows less than the square of the residual.
 
     The minimum of Σ σ²ρ(e/σ) is found by iteratively reweighted least squares: weights

@@ -76,12 +76,9 @@ def scan_lengths(problem: FitProblem, rows: SomeRows, x: FloatArray) -> FloatArr
 
 
 def best_along(
-    problem: FitProblem,
-    rows: SomeRows,
-    here: tuple[FloatArray, float],
-    j: int,
+    problem: FitProblem, rows: SomeRows, here: tuple[FloatArray, float], j: int,
     values: Iterable[float],
-) -> tuple[FloatArray, float]:
+) -> tuple[FloatArray, float]:  # fmt: skip
     """A point and its sum of squares, or better ones with parameter j at one of the values."""
     solved = [here]
     for value in values:

@@ -10,16 +10,14 @@ from surae.inference.problem import FitProblem
 from surae.inference.result import FitResult
 from surae.inference.search import fit_family
 from surae.inference.starts import Follow
+from surae.model.jit import compile_all
 from surae.model.laboratory import AUTO
 
 
 def solve(
-    problem: FitProblem,
-    *,
-    starts: int | None = None,
-    progress: SearchProgress | None = None,
+    problem: FitProblem, *, starts: int | None = None, progress: SearchProgress | None = None,
     follow: Follow | None = None,
-) -> FitResult:
+) -> FitResult:  # fmt: skip
     """Find the best minimum of a problem, with the loss, starts and seed of its settings.
 
     `starts` takes the place of the settings'; `progress` and `follow` are as of `fit_problem`.
@@ -30,6 +28,7 @@ def solve(
     InputError
         A loss is asked for of no named model.
     """
+    compile_all()
     settings = problem.settings
     if settings.model == AUTO:
         if settings.loss is not None:

@@ -82,13 +82,9 @@ def _direct(problem: FitProblem, residuals: Residuals, follow: Follow | None) ->
 
 
 def _descent(
-    problem: FitProblem,
-    residuals: Residuals,
-    follow: Follow | None = None,
-    *,
-    stall: float = _STALL,
-    ftol: float = 1e-8,
-) -> Descent:
+    problem: FitProblem, residuals: Residuals, follow: Follow | None = None, *,
+    stall: float = _STALL, ftol: float = 1e-8,
+) -> Descent:  # fmt: skip
     """How a point descends to its minimum, so that one can `follow` it."""
     move = curved_move(problem)
 

@@ -20,7 +20,7 @@ from surae.inference.uncertainty.combined import ZERO
 from surae.measures.muscle import Muscle, MuscleHold, MusclePlace, elongation, series
 from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model, with_optional
 from surae.model.contraction import FECC, MVSH
-from surae.model.equilibrium import solve
+from surae.model.equilibrium import FREE, solve
 from surae.model.geometry import JointAxis, paths
 from surae.model.movement import OWN_PATH
 from surae.model.parameters import JOINT_RESTS, OPTIONAL
@@ -242,7 +242,8 @@ class Leg:
             slow, quick = relaxed * k * elastic + own, k * elastic + own
             return MuscleHold(force, slow, quick, x, 1.0, arm, slope, arm_slope, lift)
         step = (x, x, _STILL, relaxed, 0.0, alpha, 0.0)
-        solved, e, here = solve(0.0, (k, x0, l0, self.greatest_speed(group), *shape), curve, step)
+        unit = (k, x0, l0, self.greatest_speed(group), *shape)
+        solved, e, here = solve(0.0, unit, curve, step, FREE)
         if not solved:
             raise ComputationError("muscle and tendon have no finite balance with these parameters")
         force, stiff, elastic = here[2], here[3], muscle.elastic(x - e)

@@ -14,8 +14,10 @@ import stat
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing, contextmanager, suppress
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -25,6 +27,7 @@ from surae.base.working_folder import ignoring
 
 with ignoring(".numba_config.yaml"):
     import numba
+    from numba.core.caching import IndexDataCacheFile
 vars(numba.config)["_config_fname"] = ""  # looked for again at every compilation
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -92,27 +95,70 @@ def _private_folder() -> Path:
     return folder
 
 
+#: Who is to be told when a kernel has to be compiled.
+_waiting: list[Callable[[], None]] = []
+
+
 @contextmanager
 def on_compilation(notice: Callable[[], None]) -> Iterator[None]:
     """Call `notice` once, when and only when a kernel has to be compiled."""
-    from numba.core import event
-
-    told = False
-
-    class Listener(event.Listener):
-        """Passes on the first compilation."""
-
-        def on_start(self, _event: object) -> None:
-            nonlocal told
-            if not told:
-                told = True
-                notice()
-
-        def on_end(self, _event: object) -> None:
-            """Numba asks for it."""
-
-    with event.install_listener("numba:compile", Listener()):
+    _waiting.append(notice)
+    try:
         yield
+    finally:
+        with suppress(ValueError):
+            _waiting.remove(notice)
+
+
+@cache
+def compile_all() -> None:
+    """Compile what a fit needs, half of it in a child at the same time, once for a cache folder."""
+    done = cache_folder() / "all"
+    if done.exists():
+        return
+    from surae.processes import Child
+
+    with ThreadPoolExecutor(1) as pool, closing(Child(calls=1)) as child:
+        other = pool.submit(child.call, f"{__name__}:compile_half", {"half": 1})
+        compile_half(0)
+        other.exception()  # what a child that failed left is compiled where it is needed
+    done.touch()
+
+
+def compile_half(half: int) -> None:
+    """Compile, or load, kernels that Python calls in a fit: one half of `kernels.txt`.
+
+    It names what each takes: real numbers and integers, in arrays of so many dimensions.
+    """
+    text = Path(__file__).with_name("kernels.txt").read_text(encoding="utf-8")
+    kinds = {"f": numba.float64, "i": numba.int64}
+    for line in text.split("\n\n")[half].splitlines():
+        name, *given = line.split()
+        module, kernel = name.split(":")
+        types = [
+            numba.types.Array(kinds[g[0]], int(g[1:]), "C") if g[1:] else kinds[g] for g in given
+        ]
+        getattr(import_module(f"surae.{module}"), kernel).compile(tuple(types))
+
+
+class _OneFileEach(IndexDataCacheFile):
+    """Machine code in a file for each signature: two who write numba's index mix them up."""
+
+    def _named(self, key: object) -> str:
+        whole = repr((self._source_stamp, key)).encode()  # sources of plugins name no folder
+        return f"{self._index_name}.{hashlib.sha256(whole).hexdigest()[:16]}"
+
+    def save(self, key: object, data: object) -> None:
+        """Write machine code, in one go."""
+        self._save_data(self._named(key), data)  # type: ignore[no-untyped-call]
+
+    def load(self, key: object) -> Any:
+        """Read machine code; None where there is none."""
+        with suppress(OSError):
+            return self._load_data(self._named(key))  # type: ignore[no-untyped-call]
+        while _waiting:
+            _waiting.pop()()
+        return None
 
 
 def inner(function: F) -> F:
@@ -129,6 +175,7 @@ def jit(function: F, **more: Any) -> F:
         # Nobody calls them by address: to allow for that is a tenth of their compilation.
         options: Any = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True, **more}
         compiled: Any = numba.njit(cache=True, **options)(function)
+        compiled._cache._cache_file.__class__ = _OneFileEach
     finally:
         config.CACHE_DIR = previous
     return cast(F, compiled)

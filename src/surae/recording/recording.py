@@ -291,17 +291,11 @@ class Recording:
 
     @classmethod
     def from_arrays(
-        cls,
-        time: npt.ArrayLike,
-        angle: npt.ArrayLike,
-        torque: npt.ArrayLike | None = None,
-        emg: npt.ArrayLike | None = None,
-        *,
-        name: str = "arrays",
-        emg_kind: Literal["raw", "envelope"] = "raw",
-        velocity: npt.ArrayLike | None = None,
+        cls, time: npt.ArrayLike, angle: npt.ArrayLike, torque: npt.ArrayLike | None = None,
+        emg: npt.ArrayLike | None = None, *, name: str = "arrays",
+        emg_kind: Literal["raw", "envelope"] = "raw", velocity: npt.ArrayLike | None = None,
         acceleration: npt.ArrayLike | None = None,
-    ) -> "Recording":
+    ) -> "Recording":  # fmt: skip
         """Build a recording from arrays on one time axis, which are copied.
 
         Parameters

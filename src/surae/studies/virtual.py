@@ -5,6 +5,7 @@ import numpy as np
 from surae.base.errors import InputError
 from surae.base.units import FloatArray
 from surae.model import ModelOptions
+from surae.model.jit import compile_all
 from surae.protocol import Trajectory
 from surae.recording import Recording
 from surae.signals import ModelInputs, inputs_as_given
@@ -59,6 +60,7 @@ def virtual_trial(
     >>> leg = surae.virtual_subject(seed=1)
     >>> surae.virtual_trial(leg, surae.generate(protocol)).torque
     """
+    compile_all()  # a fit will follow
     trial = VirtualTrial(subject, trajectory, imperfections, seed)
     envelopes, torque = trial.simulated(model, options or ModelOptions())
     rng = np.random.default_rng([subject.seed, seed])
@@ -110,6 +112,7 @@ def virtual_recording(
             f"raw EMG at {rate_hz:g} Hz is too slow; generate the trajectory at "
             f"{EMG_LOWEST_RATE:g} Hz or more, for example 2048 Hz"
         )
+    compile_all()  # a fit will follow
     trial = VirtualTrial(subject, trajectory, imperfections, seed)
     envelopes, torque = trial.simulated(model, options or ModelOptions())
     emg = raw_emg(envelopes, rate_hz, stream(subject, "raw EMG", seed))

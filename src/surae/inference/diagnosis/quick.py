@@ -18,6 +18,7 @@ from surae.inference import make_problem
 from surae.inference.least_squares import minimise
 from surae.inference.residuals import Residuals, curved_move
 from surae.inference.separable import scan_lengths, solve_linear
+from surae.model.jit import compile_all
 from surae.quality.numeric import quantiles, shifted, smooth
 from surae.quality.trial import Signals
 from surae.recording import MUSCLES, Recording
@@ -65,6 +66,7 @@ def quick_fit(
     cannot be fitted to it.
     """
     assert signals.torque is not None
+    compile_all()
     rate = signals.rate_hz
     step = max(1, min(int(rate / _RATE), len(signals.time) // _SAMPLES))
     thin = slice(step // 2, None, step)

@@ -181,13 +181,9 @@ def _noise_models(seen: Sequence[_Seen]) -> tuple[NoiseModel, ...]:
 
 
 def _covariance(
-    root: InverseRoot,
-    free: Sequence[str],
-    seen: Sequence[_Seen],
-    models: Sequence[NoiseModel],
-    estimated: Covariance,
-    outliers: Outliers | None,
-) -> RobustCovariance:
+    root: InverseRoot, free: Sequence[str], seen: Sequence[_Seen], models: Sequence[NoiseModel],
+    estimated: Covariance, outliers: Outliers | None,
+) -> RobustCovariance:  # fmt: skip
     observed = sum((recording.gram for recording in seen), start=np.zeros(()))
     # Without priors the information is the unit matrix: what is missing of it comes from them.
     prior = np.eye(len(observed)) - observed
