@@ -61,7 +61,7 @@ export function lines(panel, options = {}) {
         scales: { x: { time: false, range: (u, low, high) => range ?? [low, high] }, y: { range: padded } },
         axes: [
           { ...axis, size: options.bottom === false ? 8 : 34, values: options.bottom === false ? () => [] : (u, ticks) => named(ticks, panel.x?.unit ?? "s") },
-          { ...axis, size: AXIS, values: (u, ticks) => ticks.map((t) => decimal(String(+t.toPrecision(6)).replace("-", "−"))) },
+          { ...axis, size: AXIS, space: 18, values: (u, ticks) => ticks.map((t) => decimal(String(+t.toPrecision(6)).replace("-", "−"))) },
         ],
         series: [
           {},
