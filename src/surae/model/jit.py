@@ -175,7 +175,8 @@ def jit(function: F, **more: Any) -> F:
         # Nobody calls them by address: to allow for that is a tenth of their compilation.
         options: Any = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True, **more}
         compiled: Any = numba.njit(cache=True, **options)(function)
-        compiled._cache._cache_file.__class__ = _OneFileEach
+        with suppress(AttributeError):  # a later numba's own file serves too
+            compiled._cache._cache_file.__class__ = _OneFileEach
     finally:
         config.CACHE_DIR = previous
     return cast(F, compiled)
