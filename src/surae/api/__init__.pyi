@@ -61,7 +61,7 @@ from surae.model import adapted as adapted
 from surae.model import check_value as check_value
 from surae.model import get_model as get_model
 from surae.model import with_optional as with_optional
-from surae.model.geometry_file import geometry_of as geometry_of
+from surae.model.geometry_file import geometry_of_text as geometry_of_text
 from surae.model.jit import cache_folder as cache_folder
 from surae.model.jit import on_compilation as on_compilation
 from surae.model.knowledge import Knowledge as Knowledge
@@ -120,7 +120,6 @@ from surae.recording.inspected_trials import trials_text as trials_text
 from surae.recording.reading import is_mapping as is_mapping
 from surae.recording.reading import mapped_recording as mapped_recording
 from surae.recording.reading import open_mapping as open_mapping
-from surae.recording.source import Source as Source
 from surae.recording.source import open_source as open_source
 from surae.recording.table import load_each as load_each
 from surae.recording.table import some as some

@@ -58,6 +58,11 @@ def read_geometry(path: PathLike) -> GeometryTable:
     return geometry_of(open_source(path))
 
 
+def geometry_of_text(name: str, text: str) -> GeometryTable:
+    """The geometry in the text of a CSV, called by its file's name; see `read_geometry`."""
+    return geometry_of(Source(name, text.encode(), ""))
+
+
 def geometry_of(source: Source) -> GeometryTable:
     """The geometry in a CSV; see `read_geometry`."""
     table = delimited.open_table(source)

@@ -172,14 +172,9 @@ class Knowledge(Request):
         return dict(zip(("tri", "tib"), arms, strict=True))
 
     def tilt_deg(self, strap: float) -> float:
-        """How far a foot may be turned on a plate that stands at its zero [deg]: ‖up‖ / R.
-
-        A zero is read at the foot or at the plate, which nobody states, and an ankle above the
-        device's axis by `up` turns the foot against the plate, strapped at R = `strap` [m], so far.
-        """
-        axis = self.statements.get("axis")
-        up = math.hypot(*axis.numbers["up"]) if axis else 0.0
-        return math.degrees(up / (1e3 * strap))
+        """By how much zeros of foot and plate differ [deg]: ‖up‖ / R, strapped at R [m]."""
+        up = self.statements["axis"].numbers["up"] if self.axis_mm else (0.0, 0.0)
+        return math.degrees(math.hypot(*up) / (1e3 * strap))
 
     def agrees(self, source: str) -> bool | None:
         """Whether two statements of a source agree; None where there is no statement."""

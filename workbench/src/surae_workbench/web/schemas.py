@@ -132,8 +132,7 @@ class Geometry(Strict):
     def plain(self) -> dict[str, Any]:
         """The table; a text is read."""
         if self.text is not None:
-            source = api.Source(self.name, self.text.encode(), "")
-            table: dict[str, Any] = to_plain(api.geometry_of(source))
+            table: dict[str, Any] = to_plain(api.geometry_of_text(self.name, self.text))
             return table
         return self.model_dump(mode="json", exclude_none=True)
 
