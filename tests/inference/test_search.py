@@ -91,7 +91,7 @@ def test_a_search_takes_few_evaluations(family, seed, tmp_path) -> None:
 
 
 def two_ends(*case: object):
-    """A leg whose search has two ends, 0.1 apart in −2 ln p: where a tendon is just taut."""
+    """A leg whose search has two ends, 0.1 apart in −2 ln p: a tendon just taut, or crosstalk."""
     return pytest.param(*case, marks=pytest.mark.xfail(reason="two ends", strict=True))
 
 
@@ -99,8 +99,8 @@ def two_ends(*case: object):
 LEGS = [
     ("a", 931, 0), ("b", 50, 0), ("c", 40, 0), ("e", 3721, 0), ("f", 3701, 0), ("g", 41, 0),
     ("h", 46, 0), ("j", 3721, 0), ("o", 3721, 0), ("r", 3721, 0), ("t", 3721, 0), ("u", 3721, 0),
-    ("a", 3721, 1), two_ends("b", 3721, 1), ("m", 3721, 1), two_ends("n", 3721, 2),
-    ("v", 3721, 3), ("h", 4503, 4), ("w", 3721, 4), ("a", 3714, 5),
+    ("a", 3721, 1), two_ends("b", 3721, 1), ("m", 3721, 1), ("n", 3721, 2),
+    ("v", 3721, 3), ("h", 4503, 4), ("w", 3721, 4), two_ends("a", 3714, 5),
 ]  # fmt: skip
 
 
@@ -127,12 +127,12 @@ def test_noise_of_raw_emg_is_no_error_of_the_drives(family, there, tmp_path) -> 
 
 @pytest.mark.slow
 def test_raw_emg_identifies_as_much_as_envelopes(tmp_path) -> None:
-    """Of the same legs, as truly."""
+    """Of the same legs, as truly: twenty of the last count (of ten of 4951 it was 12 to 14)."""
     claimed, true = {False: 0, True: 0}, {False: 0, True: 0}
-    for family in "abcdefghkn":
-        truth = truth_of(family, 4951, 1)["parameters"]
+    for family in "abcdefghijkmnoprtuvw":
+        truth = truth_of(family, 4974, 1)["parameters"]
         for raw in claimed:
-            (path,) = make(family, 4951, tmp_path / str(raw), (1,), raw=raw)
+            (path,) = make(family, 4974, tmp_path / str(raw), (1,), raw=raw)
             for name, own in surae.fit(path, quality=()).parameters.items():
                 if own.verdict == "identified" and truth.get(name) is not None:
                     claimed[raw] += 1
