@@ -38,7 +38,7 @@ def evoked_share(leg: Leg, _: float) -> float:
         if not evoked.any():
             continue
         without, own = replace(inputs, emg=read_only(inputs.emg - evoked)), states[0]
-        other = leg.spec.simulator(without, leg.options).split(vector)[2][0]
+        other = leg.spec.simulator(without, leg.options).activity(vector)[0]
         share = np.divide(own - other, own, out=np.zeros(inputs.n), where=own > 0.0)
         answered += float(np.abs(share * parts.neural_tri).sum()) / inputs.rate_hz
     return 100.0 * answered / whole

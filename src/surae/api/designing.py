@@ -105,23 +105,14 @@ def design(
     limits = as_device(device)
     precision = {} if who is None else fit_precision(who, unseen)
     return make_design(
-        name=f"design of {duration:g} s",
-        seconds=float(duration),
-        rate_hz=rate_hz,
-        device=limits,
-        angle_range=_range_of(limits, settings.angle_range, settings.population, who),
-        legs=legs,
-        unseen=unseen,
-        noise=level,
-        aim=settings.aim,
-        effort=effort,
+        name=f"design of {duration:g} s", seconds=float(duration), rate_hz=rate_hz, device=limits,
+        angle_range=_range_of(limits, settings.angle_range, settings.population, who), legs=legs,
+        unseen=unseen, noise=level, aim=settings.aim, effort=effort,
         evaluations=settings.evaluations or (_EVALUATIONS if rigid else _EVALUATIONS_COMPLIANT),
-        seed=settings.seed,
-        known=None if after is None else precision["known"],
-        precision=precision,
+        seed=settings.seed, known=None if after is None else precision["known"],
+        precision=precision, progress=progress,
         start=start_for(duration, AUTO if chosen == AUTO else chosen, settings.aim, effort),
-        progress=progress,
-    )
+    )  # fmt: skip
 
 
 #: Trials of a session that are planned, and legs that it is planned by.

@@ -164,7 +164,7 @@ class Observed:
     def effort(self, z: FloatArray, c: FloatArray, number: int) -> FloatArray:
         """Active states of both muscle groups [N], shape (2, n)."""
         simulator, _, _, values = self._set(z, c, number)
-        return np.asarray(simulator.split(values)[2])
+        return np.asarray(simulator.activity(values))
 
     def rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[SensorRows]:
         """What moves the torque of a recording, weighted, then what moves each of its films."""

@@ -8,6 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -278,7 +279,7 @@ class Leg:
         """
         if not self.inputs:
             raise NotDefinedError("none/activity")
-        largest = _largest([states for _, _, states in self.split])
+        largest = _largest(self._of_each("activity"))
         return {g: by * largest[g] for g, by in zip(GROUPS, self.gained, strict=True)}
 
     @cached_property
@@ -291,10 +292,13 @@ class Leg:
     @cached_property
     def split(self) -> list[tuple[TorqueParts, FloatArray, FloatArray]]:
         """What the torque of each recording is made of, as of `Simulator.split`."""
+        return self._of_each("split")
+
+    def _of_each(self, what: str) -> list[Any]:
         values = np.array([self.values[name] for name in self.spec.names])
         if not self._ties:
             self._ties[:] = [self.spec.simulator(each, self.options) for each in self.inputs]
-        return [tie.split(values) for tie in self._ties]
+        return [getattr(tie, what)(values) for tie in self._ties]
 
     @cached_property
     def shares(self) -> Mapping[str, tuple[float, float]]:

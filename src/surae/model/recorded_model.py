@@ -149,6 +149,11 @@ class Simulator:
         )  # fmt: skip
         return parts, np.stack(force), np.stack(states)
 
+    def activity(self, values: FloatArray) -> FloatArray:
+        """Active state of both groups [N], shape (2, n), as in `split`."""
+        p = np.array(values, dtype=np.float64)
+        return np.stack([active.alpha[-1] for active in self._active(p, self._movement.at(p))])
+
     def tendon(self, values: FloatArray) -> TendonState | None:
         """What muscles and tendons do over time; None from a model whose tendons are rigid."""
         del values
