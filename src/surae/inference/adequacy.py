@@ -101,11 +101,11 @@ def judge_adequacy(result: FitResult, quality: Sequence[Quality] = ()) -> Adequa
         *_effort(result),
         *_structure(inputs, residuals, r2),
         *_bounds(result),
-        *_laboratory(result),
+        *(odd := list(_laboratory(result))),
         *_stated(result),
         *_agreement(result, r2),
         *_films(result),
-        *_unlike(result),
+        *_unlike(result, odd),
     ]
     return _graded(reasons, r2)
 
@@ -258,12 +258,12 @@ def _films(result: FitResult) -> Iterator[Reason]:
             yield against(code, channel=film.channel, trial=film.recording, away=away)
 
 
-def _unlike(result: FitResult) -> Iterator[Reason]:
-    """What is told is to hold for the leg as it stays, by a model that expresses its muscles."""
+def _unlike(result: FitResult, odd: Sequence[Reason]) -> Iterator[Reason]:
+    """What is told is to hold for the leg as it stays; an odd laboratory hides what muscles do."""
     for trial, (size, sd) in zip(result.problem.inputs, result.solution.softening, strict=False):
         if size > max(_SOFTENS, _SURE * sd):
             yield against("softened", trial=trial.name, stiffer=100.0 * size)
-    if (left := result.solution.sizes.get("misfit", 0.0)) > _UNEXPRESSED:
+    if not odd and (left := result.solution.sizes.get("misfit", 0.0)) > _UNEXPRESSED:
         yield against("no-model", part=100.0 * left)
 
 
