@@ -171,7 +171,7 @@ def _brief(result: FitResult) -> Iterator[Reason]:
 
 
 '''),
-        ("inference/adequacy.py", "        *_unlike(result)", "        *_brief(result),\n"),
+        ("inference/adequacy.py", "        *_unlike(result, odd)", "        *_brief(result),\n"),
     ],
     "a verdict": [
         ("inference/parameter.py", '    FIXED = "fixed"', '    HEARSAY = "hearsay"\n'),
